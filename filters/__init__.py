@@ -1,0 +1,49 @@
+"""Filters: what runs on the machine. Pure JAX, differentiable, on one time loop."""
+
+from filters.backend import LoopOption, loop_option
+
+loop_option()  # before anything below starts JAX's backend
+
+from filters.discretise import transitions, van_loan  # noqa: E402
+from filters.inertial import (  # noqa: E402
+    AccelerometerFilter,
+    GyroscopeFilter,
+    Noise,
+    SteadyGain,
+    accelerometer_steady,
+    gyroscope_steady,
+)
+from filters.kalman import Estimate, Innovation, decorrelate, predict, update  # noqa: E402
+from filters.linear import (  # noqa: E402
+    LinearKalman,
+    LinearModel,
+    LinearOutputs,
+    Sample,
+    Transition,
+)
+from filters.protocol import Filter, run  # noqa: E402
+
+__all__ = [
+    "AccelerometerFilter",
+    "Estimate",
+    "Filter",
+    "GyroscopeFilter",
+    "Innovation",
+    "LinearKalman",
+    "LinearModel",
+    "LinearOutputs",
+    "LoopOption",
+    "Noise",
+    "Sample",
+    "SteadyGain",
+    "Transition",
+    "accelerometer_steady",
+    "decorrelate",
+    "gyroscope_steady",
+    "loop_option",
+    "predict",
+    "run",
+    "transitions",
+    "update",
+    "van_loan",
+]

@@ -1,0 +1,83 @@
+"""The two settings that must reach XLA before its CPU backend starts: float64 and whole-loop compilation."""
+
+import os
+import sys
+import warnings
+from collections.abc import MutableMapping
+from enum import Enum
+from functools import cache
+
+LOOP_OPTION = "xla_cpu_small_while_loop_byte_threshold"
+_FLAG = "--xla_backend_extra_options="
+
+
+class LoopOption(Enum):
+    """Whether XLA compiles a whole time loop into one native loop in this process."""
+
+    SET = "set before the backend started"
+    GIVEN = "already given by the user in XLA_FLAGS"
+    LATE = "not set: JAX's backend had started before `filters` was imported; import tuner first"
+
+
+@cache
+def loop_option() -> LoopOption:
+    """Prepare the backend at the first call, and say what was found at that time."""
+    return prepare(os.environ)
+
+
+def prepare(environment: MutableMapping[str, str]) -> LoopOption:
+    """Switch float64 on and ask XLA's CPU backend to compile whole scans.
+
+    XLA compiles a loop into one native loop only where the loop's state is below
+    1 kB; every larger scan is interpreted operation by operation, 10 to 100 times
+    slower. The threshold is read once, when the backend starts.
+
+    Args:
+        environment: where ``XLA_FLAGS`` is read and written.
+
+    Returns:
+        What was found. ``LATE`` also warns, once, for it cannot be mended in this process.
+    """
+    late = _backend_started()
+    flags = environment.get("XLA_FLAGS", "")
+    given = LOOP_OPTION in flags
+    if not late and not given:
+        environment["XLA_FLAGS"] = with_loop_option(flags)
+
+    import jax
+
+    jax.config.update("jax_enable_x64", True)
+    if given:
+        return LoopOption.GIVEN
+    if late:
+        warnings.warn(
+            "JAX's backend had started before `filters` was imported, so time loops run up to "
+            "100 times slower; import tuner before the first JAX computation",
+            RuntimeWarning,
+            stacklevel=4,
+        )
+        return LoopOption.LATE
+    return LoopOption.SET
+
+
+def with_loop_option(flags: str) -> str:
+    """Add the loop option to the text of ``XLA_FLAGS``, beside backend options that are there already.
+
+    >>> with_loop_option("--xla_foo=1")
+    '--xla_foo=1 --xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=1000000000'
+    """
+    ours = f"{LOOP_OPTION}=1000000000"
+    words = flags.split()
+    # XLA keeps the last occurrence of a flag, so ours has to join an option list that is there already.
+    for i, word in reversed(list(enumerate(words))):
+        if word.startswith(_FLAG):
+            return " ".join([*words[:i], f"{word},{ours}", *words[i + 1 :]])
+    return " ".join([*words, _FLAG + ours])
+
+
+def _backend_started() -> bool:
+    if "jax" not in sys.modules:
+        return False
+    from jax._src import xla_bridge  # there is no public question for this
+
+    return bool(xla_bridge.backends_are_initialized())

@@ -1,0 +1,62 @@
+"""From a continuous model to one step of a discrete one, at one sample time or at many."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from filters.linear import Transition
+
+
+def van_loan(A: Array, G: Array, S: Array, dt: Array) -> Transition:
+    """Discretise dx = A x dt + G dw exactly, white noise w of spectral density S.
+
+    F = expm(A dt) and Q = integral of expm(A t) G S G' expm(A t)' over one step, by one matrix
+    exponential of twice the size. Source: Van Loan, IEEE Trans. Automatic Control 23(3), 1978.
+
+    Args:
+        A: continuous dynamics, ``(n, n)``, 1/s.
+        G: where the noise enters, ``(n, p)``.
+        S: two-sided spectral density of the noise, ``(p, p)``, unit^2 s: not a variance.
+        dt: sample time in s, ``()``.
+
+    Returns:
+        A :class:`Transition` with ``G = I`` and ``Q`` the covariance that enters per sample.
+
+    >>> step = van_loan(jnp.zeros((1, 1)), jnp.eye(1), 2.0 * jnp.eye(1), 0.5)
+    >>> float(step.Q[0, 0])
+    1.0
+    """
+    n = A.shape[0]
+    block = jnp.block([[-A, G @ S @ G.T], [jnp.zeros((n, n)), A.T]]) * dt
+    exponential = jax.scipy.linalg.expm(block)
+    F = exponential[n:, n:].T
+    Q = F @ exponential[:n, n:]
+    return Transition(F=F, G=jnp.eye(n), Q=(Q + Q.T) / 2)
+
+
+def transitions(A: Array, G: Array, S: Array, dt: np.ndarray) -> Transition:
+    """One exact transition per sample, for a record whose sample times vary.
+
+    Each distinct sample time is discretised once, outside the time loop.
+
+    Args:
+        A, G, S: the continuous model, as for :func:`van_loan`.
+        dt: the time that leads to each sample, ``(N,)``, s, known before tracing.
+
+    Returns:
+        A :class:`Transition` whose arrays have time first, ``(N, n, n)``.
+
+    Raises:
+        ValueError: where a sample time is negative or not finite.
+    """
+    steps = np.asarray(dt, dtype=np.float64)
+    wrong = np.flatnonzero(~(np.isfinite(steps) & (steps >= 0)))
+    if wrong.size:
+        raise ValueError(
+            f"dt has {wrong.size} entries that are negative or not finite, the first "
+            f"{steps[wrong[0]]} at sample {wrong[0]}; time must not run backwards"
+        )
+    distinct, which = np.unique(steps, return_inverse=True)
+    table = jax.vmap(van_loan, in_axes=(None, None, None, 0))(A, G, S, jnp.asarray(distinct))
+    return Transition(*(None if part is None else part[which] for part in table))

@@ -1,0 +1,110 @@
+"""The two atoms of every Kalman filter, in a stable form and without a linear solve.
+
+XLA compiles a whole time loop natively only while the loop holds no LAPACK call, so
+measurements are taken one scalar after another and a full measurement covariance is
+split by a written-out LDL' factorisation.
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+
+
+class Estimate(NamedTuple):
+    """What a Kalman filter knows.
+
+    Attributes:
+        x: state estimate, ``(n,)``; ``(n, s)`` where s signals pass through the same gains.
+        P: covariance of its error, ``(n, n)``, symmetric.
+    """
+
+    x: Array
+    P: Array
+
+
+class Innovation(NamedTuple):
+    """What one scalar measurement brought.
+
+    Attributes:
+        value: measured minus predicted, 0 where the sample is missing; ``()`` or ``(s,)``.
+        variance: its predicted variance h P h' + r, ``()``.
+        gain: the gain that was applied, 0 where the sample is missing, ``(n,)``.
+    """
+
+    value: Array
+    variance: Array
+    gain: Array
+
+
+def predict(estimate: Estimate, F: Array, W: Array) -> Estimate:
+    """Advance one sample: x = F x, P = F P F' + W.
+
+    Args:
+        estimate: the estimate after the last measurement.
+        F: transition matrix, ``(n, n)``.
+        W: covariance of the noise that enters in this step, ``(n, n)``.
+    """
+    P = F @ estimate.P @ F.T + W
+    return Estimate(F @ estimate.x, (P + P.T) / 2)
+
+
+def update(estimate: Estimate, h: Array, r: Array, z: Array) -> tuple[Estimate, Innovation]:
+    """Take one scalar measurement z = h x + v, var v = r; NaN in z means it is missing.
+
+    The covariance is updated in Joseph's form, written as two rank-one steps (Bierman,
+    Factorization Methods for Discrete Sequential Estimation, 1977): with g = P h' and
+    k = g / s, A = P - k g' and P+ = A - (A h' - r k) k'. It stays positive semi-definite and
+    keeps its digits where P has rank one and r is 1e-12.
+
+    Args:
+        estimate: the predicted estimate.
+        h: measurement row, ``(n,)``.
+        r: measurement variance, ``()``, positive.
+        z: measurement, ``()`` or ``(s,)`` for s signals; any NaN counts for all of them.
+    """
+    x, P = estimate
+    missing = jnp.any(jnp.isnan(z))
+    g = P @ h
+    s = h @ g + r
+    k = jnp.where(missing, 0.0, g / s)
+    y = jnp.where(missing, 0.0, z - h @ x)
+    A = P - jnp.outer(k, g)
+    P = A - jnp.outer(A @ h - r * k, k)
+    return Estimate(x + jnp.multiply.outer(k, y), (P + P.T) / 2), Innovation(y, s, k)
+
+
+def decorrelate(H: Array, R: Array, z: Array) -> tuple[Array, Array, Array]:
+    """Rows, variances and measurements that can be taken one by one although R is full.
+
+    R = L D L' with L unit lower triangular; L^-1 z = L^-1 H x + L^-1 v has the diagonal
+    covariance D. A missing component (NaN) leaves the factorisation first, so it does not
+    mix into the others.
+
+    Args:
+        H: measurement matrix, ``(m, n)``.
+        R: measurement covariance, ``(m, m)``, symmetric positive definite.
+        z: measurements, ``(m,)`` or ``(m, s)``.
+
+    Returns:
+        ``H'``, the diagonal of D, and ``z'`` (NaN where z is missing), of the same shapes.
+    """
+    m = R.shape[0]
+    seen = ~jnp.isnan(z.reshape(m, -1)).any(axis=1)
+    R = jnp.where(seen[:, None] & seen[None, :], R, jnp.eye(m))
+    rows = [H[i] for i in range(m)]
+    known = jnp.where(seen.reshape((m,) + (1,) * (z.ndim - 1)), z, 0.0)
+    values = [known[i] for i in range(m)]
+    variances: list[Array] = []
+    L: list[list[Array]] = []
+    for i in range(m):
+        L.append([])
+        for j in range(i):
+            mixed = sum((L[i][p] * L[j][p] * variances[p] for p in range(j)), jnp.zeros(()))
+            L[i].append((R[i, j] - mixed) / variances[j])
+            rows[i] = rows[i] - L[i][j] * rows[j]
+            values[i] = values[i] - L[i][j] * values[j]
+        own = sum((L[i][p] ** 2 * variances[p] for p in range(i)), jnp.zeros(()))
+        variances.append(R[i, i] - own)
+    missing = ~seen.reshape((m,) + (1,) * (z.ndim - 1))
+    return jnp.stack(rows), jnp.stack(variances), jnp.where(missing, jnp.nan, jnp.stack(values))

@@ -1,0 +1,109 @@
+"""The linear Kalman filter for any model, with missing samples and varying sample times."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+
+from filters.kalman import Estimate, decorrelate, predict, update
+
+
+class Transition(NamedTuple):
+    """One step of a discrete model, x' = F x + B u + G w with cov w = Q per sample.
+
+    Attributes:
+        F: transition, ``(n, n)``.
+        G: where the noise enters, ``(n, p)``.
+        Q: covariance of the noise in one sample, ``(p, p)``.
+        B: where a known input enters, ``(n, q)``; None where there is none.
+    """
+
+    F: Array
+    G: Array
+    Q: Array
+    B: Array | None = None
+
+
+class LinearModel(NamedTuple):
+    """A linear model: how it moves, how it is measured and where it starts.
+
+    Attributes:
+        transition: :class:`Transition`; a sample may bring its own.
+        H: measurement matrix, ``(m, n)``.
+        R: measurement covariance: its diagonal ``(m,)`` or the full matrix ``(m, m)``.
+        P0: covariance of the start, ``(n, n)``; rank-deficient and zero are allowed.
+        x0: the start, ``(n,)``; ``(n, s)`` where s signals pass through the same gains.
+    """
+
+    transition: Transition
+    H: Array
+    R: Array
+    P0: Array
+    x0: Array
+
+
+class Sample(NamedTuple):
+    """One sample's inputs; stacked along time for :func:`filters.run`.
+
+    Attributes:
+        z: measurements, ``(m,)`` or ``(m, s)``; NaN means missing.
+        u: known input, ``(q,)``, or None.
+        transition: the step that leads to this sample where it differs from the model's
+            (see :func:`filters.transitions` for varying sample times), or None.
+    """
+
+    z: Array
+    u: Array | None = None
+    transition: Transition | None = None
+
+
+class LinearOutputs(NamedTuple):
+    """What the filter knows after a sample.
+
+    Attributes:
+        x: state estimate, ``(n,)`` or ``(n, s)``.
+        P: its covariance, ``(n, n)``.
+        innovation: one per scalar measurement, decorrelated where R is full, ``(m,)`` or ``(m, s)``.
+        variance: the innovations' predicted variances, ``(m,)``.
+        gain: the gains of the scalar updates, ``(m, n)``.
+    """
+
+    x: Array
+    P: Array
+    innovation: Array
+    variance: Array
+    gain: Array
+
+
+@dataclass(frozen=True)
+class LinearKalman:
+    """The Kalman filter: predict, then take the m measurements one after another.
+
+    Source: Kalman 1960; sequential updates as in Bierman 1977, ch. 5. A missing
+    measurement (NaN) is skipped, so a missing sample is a prediction.
+    """
+
+    def init(self, params: LinearModel) -> Estimate:
+        """The start: ``x0`` and ``P0``."""
+        return Estimate(params.x0, params.P0)
+
+    def step(
+        self, params: LinearModel, state: Estimate, inputs: Sample
+    ) -> tuple[Estimate, LinearOutputs]:
+        """Predict to this sample's time and take its measurements."""
+        move = params.transition if inputs.transition is None else inputs.transition
+        estimate = predict(state, move.F, move.G @ move.Q @ move.G.T)
+        if move.B is not None and inputs.u is not None:
+            push = move.B @ inputs.u
+            x = estimate.x + push.reshape(push.shape + (1,) * (estimate.x.ndim - 1))
+            estimate = estimate._replace(x=x)
+        H, variances, z = params.H, params.R, inputs.z
+        if params.R.ndim == 2:
+            H, variances, z = decorrelate(H, params.R, z)
+        innovations = []
+        for i in range(H.shape[0]):
+            estimate, innovation = update(estimate, H[i], variances[i], z[i])
+            innovations.append(innovation)
+        value, variance, gain = (jnp.stack(part) for part in zip(*innovations, strict=True))
+        return estimate, LinearOutputs(estimate.x, estimate.P, value, variance, gain)
