@@ -104,8 +104,8 @@ class GyroscopeFilter:
         p11 = state.p11 + T * (2 * state.p12 + T * state.p22) + q
         p12 = state.p12 + T * state.p22
         p22 = state.p22 + q
-        inverse = 1 / (p11 + params.R)
-        k1, k2 = p11 * inverse, p12 * inverse
+        s = p11 + params.R
+        k1, k2 = p11 / s, p12 / s
         omega = state.omega + T * state.epsilon
         y = jnp.where(missing, 0.0, inputs - omega)
         omega, epsilon = omega + k1 * y, state.epsilon + k2 * y
@@ -143,9 +143,7 @@ def accelerometer_steady(q_over_r: ArrayLike, dt: float) -> SteadyGain:
     rho = jnp.asarray(q_over_r, dtype=float) * dt**2
     root = jnp.sqrt(rho)
     K = 2 * root / (root + jnp.sqrt(rho + 4))
-    bandwidth = jnp.where(
-        rho <= 4, jnp.arcsin(jnp.minimum(root / 2, 1.0)) / (jnp.pi * dt), jnp.inf
-    )
+    bandwidth = jnp.where(rho <= 4, jnp.arcsin(jnp.minimum(root / 2, 1.0)) / (jnp.pi * dt), jnp.inf)
     return SteadyGain(K, jnp.zeros_like(K), bandwidth)
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
-from filters.kalman import Estimate, decorrelate, predict, update
+from filters.kalman import Estimate, decorrelate, matmul, predict, update
 
 
 class Transition(NamedTuple):
@@ -93,9 +93,9 @@ class LinearKalman:
     ) -> tuple[Estimate, LinearOutputs]:
         """Predict to this sample's time and take its measurements."""
         move = params.transition if inputs.transition is None else inputs.transition
-        estimate = predict(state, move.F, move.G @ move.Q @ move.G.T)
+        estimate = predict(state, move.F, matmul(matmul(move.G, move.Q), move.G.T))
         if move.B is not None and inputs.u is not None:
-            push = move.B @ inputs.u
+            push = matmul(move.B, inputs.u)
             x = estimate.x + push.reshape(push.shape + (1,) * (estimate.x.ndim - 1))
             estimate = estimate._replace(x=x)
         H, variances, z = params.H, params.R, inputs.z

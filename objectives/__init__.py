@@ -1,1 +1,30 @@
-"""."""
+"""Objectives: how good a filter's run is, as one differentiable number."""
+
+from objectives.score import Data, Fold, Folded, Objective, is_fold, score, score_and_gradient
+from objectives.step_response import (
+    Crossing,
+    Reading,
+    StepCost,
+    StepResponse,
+    StepSum,
+    StepTruth,
+)
+from objectives.welch import Welch, window
+
+__all__ = [
+    "Crossing",
+    "Data",
+    "Fold",
+    "Folded",
+    "Objective",
+    "Reading",
+    "StepCost",
+    "StepResponse",
+    "StepSum",
+    "StepTruth",
+    "Welch",
+    "is_fold",
+    "score",
+    "score_and_gradient",
+    "window",
+]

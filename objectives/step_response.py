@@ -1,0 +1,143 @@
+"""Kownacki's cost (10): how slowly a filter follows a step, plus how much noise it lets through.
+
+The paper leaves open what its second term integrates. Three readings are offered by name; see
+docs/kownacki2010.md for what each of them implies.
+"""
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from objectives.welch import Welch
+
+
+class Reading(Enum):
+    """What the second integral of (10) is taken over."""
+
+    R1 = "power spectral density of the whole output, step included: (10) to the letter"
+    R2 = "power spectral density of the output's noise alone"
+    R6 = "amplitude spectral density (root of the PSD) of the output's noise alone"
+
+
+class Crossing(Enum):
+    """Where the first integral of (10) ends."""
+
+    HINGE = "nowhere, but only the part below the step counts: differentiable"
+    FIRST = "at the first sample that reaches the step, as printed; has jumps"
+
+
+class StepCost(NamedTuple):
+    """The two integrals of (10).
+
+    Attributes:
+        inertia: integral of the squared lag behind the step, unit^2 s.
+        noise: integral of the output's spectrum, unit^2 (R1, R2) or unit Hz^1/2 (R6).
+    """
+
+    inertia: Array
+    noise: Array
+
+
+class StepTruth(NamedTuple):
+    """What each sample is held against, ``(N,)`` each.
+
+    Attributes:
+        step: the step signal S.
+        lag_weight: trapezoidal weight of the squared lag, s; 0 before the step.
+        last_weight: the same for the sample at which the integral ends, s.
+        power_weight: Parseval weight of the squared output (:meth:`Welch.power_weights`).
+    """
+
+    step: Array
+    lag_weight: Array
+    last_weight: Array
+    power_weight: Array
+
+
+class StepSum(NamedTuple):
+    """Both integrals so far, and whether the output has reached the step."""
+
+    inertia: Array
+    power: Array
+    reached: Array
+
+
+@dataclass(frozen=True)
+class StepResponse:
+    """Cost (10) of a filter's output, summed up inside the time loop.
+
+    The filter takes two signals through the same gains, the step and the record, and being
+    linear it answers each as if alone: outputs ``(2,)`` a sample, step first. Under R1 only their
+    sum counts, so one signal, their sum, will do. Only R6 keeps anything for after the loop, the
+    noise: under R1 and R2 the integral of the spectrum is a weighted sum of squares (Parseval).
+
+    Attributes:
+        dt: sample time, s.
+        welch: how the spectrum is estimated.
+        reading: what the second integral is taken over.
+        crossing: where the first integral ends.
+        weight: factor on the second integral; the paper's is 1.
+    """
+
+    dt: float
+    welch: Welch
+    reading: Reading = Reading.R6
+    crossing: Crossing = Crossing.HINGE
+    weight: float = 1.0
+
+    def truth(self, step: np.ndarray) -> StepTruth:
+        """The weights of both integrals for a step signal ``(N,)``, 0 before the step enters.
+
+        Raises:
+            ValueError: where no step enters within the record, or the record is shorter than a
+                Welch segment.
+        """
+        after = np.flatnonzero(step)
+        if not 0 < after.size < len(step):
+            raise ValueError("the step signal must be 0 at first and rise within the record")
+        lag_weight, last_weight = np.zeros((2, len(step)))
+        lag_weight[after] = self.dt
+        lag_weight[after[[0, -1]]] = self.dt / 2
+        last_weight[after[1:]] = self.dt / 2
+        columns = step, lag_weight, last_weight, self.welch.power_weights(len(step))
+        return StepTruth(*(jnp.asarray(column) for column in columns))
+
+    def init(self) -> StepSum:
+        """Nothing yet, and the step not reached."""
+        return StepSum(jnp.zeros(()), jnp.zeros(()), jnp.zeros((), bool))
+
+    def update(
+        self, total: StepSum, output: Array, truth: StepTruth
+    ) -> tuple[StepSum, Array | None]:
+        """Add one sample's lag and power; under R6 its noise is kept instead of its power."""
+        whole = output.sum()
+        inertia, reached = self._inertia(total, truth.step - whole, truth)
+        if self.reading is Reading.R6:
+            return StepSum(inertia, total.power, reached), output[1]
+        signal = whole if self.reading is Reading.R1 else output[1]
+        return StepSum(inertia, total.power + truth.power_weight * signal**2, reached), None
+
+    def value(self, total: StepSum, kept: Array | None) -> Array:
+        """The cost, ``()``."""
+        inertia, noise = self.parts(total, kept)
+        return inertia + self.weight * noise
+
+    def parts(self, total: StepSum, kept: Array | None) -> StepCost:
+        """Both integrals apart, the second without its weight."""
+        if kept is None:
+            return StepCost(total.inertia, total.power)
+        resolution = 1 / (self.welch.nfft * self.dt)
+        amplitude = jnp.sqrt(self.welch.psd(kept, self.dt))
+        return StepCost(total.inertia, amplitude.sum() * resolution)
+
+    def _inertia(self, total: StepSum, lag: Array, truth: StepTruth) -> tuple[Array, Array]:
+        if self.crossing is Crossing.HINGE:
+            return total.inertia + truth.lag_weight * jnp.maximum(lag, 0.0) ** 2, total.reached
+        arrived = (lag <= 0) & (truth.step != 0)
+        weight = jnp.where(arrived, truth.last_weight, truth.lag_weight)
+        weight = jnp.where(total.reached, 0.0, weight)
+        return total.inertia + weight * lag**2, total.reached | arrived
