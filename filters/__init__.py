@@ -7,9 +7,11 @@ loop_option()  # before anything below starts JAX's backend
 from filters.discretise import transitions, van_loan  # noqa: E402
 from filters.inertial import (  # noqa: E402
     AccelerometerFilter,
+    FixedGainFilter,
+    Gains,
     GyroscopeFilter,
     Noise,
-    SteadyGain,
+    SteadyState,
     accelerometer_steady,
     gyroscope_steady,
 )
@@ -21,12 +23,15 @@ from filters.linear import (  # noqa: E402
     Sample,
     Transition,
 )
-from filters.protocol import Filter, run  # noqa: E402
+from filters.protocol import AnyFilter, Filter, run  # noqa: E402
 
 __all__ = [
     "AccelerometerFilter",
+    "AnyFilter",
     "Estimate",
     "Filter",
+    "FixedGainFilter",
+    "Gains",
     "GyroscopeFilter",
     "Innovation",
     "LinearKalman",
@@ -35,7 +40,7 @@ __all__ = [
     "LoopOption",
     "Noise",
     "Sample",
-    "SteadyGain",
+    "SteadyState",
     "Transition",
     "accelerometer_steady",
     "decorrelate",

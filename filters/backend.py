@@ -1,4 +1,4 @@
-"""The two settings that must reach XLA before its CPU backend starts: float64 and whole-loop compilation."""
+"""What must reach XLA before its CPU backend starts: float64 and whole-loop compilation."""
 
 import os
 import sys
@@ -61,14 +61,14 @@ def prepare(environment: MutableMapping[str, str]) -> LoopOption:
 
 
 def with_loop_option(flags: str) -> str:
-    """Add the loop option to the text of ``XLA_FLAGS``, beside backend options that are there already.
+    """Add the loop option to the text of ``XLA_FLAGS``, beside what is there already.
 
     >>> with_loop_option("--xla_foo=1")
     '--xla_foo=1 --xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=1000000000'
     """
     ours = f"{LOOP_OPTION}=1000000000"
     words = flags.split()
-    # XLA keeps the last occurrence of a flag, so ours has to join an option list that is there already.
+    # XLA keeps the last occurrence of a flag, so ours has to join a list that is there already.
     for i, word in reversed(list(enumerate(words))):
         if word.startswith(_FLAG):
             return " ".join([*words[:i], f"{word},{ours}", *words[i + 1 :]])

@@ -59,4 +59,4 @@ def transitions(A: Array, G: Array, S: Array, dt: np.ndarray) -> Transition:
         )
     distinct, which = np.unique(steps, return_inverse=True)
     table = jax.vmap(van_loan, in_axes=(None, None, None, 0))(A, G, S, jnp.asarray(distinct))
-    return Transition(*(None if part is None else part[which] for part in table))
+    return Transition(F=table.F[which], G=table.G[which], Q=table.Q[which])

@@ -67,7 +67,8 @@ class AccelerometerFilter:
 
     def init(self, params: Noise) -> LevelState:
         """At zero, with the variance P0[1, 1] of a."""
-        return LevelState(jnp.zeros(self.shape), jnp.asarray(params.P0)[1, 1])
+        P0 = jnp.asarray(params.P0)
+        return LevelState(jnp.zeros(self.shape, P0.dtype), P0[1, 1])
 
     def step(self, params: Noise, state: LevelState, inputs: Array) -> tuple[LevelState, Array]:
         """Take one sample; NaN is a missing one."""
@@ -93,7 +94,7 @@ class GyroscopeFilter:
     def init(self, params: Noise) -> RateState:
         """At zero, with the covariance P0."""
         P0 = jnp.asarray(params.P0)
-        still = jnp.zeros(self.shape)
+        still = jnp.zeros(self.shape, P0.dtype)
         return RateState(still, still, P0[0, 0], P0[0, 1], P0[1, 1])
 
     def step(self, params: Noise, state: RateState, inputs: Array) -> tuple[RateState, Array]:
@@ -115,21 +116,61 @@ class GyroscopeFilter:
         return RateState(omega, epsilon, p11, p12, p22), omega
 
 
-class SteadyGain(NamedTuple):
-    """What the filter becomes once P0 is forgotten.
+class Gains(NamedTuple):
+    """Gains that stay as they are.
 
     Attributes:
         K1: gain on the measured quantity, 1.
-        K2: gain on its derivative, 1/s; 0 for the accelerometer.
+        K2: gain on its derivative, 1/s; 0 for a filter without one.
+    """
+
+    K1: ArrayLike
+    K2: ArrayLike
+
+
+@dataclass(frozen=True)
+class FixedGainFilter:
+    """What either filter becomes once P0 is forgotten: two numbers instead of a covariance.
+
+    The form for a small machine: no division, and single precision does it no harm.
+
+    Attributes:
+        dt: sample time T in s.
+        shape: shape of one sample, ``()``; ``(s,)`` where s signals pass through the same gains.
+    """
+
+    dt: float
+    shape: tuple[int, ...] = ()
+
+    def init(self, params: Gains) -> tuple[Array, Array]:
+        """At zero: the measured quantity and its derivative."""
+        still = jnp.zeros(self.shape, jnp.asarray(params.K1).dtype)
+        return still, still
+
+    def step(
+        self, params: Gains, state: tuple[Array, Array], inputs: Array
+    ) -> tuple[tuple[Array, Array], Array]:
+        """Take one sample; NaN is a missing one."""
+        level, slope = state
+        level = level + self.dt * slope
+        y = jnp.where(jnp.any(jnp.isnan(inputs)), 0.0, inputs - level)
+        level = level + params.K1 * y
+        return (level, slope + params.K2 * y), level
+
+
+class SteadyState(NamedTuple):
+    """What a filter becomes once P0 is forgotten.
+
+    Attributes:
+        gains: the gains of the :class:`FixedGainFilter` that it becomes.
         bandwidth_hz: frequency at which the response has fallen by 3 dB.
     """
 
-    K1: Array
-    K2: Array
+    gains: Gains
     bandwidth_hz: Array
 
 
-def accelerometer_steady(q_over_r: ArrayLike, dt: float) -> SteadyGain:
+def accelerometer_steady(q_over_r: ArrayLike, dt: float) -> SteadyState:
     """The accelerometer filter's steady gain, in closed form.
 
     The scalar Riccati equation with rho = (Q/R) T^2 gives K = u sqrt(rho),
@@ -137,24 +178,24 @@ def accelerometer_steady(q_over_r: ArrayLike, dt: float) -> SteadyGain:
     3 dB where sin(pi f T) = T sqrt(Q/R) / 2; above rho = 4 it never does, and the bandwidth
     is given as infinite.
 
-    >>> round(float(accelerometer_steady(22.9537, 1e-4).K1), 9)
+    >>> round(float(accelerometer_steady(22.9537, 1e-4).gains.K1), 9)
     0.000478986
     """
     rho = jnp.asarray(q_over_r, dtype=float) * dt**2
     root = jnp.sqrt(rho)
     K = 2 * root / (root + jnp.sqrt(rho + 4))
     bandwidth = jnp.where(rho <= 4, jnp.arcsin(jnp.minimum(root / 2, 1.0)) / (jnp.pi * dt), jnp.inf)
-    return SteadyGain(K, jnp.zeros_like(K), bandwidth)
+    return SteadyState(Gains(K, jnp.zeros_like(K)), bandwidth)
 
 
-def gyroscope_steady(q_over_r: ArrayLike, dt: float) -> SteadyGain:
+def gyroscope_steady(q_over_r: ArrayLike, dt: float) -> SteadyState:
     """The gyroscope filter's steady gains: the exact solution of its Riccati equation.
 
     With rho = (Q/R) T^2: y = (T sqrt(rho) + sqrt(T^2 rho + 16 + 4 rho)) / 2,
     D = sqrt(rho + T sqrt(rho) y), u = 2 / (y + D), K1 = u D, K2 = u sqrt(rho). As T -> 0,
     K1/T -> sqrt(r + 2 sqrt(r)) and K2/T -> sqrt(r) with r = Q/R.
 
-    >>> round(float(gyroscope_steady(1027.47, 1e-4).K1), 8)
+    >>> round(float(gyroscope_steady(1027.47, 1e-4).gains.K1), 8)
     0.00329845
     """
     T = dt
@@ -164,7 +205,7 @@ def gyroscope_steady(q_over_r: ArrayLike, dt: float) -> SteadyGain:
     D = jnp.sqrt(rho + T * root * y)
     u = 2 / (y + D)
     K1, K2 = u * D, u * root
-    return SteadyGain(K1, K2, _gyroscope_bandwidth(K1, K2, T))
+    return SteadyState(Gains(K1, K2), _gyroscope_bandwidth(K1, K2, T))
 
 
 def _gyroscope_bandwidth(K1: Array, K2: Array, T: float) -> Array:

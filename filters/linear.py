@@ -64,7 +64,7 @@ class LinearOutputs(NamedTuple):
     Attributes:
         x: state estimate, ``(n,)`` or ``(n, s)``.
         P: its covariance, ``(n, n)``.
-        innovation: one per scalar measurement, decorrelated where R is full, ``(m,)`` or ``(m, s)``.
+        innovation: one per measurement, decorrelated where R is full, ``(m,)`` or ``(m, s)``.
         variance: the innovations' predicted variances, ``(m,)``.
         gain: the gains of the scalar updates, ``(m, n)``.
     """

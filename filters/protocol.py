@@ -1,31 +1,36 @@
 """What a filter is, and the one time loop that runs every filter."""
 
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeAlias, TypeVar, cast
 
 import jax
 
-Params = TypeVar("Params", contravariant=True)
-State = TypeVar("State")
-Inputs = TypeVar("Inputs", contravariant=True)
-Outputs = TypeVar("Outputs", covariant=True)
+P_contra = TypeVar("P_contra", contravariant=True)
+S = TypeVar("S")
+U_contra = TypeVar("U_contra", contravariant=True)
+Y_co = TypeVar("Y_co", covariant=True)
 
 
-class Filter(Protocol[Params, State, Inputs, Outputs]):
+class Filter(Protocol[P_contra, S, U_contra, Y_co]):
     """A frozen dataclass with two pure methods; its fields are static (sizes, flags, names).
 
     Equal instances are interchangeable for ``jax.jit``, so they share one compilation.
     """
 
-    def init(self, params: Params) -> State:
+    def init(self, params: P_contra) -> S:
         """The state before the first sample."""
         ...
 
-    def step(self, params: Params, state: State, inputs: Inputs) -> tuple[State, Outputs]:
+    def step(self, params: P_contra, state: S, inputs: U_contra) -> tuple[S, Y_co]:
         """Take one sample: the next state and what the filter puts out."""
         ...
 
 
-def run(filter: Filter, params, inputs, *, unroll: int = 1):
+AnyFilter: TypeAlias = Filter[Any, Any, Any, Any]
+
+
+def run(
+    filter: Filter[P_contra, S, U_contra, Y_co], params: P_contra, inputs: Any, *, unroll: int = 1
+) -> tuple[S, Any]:
     """Run a filter over a record: the one time loop of this project.
 
     Args:
@@ -45,9 +50,6 @@ def run(filter: Filter, params, inputs, *, unroll: int = 1):
     >>> rate.shape
     (500,)
     """
-    return jax.lax.scan(
-        lambda state, sample: filter.step(params, state, sample),
-        filter.init(params),
-        inputs,
-        unroll=unroll,
-    )
+    start = filter.init(params)
+    ran = jax.lax.scan(lambda s, u: filter.step(params, s, u), start, inputs, unroll=unroll)
+    return cast("tuple[S, Any]", ran)

@@ -2,13 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol, TypeAlias
+from typing import Any, NamedTuple, Protocol, TypeAlias, TypeGuard, cast
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
-from filters import Filter, run
+from filters import AnyFilter, run
 
 
 class Fold(Protocol):
@@ -27,7 +27,8 @@ class Fold(Protocol):
         ...
 
 
-Objective: TypeAlias = Fold | Callable[[Any, Any], Array]
+Measure: TypeAlias = Callable[[Any, Any], Array]
+Objective: TypeAlias = Fold | Measure
 """A :class:`Fold`, or a plain function of a filter's stacked outputs and the truth: one number."""
 
 
@@ -47,7 +48,7 @@ class Data(NamedTuple):
 class Folded:
     """A filter with an objective in its loop: the state is the pair, the output is what is kept."""
 
-    filter: Filter
+    filter: AnyFilter
     fold: Fold
 
     def init(self, params: Any) -> tuple[Any, Any]:
@@ -63,13 +64,13 @@ class Folded:
         return (inner, total), kept
 
 
-def score(filter: Filter, objective: Objective, params: Any, data: Data) -> Array:
+def score(filter: AnyFilter, objective: Objective, params: Any, data: Data) -> Array:
     """Run a filter over the data and score it: one number, differentiable in ``params``."""
     return _judge(objective, data, _collect(filter, objective, params, data))
 
 
 def score_and_gradient(
-    filter: Filter, objective: Objective, build: Callable[[Array], Any], z: Array, data: Data
+    filter: AnyFilter, objective: Objective, build: Callable[[Array], Any], z: Array, data: Data
 ) -> tuple[Array, Array]:
     """The score and its gradient in z, ``(n,)``, where ``build(z)`` gives the filter's parameters.
 
@@ -90,12 +91,12 @@ def score_and_gradient(
     return value, sum(parts, jnp.zeros_like(z))
 
 
-def is_fold(objective: Objective) -> bool:
+def is_fold(objective: Objective) -> TypeGuard[Fold]:
     """Whether an objective takes part in the time loop."""
     return hasattr(objective, "update")
 
 
-def _collect(filter: Filter, objective: Objective, params: Any, data: Data) -> tuple[Any, Any]:
+def _collect(filter: AnyFilter, objective: Objective, params: Any, data: Data) -> tuple[Any, Any]:
     """The loop's part: the objective's sum and what was kept, or all outputs."""
     if is_fold(objective):
         (_, total), kept = run(Folded(filter, objective), params, data)
@@ -107,4 +108,4 @@ def _judge(objective: Objective, data: Data, collected: tuple[Any, Any]) -> Arra
     """The part after the loop: one number."""
     if is_fold(objective):
         return objective.value(*collected)
-    return objective(collected[1], data.truth)
+    return cast("Measure", objective)(collected[1], data.truth)

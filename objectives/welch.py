@@ -31,8 +31,10 @@ def window(name: str, length: int, *, symmetric: bool) -> np.ndarray:
         raise ValueError(f"unknown window {name!r}; there are {', '.join(sorted(_WINDOWS))}")
     period = max(length - 1, 1) if symmetric else length
     phase = 2 * np.pi * np.arange(length) / period
-    terms = [(-1) ** i * a * np.cos(i * phase) for i, a in enumerate(_WINDOWS[name])]
-    return np.sum(terms, axis=0) if length > 1 else np.ones(1)
+    terms: list[np.ndarray] = [
+        (-1) ** i * a * np.cos(i * phase) for i, a in enumerate(_WINDOWS[name])
+    ]
+    return np.asarray(sum(terms)) if length > 1 else np.ones(1)
 
 
 @dataclass(frozen=True)
@@ -107,7 +109,7 @@ detrend='none', scaling='density', average='mean')
         """
         spectra = jnp.fft.rfft(self._windowed(x), self.nfft)
         power = spectra.real**2 + spectra.imag**2
-        # A product with 1/n is the mean over the segments; XLA's reduction takes three times as long.
+        # A product with 1/n is the mean over the segments; XLA takes three times as long for a sum.
         mean = jnp.full(power.shape[0], 1 / power.shape[0]) @ power
         power = _median(power) if self.average == "median" else mean
         return power * self._one_sided() * self._scale(dt)
