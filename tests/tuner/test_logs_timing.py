@@ -1,0 +1,216 @@
+import numpy as np
+import pytest
+
+from tuner.logs import LogError, parse_mapping, read_log
+from tuner.logs.timename import UNITS, is_time, unit_of
+
+N = 400
+NOISE = np.random.default_rng(3).normal(size=N)
+
+
+def read(folder, time=None, rate_hz=None, limit=None, samples=N, **arrays):
+    path = folder / "log.npz"
+    np.savez(path, x=NOISE[:samples], **arrays)
+    mapping = parse_mapping("omega=x", ["omega"])
+    return read_log(path, [mapping], rate_hz=rate_hz, time=time, limit=limit)
+
+
+def printed(folder, times, decimals):
+    """A text log whose times are rounded to so many decimals."""
+    path = folder / "log.csv"
+    lines = (f"{t:.{decimals}f},{x}\n" for t, x in zip(times, NOISE, strict=False))
+    path.write_text("t,x\n" + "".join(lines))
+    return read_log(path, [parse_mapping("omega=x", ["omega"])])
+
+
+def refusal(*args, **options):
+    with pytest.raises(LogError) as caught:
+        read(*args, **options)
+    assert "\n" not in str(caught.value)
+    assert str(caught.value).startswith("log.npz: ")
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("t", None),
+        ("T", None),
+        ("time", None),
+        ("Timestamp", None),
+        ("ts", None),
+        ("elapsed_time", None),
+        ("time_s", "s"),
+        ("t_ms", "ms"),
+        ("time_us", "us"),
+        ("t_ns", "ns"),
+        ("time (s)", "s"),
+        ("t [ms]", "ms"),
+        ("Time(us)", "us"),
+        ("TimeUS", "us"),
+        ("timestamp_seconds", "seconds"),
+        ("seconds", "seconds"),
+        ("milliseconds", "milliseconds"),
+        ("imu.time_\N{MICRO SIGN}s", "\N{MICRO SIGN}s"),
+    ],
+)
+def test_names_of_time(name, unit):
+    assert is_time(name)
+    assert unit_of(name) == unit
+    assert unit is None or unit in UNITS
+
+
+@pytest.mark.parametrize("name", ["omega", "temp", "t_imu", "s", "ms", "gyro (s)", "tilt", "rate"])
+def test_names_of_other_things(name):
+    assert not is_time(name)
+
+
+def test_unit_at_the_end_of_any_name():
+    assert unit_of("clock_ms") == "ms"
+    assert unit_of("t_imu") is None
+
+
+@pytest.mark.parametrize(
+    ("name", "scale"), [("t", 1.0), ("t_ms", 1e3), ("time_us", 1e6), ("t [ns]", 1e9)]
+)
+@pytest.mark.parametrize("start", [0, 1_700_000_000])
+def test_units_are_scaled_to_seconds(tmp_path, name, scale, start):
+    exact = start * int(scale) + np.arange(N) * int(scale) // 200
+    log = read(tmp_path, **{name: exact if scale > 1 else start + np.arange(N) / 200})
+    assert log.rate_hz == pytest.approx(200, rel=1e-6)
+    assert log.findings.duration_s == pytest.approx((N - 1) / 200, rel=1e-6)
+    assert log.findings.rate_source == f"time column {name!r}"
+    assert log.findings.gaps == ()
+    assert log.findings.jitter < 1e-4
+
+
+def test_nanoseconds_since_1970_in_text_are_even_but_for_their_rounding(tmp_path):
+    path = tmp_path / "log.csv"
+    lines = (f"{1_700_000_000_000_000_000 + 5_000_000 * i},{x}\n" for i, x in enumerate(NOISE))
+    path.write_text("t_ns,x\n" + "".join(lines))
+    log = read_log(path, [parse_mapping("omega=x", ["omega"])])
+    assert log.findings.jitter == 0.0
+    assert log.rate_hz == pytest.approx(200, rel=1e-6)
+
+
+def test_nanoseconds_since_1970_keep_their_digits(tmp_path):
+    ticks = 1_700_000_000_000_000_000 + 5_000_001 * np.arange(N)
+    assert read(tmp_path, t_ns=ticks).rate_hz == pytest.approx(1e9 / 5_000_001, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "time", ["clock:ms", "clock*0.001", "clock*milli", "clock*1:ms", "both[1]:ms", "clock_ms"]
+)
+def test_named_time_column(tmp_path, time):
+    ticks = 5.0 * np.arange(N)
+    arrays = {"clock": ticks, "clock_ms": ticks, "both": np.column_stack([NOISE, ticks])}
+    log = read(tmp_path, time, milli=np.float64(1e-3), **arrays)
+    assert log.rate_hz == pytest.approx(200)
+    assert log.findings.time_column == time.split(":")[0].split("*")[0].split("[")[0]
+
+
+def test_a_rate_that_agrees_is_kept(tmp_path):
+    log = read(tmp_path, rate_hz=100.5, t=np.arange(N) / 100)
+    assert (log.rate_hz, log.findings.rate_source) == (100.5, "--rate")
+    assert log.findings.time_column == "t"
+
+
+@pytest.mark.parametrize(
+    "array", [np.array(["noon"] * N), np.arange(N + 1), np.float64(3), np.ones((N, 2)), NOISE * 1j]
+)
+def test_what_cannot_be_time_is_passed_over(tmp_path, array):
+    path = tmp_path / "log.npz"
+    np.savez(path, x=NOISE, time=array, t=np.arange(N) / 50)
+    log = read_log(path, [parse_mapping("omega=x", ["omega"])])
+    assert log.findings.time_column == "t"
+
+
+def test_a_text_column_called_time_is_passed_over(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("time,x\n12:00:00,1\n12:00:01,2\n")
+    mappings = [parse_mapping("omega=x", ["omega"])]
+    assert read_log(path, mappings, rate_hz=1).findings.time_column is None
+    with pytest.raises(LogError, match="neither a time column nor a rate"):
+        read_log(path, mappings)
+
+
+STEADY = np.arange(N) / 100
+
+
+@pytest.mark.parametrize(
+    ("options", "arrays", "parts"),
+    [
+        ({}, {}, ["neither a time column nor a rate", "--rate", "--time", "'x'"]),
+        ({}, {"fs": np.float64(0)}, ["'fs' is 0"]),
+        ({}, {"fs": np.float64(-5)}, ["'fs' is -5", "--rate"]),
+        ({}, {"fs": np.array("fast")}, ["'fs' is neither"]),
+        ({"rate_hz": 102}, {"t": STEADY}, ["100 Hz", "--rate 102 Hz", "contradicts"]),
+        ({"time": "clock"}, {"t": STEADY}, ["no column 'clock'", "'t'"]),
+        ({"time": "t:h"}, {"t": STEADY}, ["'h', no unit of time", "ms"]),
+        ({"time": "u"}, {"t": STEADY, "u": STEADY[:9]}, ["9 rows", "channels have 400"]),
+        (
+            {},
+            {"t": np.r_[STEADY[:9], STEADY[8:-1]]},
+            ["stands still", "row 9 (counted from 0)", "--rate"],
+        ),
+        ({}, {"t": np.r_[STEADY[:9], STEADY[2:-7]]}, ["runs backwards", "row 9 ", "sort"]),
+        ({"time": "t:ms"}, {"t": np.arange(N).astype(np.uint8)}, ["runs backwards", "row 256 "]),
+        ({}, {"t": np.where(STEADY > 3, np.nan, STEADY)}, ["'t'", "99 rows", "row 301 "]),
+        ({}, {"t": STEADY.astype(np.float32)}, ["'t'", "float32"]),
+        ({}, {"t": np.arange(N) * 10}, ["steps by 10", "'t:ms'", ":s where it is seconds"]),
+    ],
+    ids=lambda value: "; ".join(value) if isinstance(value, list) else "",
+)
+def test_bad_timing_is_refused(tmp_path, options, arrays, parts):
+    sentence = refusal(tmp_path, **options, **arrays)
+    for part in parts:
+        assert part in sentence
+
+
+def test_gaps_are_found_not_refused(tmp_path):
+    kept = np.delete(np.arange(N), [10, 200, 201, 202])
+    findings = read(tmp_path, samples=N - 4, t=kept / 100).findings
+    assert [row for row, _ in findings.gaps] == [9, 198]
+    np.testing.assert_allclose([seconds for _, seconds in findings.gaps], [0.02, 0.04])
+    assert findings.rate_hz == pytest.approx(100)
+    assert findings.jitter == 0.0
+    assert findings.samples == N - 4
+
+
+def test_jitter_is_the_largest_deviation_from_the_median(tmp_path):
+    steps = np.full(N - 1, 0.01)
+    steps[[5, 50]] = 0.0125, 0.0078
+    times = np.r_[0.0, np.cumsum(steps)] + 1e-7 * NOISE[0]
+    findings = read(tmp_path, t=times).findings
+    assert findings.jitter == pytest.approx(0.25, rel=1e-6)
+    assert findings.rate_hz == pytest.approx(100)
+    assert findings.gaps == ()
+
+
+@pytest.mark.parametrize("rate", [100.0, 128.0, 2000 / 7, 333.3, 700.0, 960.0])
+def test_rounded_times_count_as_even(tmp_path, rate):
+    findings = printed(tmp_path, np.arange(N) / rate, 3).findings
+    assert findings.jitter == 0.0
+    assert findings.gaps == ()
+    assert findings.rate_hz == pytest.approx(rate, rel=5e-3)
+
+
+def test_samples_lost_by_a_clock_without_spare_digits(tmp_path):
+    kept = np.delete(np.arange(N), np.random.default_rng(4).choice(np.arange(1, N - 1), 30, False))
+    findings = printed(tmp_path, kept / 100, 2).findings
+    assert len(findings.gaps) > 20
+    assert findings.rate_hz == pytest.approx(100)
+
+
+def test_a_limit_cuts_the_time_too(tmp_path):
+    findings = read(tmp_path, limit=50, t=np.r_[STEADY[:100], STEADY[100:] + 5]).findings
+    assert findings.gaps == ()
+    assert findings.duration_s == pytest.approx(0.49)
+    assert read(tmp_path, limit=50, fs=np.float64(10)).findings.duration_s == pytest.approx(4.9)
+
+
+def test_a_text_log_tells_the_line(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("# two\n# lines\nt,x\n0,1\n0.1,2\n\n0.1,3\n")
+    with pytest.raises(LogError, match="stands still at line 7"):
+        read_log(path, [parse_mapping("omega=x", ["omega"])])
