@@ -7,12 +7,16 @@ from jax import Array
 
 from filters.linear import Transition
 
+_MOST_DOUBLINGS = 20  # enough for a step a million times as long as the fastest time constant
+
 
 def van_loan(A: Array, G: Array, S: Array, dt: Array) -> Transition:
     """Discretise dx = A x dt + G dw exactly, white noise w of spectral density S.
 
     F = expm(A dt) and Q = integral of expm(A t) G S G' expm(A t)' over one step, by one matrix
     exponential of twice the size. Source: Van Loan, IEEE Trans. Automatic Control 23(3), 1978.
+    That exponential holds expm(-A dt), which explodes where a mode dies out within the step, so it
+    is taken over a part of the step that is short for A, and the part is doubled: F F, Q + F Q F'.
 
     Args:
         A: continuous dynamics, ``(n, n)``, 1/s.
@@ -28,10 +32,23 @@ def van_loan(A: Array, G: Array, S: Array, dt: Array) -> Transition:
     1.0
     """
     n = A.shape[0]
-    block = jnp.block([[-A, G @ S @ G.T], [jnp.zeros((n, n)), A.T]]) * dt
+    length = jax.lax.stop_gradient(jnp.abs(A).sum(axis=1).max() * dt)
+    doublings = jnp.clip(jnp.ceil(jnp.log2(length)), 0, _MOST_DOUBLINGS)
+    part = dt / 2**doublings
+    noise = G @ S @ G.T * part
+    size = jax.lax.stop_gradient(jnp.abs(noise).max())
+    unit = jnp.where(size > 0, size, 1.0)  # the unit of S must not cost digits of F
+    block = jnp.block([[-A * part, noise / unit], [jnp.zeros((n, n)), A.T * part]])
     exponential = jax.scipy.linalg.expm(block)
     F = exponential[n:, n:].T
-    Q = F @ exponential[:n, n:]
+
+    def double(i: Array, step: tuple[Array, Array]) -> tuple[Array, Array]:
+        F, Q = step
+        more = i < doublings
+        return jnp.where(more, F @ F, F), jnp.where(more, Q + F @ Q @ F.T, Q)
+
+    start = F, unit * (F @ exponential[:n, n:])
+    F, Q = jax.lax.fori_loop(0, _MOST_DOUBLINGS, double, start)
     return Transition(F=F, G=jnp.eye(n), Q=(Q + Q.T) / 2)
 
 

@@ -94,7 +94,12 @@ class LinearKalman:
         """Predict to this sample's time and take its measurements."""
         move = params.transition if inputs.transition is None else inputs.transition
         estimate = predict(state, move.F, matmul(matmul(move.G, move.Q), move.G.T))
-        if move.B is not None and inputs.u is not None:
+        if inputs.u is not None:
+            if move.B is None:
+                raise ValueError(
+                    "the samples bring a known input u, but their transition has no B, the matrix "
+                    "(n, q) through which it enters"
+                )
             push = matmul(move.B, inputs.u)
             x = estimate.x + push.reshape(push.shape + (1,) * (estimate.x.ndim - 1))
             estimate = estimate._replace(x=x)

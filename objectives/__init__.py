@@ -1,6 +1,16 @@
 """Objectives: how good a filter's run is, as one differentiable number."""
 
-from objectives.score import Data, Fold, Folded, Objective, is_fold, score, score_and_gradient
+from objectives.score import (
+    Data,
+    Fold,
+    Folded,
+    Objective,
+    is_fold,
+    kept_bytes,
+    score,
+    score_and_gradient,
+    scores_and_gradients,
+)
 from objectives.step_response import (
     Crossing,
     Reading,
@@ -24,7 +34,9 @@ __all__ = [
     "StepTruth",
     "Welch",
     "is_fold",
+    "kept_bytes",
     "score",
     "score_and_gradient",
+    "scores_and_gradients",
     "window",
 ]

@@ -32,6 +32,10 @@ Objective: TypeAlias = Fold | Measure
 """A :class:`Fold`, or a plain function of a filter's stacked outputs and the truth: one number."""
 
 
+Build: TypeAlias = Callable[[Array], Any]
+"""From a point to a filter's parameters."""
+
+
 class Data(NamedTuple):
     """What a filter is scored on.
 
@@ -70,25 +74,38 @@ def score(filter: AnyFilter, objective: Objective, params: Any, data: Data) -> A
 
 
 def score_and_gradient(
-    filter: AnyFilter, objective: Objective, build: Callable[[Array], Any], z: Array, data: Data
+    filter: AnyFilter, objective: Objective, build: Build, z: Array, data: Data
 ) -> tuple[Array, Array]:
-    """The score and its gradient in z, ``(n,)``, where ``build(z)`` gives the filter's parameters.
+    """The score and its gradient in z ``(n,)``, where ``build(z)`` gives the filter's parameters.
 
     The time loop is differentiated forwards (n is small, and nothing has to be stored for a way
     back), what follows it backwards: one transform of the outputs serves all n parameters.
     """
-    along = jax.vmap(
-        lambda tangent: jax.jvp(
-            lambda point: _collect(filter, objective, build(point), data), (z,), (tangent,)
-        ),
-        out_axes=(None, 0),
-    )
-    collected, tangents = along(jnp.eye(z.shape[0]))
+    collected, tangents = _forwards(lambda at: _collect(filter, objective, build(at), data), z)
     value, pull = jax.vjp(lambda seen: _judge(objective, data, seen), collected)
     (weights,) = pull(jnp.ones_like(value))
-    pairs = zip(jax.tree.leaves(weights), jax.tree.leaves(tangents), strict=True)
-    parts = [jnp.tensordot(t, w, axes=w.ndim) for w, t in pairs if w.dtype != jax.dtypes.float0]
-    return value, sum(parts, jnp.zeros_like(z))
+    return value, _chain(weights, tangents)
+
+
+def scores_and_gradients(
+    filter: AnyFilter, objective: Objective, build: Build, Z: Array, data: Data
+) -> tuple[Array, Array]:
+    """The same at many points Z ``(B, n)`` in one time loop: scores ``(B,)``, gradients ``(B, n)``.
+
+    The points lie side by side in memory and each tangent apart, which lets the loop's arithmetic
+    run on whole vector registers.
+    """
+    collect = jax.vmap(lambda at: _collect(filter, objective, build(at), data))
+    collected, tangents = _forwards(collect, Z)
+    values, pull = jax.vjp(jax.vmap(lambda seen: _judge(objective, data, seen)), collected)
+    (weights,) = pull(jnp.ones_like(values))
+    return values, jax.vmap(_chain, in_axes=(0, 1))(weights, tangents)
+
+
+def kept_bytes(filter: AnyFilter, objective: Objective, params: Any, data: Data) -> int:
+    """How much memory one run keeps for after its time loop."""
+    _, kept = jax.eval_shape(lambda p: _collect(filter, objective, p, data), params)
+    return sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(kept))
 
 
 def is_fold(objective: Objective) -> TypeGuard[Fold]:
@@ -109,3 +126,20 @@ def _judge(objective: Objective, data: Data, collected: tuple[Any, Any]) -> Arra
     if is_fold(objective):
         return objective.value(*collected)
     return cast("Measure", objective)(collected[1], data.truth)
+
+
+def _forwards(function: Callable[[Array], Any], point: Array) -> tuple[Any, Any]:
+    """``function(point)`` and its derivative by each coordinate of the last axis, stacked first."""
+    basis = jnp.eye(point.shape[-1])
+    along = jax.vmap(
+        lambda unit: jax.jvp(function, (point,), (jnp.broadcast_to(unit, point.shape),)),
+        out_axes=(None, 0),
+    )
+    return along(basis)
+
+
+def _chain(weights: Any, tangents: Any) -> Array:
+    """The chain rule: sum over all leaves of weight times tangent, one number per tangent."""
+    pairs = zip(jax.tree.leaves(weights), jax.tree.leaves(tangents), strict=True)
+    parts = [jnp.tensordot(t, w, axes=w.ndim) for w, t in pairs if w.dtype != jax.dtypes.float0]
+    return jnp.sum(jnp.stack(parts), axis=0)

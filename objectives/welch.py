@@ -133,7 +133,8 @@ detrend='none', scaling='density', average='mean')
         weights = np.zeros(samples)
         for start in starts:
             weights[start : start + self.segment] += taper
-        return weights / (taper.sum() * len(starts))
+        weights /= taper.sum() * len(starts)
+        return weights
 
     def _taper(self) -> np.ndarray:
         return window(self.window, self.segment, symmetric=self.symmetric)

@@ -1,0 +1,150 @@
+"""The paper's figures 5, 6, 8 and 9, and the trade-off behind its cost, as data."""
+
+from collections.abc import Iterator
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from filters import AnyFilter, Noise, run
+from objectives import Folded, StepCost, StepResponse
+from studies.kownacki2010.bench import ACC, Bench
+from tuner.figure import Chart, Figure, Line, Map
+from tuner.problem import Problem
+from tuner.study import Solutions
+from tuner.surface import grid
+
+POINTS = 1000  # samples of a curve; a picture shows no more
+
+
+def figures(benches: list[Bench], solutions: Solutions) -> Iterator[Figure]:
+    """All figures of every sensor."""
+    for bench in benches:
+        ratio = min(
+            (s for (name, _), s in solutions.items() if name == bench.sensor.name),
+            key=lambda solution: solution.value,
+        ).derived["q_over_r"]
+        yield _sweeps(bench)
+        yield _surface(bench, ratio)
+        yield _responses(bench, ratio)
+        yield _tradeoff(bench, ratio)
+
+
+def _sweeps(bench: Bench) -> Figure:
+    """Figs 5 and 6: one of R, Q and P0 at an extreme, the others as in Table 1."""
+    R, Q = bench.noise
+    ones = np.ones((2, 2))
+    sweeps = {
+        "R = 0": Noise(0.0, Q, ones),
+        "R = 1": Noise(1.0, Q, ones),
+        "Q = 0": Noise(R, 0.0, ones),
+        "Q = 1": Noise(R, 1.0, ones),
+        "R, Q of the record": Noise(R, Q, ones),
+        "the same, P0 = 1e-6": Noise(R, Q, 1e-6 * ones),
+    }
+    figure = "fig5_acc" if bench.sensor is ACC else "fig6_gyro"
+    title = "Step and record filtered with R, Q and P0 at their extremes"
+    return _chart(bench, figure, title, sweeps)
+
+
+def _responses(bench: Bench, ratio: float) -> Figure:
+    """Fig 9: the step response at Table 2's ratio and at the optimum of this record."""
+    published = bench.sensor.table2
+    chosen = {
+        "Table 2": Noise(published.R, published.Q, np.ones((2, 2))),
+        f"optimum, Q/R = {ratio:.4g}": Noise(bench.R, ratio * bench.R, np.ones((2, 2))),
+    }
+    return _chart(bench, f"fig9_{bench.sensor.name}", "Step response with tuned Q and R", chosen)
+
+
+def _chart(bench: Bench, name: str, title: str, chosen: dict[str, Noise]) -> Chart:
+    time = np.arange(len(bench.record)) * bench.dt
+    shown = np.unique(np.linspace(0, len(time) - 1, POINTS).astype(int))
+    answers = {
+        label: np.asarray(_answer(bench.filter, p, bench.signals)) for label, p in chosen.items()
+    }
+    return Chart(
+        name=name,
+        title=f"{title} ({bench.sensor.name})",
+        x_label="time, s",
+        y_label=f"output, {bench.unit}",
+        lines=(
+            *(Line(label, time[shown], answer[shown]) for label, answer in answers.items()),
+            Line("step", time[shown], bench.step[shown]),
+        ),
+    )
+
+
+@jax.jit(static_argnums=0)
+def _answer(filter: AnyFilter, params: Noise, signals: jax.Array) -> jax.Array:
+    return jnp.sum(run(filter, params, signals)[1], axis=1)
+
+
+def _surface(bench: Bench, ratio: float) -> Figure:
+    """Fig 8: the cost over R and Q, on logarithmic axes, where its valley shows."""
+    problem = bench.problem(R=True)
+    R = np.logspace(-12, 0, bench.settings.grid)
+    Q = np.logspace(-12, 2, bench.settings.grid)
+    published = bench.sensor.table2
+    valley = np.log10(R), np.log10(R * ratio)
+    inside = (valley[1] >= -12) & (valley[1] <= 2)
+    return Map(
+        name=f"fig8_{bench.sensor.name}",
+        title=f"Cost (10), reading {bench.settings.reading} ({bench.sensor.name}): only Q/R counts",
+        x_label="log10 R",
+        y_label="log10 Q",
+        z_label="log10 cost",
+        x=np.log10(R),
+        y=np.log10(Q),
+        z=np.log10(grid(problem, {"R": R, "Q": Q})),
+        marks=(
+            Line(f"Q/R = {ratio:.4g}", valley[0][inside], valley[1][inside]),
+            Line("Table 2", *np.log10([[published.R], [published.Q]])),
+            Line("Table 1", *np.log10([[bench.sensor.table1.R], [bench.sensor.table1.Q]])),
+        ),
+    )
+
+
+def _tradeoff(bench: Bench, ratio: float) -> Figure:
+    """Inertia against noise over Q/R: every point is the best for some weight of the noise."""
+    problem = bench.problem()
+    ratios = ratio * np.logspace(-3, 3, 61)
+    inertia, noise = (np.asarray(part) for part in _parts(problem, bench.R * ratios))
+    optima = [int(np.argmin(inertia + weight * noise)) for weight in (0.5, 1.0, 2.0)]
+    published = bench.sensor.table2.Q / bench.sensor.table2.R
+    there = _parts(problem, np.array([bench.R * published]))
+    words = ("half weight", "weight 1", "double weight")
+    return Chart(
+        name=f"tradeoff_{bench.sensor.name}",
+        title=f"What (10) trades ({bench.sensor.name}): inertia against noise, over Q/R",
+        x_label=f"noise term, reading {bench.settings.reading}",
+        y_label=f"inertia term, ({bench.unit})^2 s",
+        lines=(
+            Line("Q/R from a thousandth to a thousandfold", noise, inertia),
+            *(
+                Line(f"{word}: Q/R = {ratios[i]:.3g}", noise[[i]], inertia[[i]])
+                for word, i in zip(words, optima, strict=True)
+            ),
+            Line(
+                f"Table 2: Q/R = {published:.4g}",
+                np.asarray(there.noise),
+                np.asarray(there.inertia),
+            ),
+        ),
+        log="xy",
+    )
+
+
+def _parts(problem: Problem, Q: np.ndarray) -> StepCost:
+    """Both terms of (10) at each Q, one after another to save memory."""
+    fixed = problem.parameters(problem.space.start())
+    objective = problem.objective
+    if not isinstance(objective, StepResponse):
+        raise TypeError(f"{problem.name} is not judged by a step response")
+
+    def both(q: jax.Array) -> StepCost:
+        params = Noise(fixed["R"], q, fixed["P0"])
+        (_, total), kept = run(Folded(problem.filter, objective), params, problem.data)
+        return objective.parts(total, kept)
+
+    return StepCost(*jax.jit(lambda qs: jax.lax.map(both, qs))(jnp.asarray(Q)))

@@ -1,0 +1,148 @@
+"""The comparison with the paper, row by row."""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from studies.kownacki2010.bench import ACC, Bench
+from tuner.comparison import Comparison, Verdict, claim, number
+from tuner.solution import Solution
+from tuner.solvers import fminsearch
+from tuner.study import Solutions
+
+TOLERANCE = 0.05
+OTHER = "another sensor at another rate: for orientation only"
+WHY_ACC = (
+    "white noise of Table 1's variance stands in for the paper's record, whose accelerometer held "
+    "harmonics from 50 to 500 Hz, and the reading of (10)'s second term is inferred"
+)
+WHY_LITERAL = (
+    "(10) to the letter puts no weight on noise beside the step, and asks for hardly any filter"
+)
+WHY_Q = "white noise alone puts R 2 f/fs below the cutoff; the paper's record was not white"
+
+
+def compare(benches: list[Bench], made_up: bool, solutions: Solutions) -> list[Comparison]:
+    """The rows for every sensor."""
+    return [row for bench in benches for row in _rows(bench, made_up, solutions)]
+
+
+def best(problem: str, solutions: Solutions) -> Solution:
+    """The solution of a problem with the lowest value."""
+    return min((s for (name, _), s in solutions.items() if name == problem), key=lambda s: s.value)
+
+
+def _rows(bench: Bench, made_up: bool, solutions: Solutions) -> list[Comparison]:
+    sensor, name = bench.sensor, bench.sensor.name
+    optimum = best(name, solutions)
+    ratio = optimum.derived["q_over_r"]
+    published = sensor.table2.Q / sensor.table2.R
+    (k1, _, bandwidth), (our_k1, _, our_bandwidth) = bench.steady(published), bench.steady(ratio)
+    note = (WHY_ACC if sensor is ACC else f"reading {bench.settings.reading}") if made_up else OTHER
+    row = partial(number, tolerance=TOLERANCE)
+    at_paper = bench.problem().value(np.log([published * bench.R]))
+    return [
+        row(f"{name}.q_over_r", "Table 2", published, ratio, unit="1/s^2", note=note),
+        row(f"{name}.k1", "Table 2, steady gain", k1, our_k1, note=note),
+        row(
+            f"{name}.bandwidth_hz", "Table 2, -3 dB", bandwidth, our_bandwidth, unit="Hz", note=note
+        ),
+        *_individual(bench, solutions),
+        number(
+            f"{name}.cost_at_paper_over_optimum",
+            "Table 2 is called optimal",
+            1.0,
+            at_paper / optimum.value,
+            tolerance=0.01,
+            note="cost (10) at Table 2's Q/R over its minimum on this record",
+        ),
+        row(
+            f"{name}.q_over_r_literal",
+            "Table 2, (10) under R1",
+            published,
+            best(f"{name}.literal", solutions).derived["q_over_r"],
+            unit="1/s^2",
+            note=WHY_LITERAL,
+        ),
+        row(
+            f"{name}.table1_R",
+            "Table 1",
+            sensor.table1.R,
+            bench.noise.R,
+            note="" if made_up else OTHER,
+        ),
+        row(
+            f"{name}.table1_Q",
+            "Table 1",
+            sensor.table1.Q,
+            bench.noise.Q,
+            note=WHY_Q if made_up else OTHER,
+        ),
+        *_searches(bench),
+        claim(
+            f"{name}.R_stronger_than_Q",
+            "section 4: R has stronger influence",
+            False,
+            ours=_change_when_scaled(bench, ratio),
+            note="a thousandfold R with a thousandfold Q changes the cost by this share: only Q/R counts",
+        ),
+    ]
+
+
+def _individual(bench: Bench, solutions: Solutions) -> list[Comparison]:
+    """R and Q one by one, judged by the certificate of the two-parameter problem."""
+    both = best(f"{bench.sensor.name}.paper", solutions)
+    rows = []
+    for letter, published in bench.sensor.table2._asdict().items():
+        tuned = both.parameters[letter]
+        row = number(
+            f"{bench.sensor.name}.{letter}",
+            "Table 2",
+            published,
+            float(tuned.value),
+            tolerance=TOLERANCE,
+            unit=tuned.unit,
+        )
+        if both.certificate.flat_directions:
+            words = "; ".join(both.certificate.flat_directions)
+            row = replace(row, verdict=Verdict.NOT_IDENTIFIABLE, tolerance=None, note=words)
+        rows.append(row)
+    return rows
+
+
+def _searches(bench: Bench) -> list[Comparison]:
+    """What fminsearch does from Table 1, in R and Q themselves and in their decimal logarithms."""
+    problem, start = bench.problem(R=True), np.array(bench.noise)
+    low, high = (np.log(end) for end in (1e-300, 1e300))
+    linear = fminsearch(lambda v: problem.value(np.log(v)) if (v > 0).all() else np.inf, start)
+    ratio = linear.z[1] / linear.z[0]
+    decimal = fminsearch(
+        lambda v: problem.value(np.clip(v * np.log(10), low, high)), np.log10(start)
+    )
+    stuck = linear.evaluations == 3
+    name = f"{bench.sensor.name}.nelder_mead"
+    return [
+        claim(
+            f"{name}_linear_evaluations",
+            "section 4: fminsearch results in the optimal values",
+            not stuck,
+            ours=float(linear.evaluations),
+            note=f"from Table 1 with default options it ends at Q/R = {ratio:.4g}"
+            + (", where it began: its tolerance of 1e-4 exceeds R and Q" if stuck else ""),
+        ),
+        claim(
+            f"{name}_log10_evaluations",
+            "the same search in log10 R, log10 Q",
+            decimal.finished,
+            ours=float(decimal.evaluations),
+            note=f"from Table 1 it ends at Q/R = {10 ** (decimal.z[1] - decimal.z[0]):.6g}",
+        ),
+    ]
+
+
+def _change_when_scaled(bench: Bench, ratio: float) -> float:
+    """Relative change of the cost when R and Q grow a thousandfold together."""
+    problem = bench.problem(R=True)
+    z = np.log([1e-6, 1e-6 * ratio])
+    return problem.value(z + np.log(1e3)) / problem.value(z) - 1

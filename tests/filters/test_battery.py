@@ -1,0 +1,174 @@
+"""What every filter has to do, whatever it estimates: see battery.py for the cases."""
+
+import dataclasses
+import inspect
+from functools import cache
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import filters
+from filters import run
+from tests.filters.battery import CASES, Case, N
+from tests.oracles import central_difference
+
+every_case = pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+compiled = jax.jit(run, static_argnums=0)
+
+
+def run_case(case: Case, point=None, measured=None):
+    point = case.point if point is None else point
+    measured = case.measured if measured is None else measured
+    return compiled(case.filter, case.build(point), case.inputs(measured))
+
+
+def loss(outputs):
+    """One number that depends on every output: a weighted sum of squares."""
+    leaves = jax.tree.leaves(outputs)
+    return sum(jnp.sum(leaf**2) / (i + 1) for i, leaf in enumerate(leaves))
+
+
+def bits(tree):
+    return [np.asarray(leaf).tobytes() for leaf in jax.tree.leaves(tree)]
+
+
+def punctured(case: Case, k: int):
+    measured = case.measured.copy()
+    measured[k] = np.nan
+    return measured
+
+
+def test_every_filter_of_the_package_is_in_the_battery():
+    public = [getattr(filters, name) for name in filters.__all__]
+    written = {
+        thing
+        for thing in public
+        if inspect.isclass(thing)
+        and {"init", "step"} <= set(vars(thing))
+        and thing != filters.Filter
+    }
+    assert {type(case.filter) for case in CASES} == written
+
+
+@every_case
+def test_frozen_and_hashable(case):
+    assert hash(case.filter) == hash(dataclasses.replace(case.filter))
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        case.filter.dt = 1.0
+
+
+@every_case
+def test_equal_instances_share_one_compilation(case):
+    traced = []
+
+    def noted(filter, params, inputs):
+        traced.append(filter)
+        return run(filter, params, inputs)
+
+    once = jax.jit(noted, static_argnums=0)
+    params, inputs = case.build(case.point), case.inputs(case.measured)
+    once.lower(case.filter, params, inputs)
+    once.lower(dataclasses.replace(case.filter), params, inputs)
+    assert len(traced) == 1
+
+
+@every_case
+def test_two_runs_are_equal_to_the_bit(case):
+    assert bits(run_case(case)) == bits(run_case(case))
+
+
+@every_case
+def test_outputs_are_float64_with_time_first(case):
+    state, outputs = run_case(case)
+    assert {leaf.dtype for leaf in jax.tree.leaves((state, outputs))} == {jnp.dtype("float64")}
+    assert {leaf.shape[0] for leaf in jax.tree.leaves(outputs)} == {N}
+
+
+@every_case
+def test_vmap_over_parameters_equals_a_loop(case):
+    points = case.point + np.array([[0.0], [0.3], [-0.5]])
+    inputs = case.inputs(case.measured)
+    lanes = jax.jit(jax.vmap(lambda p: run(case.filter, case.build(p), inputs)[1]))(points)
+    for i, point in enumerate(points):
+        alone = run_case(case, point)[1]
+        for lane, single in zip(jax.tree.leaves(lanes), jax.tree.leaves(alone), strict=True):
+            # The lanes' sums may be fused in another order: a few units in the last place, and
+            # N = 24 samples to add them up.
+            np.testing.assert_allclose(lane[i], single, rtol=1e-12, atol=1e-13)
+
+
+@every_case
+def test_compiled_equals_uncompiled(case):
+    inputs = jax.tree.map(lambda leaf: leaf[:3], case.inputs(case.measured))
+    fast = compiled(case.filter, case.build(case.point), inputs)
+    with jax.disable_jit():
+        slow = run(case.filter, case.build(case.point), inputs)
+    for one, other in zip(jax.tree.leaves(fast), jax.tree.leaves(slow), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-13, atol=1e-14)  # fused multiply-adds only
+
+
+@cache
+def gradients(case: Case):
+    """Value, gradient backwards and gradient forwards, compiled once for a case."""
+
+    def value(point, inputs):
+        return loss(run(case.filter, case.build(point), inputs)[1])
+
+    return jax.jit(
+        lambda point, inputs: (
+            *jax.value_and_grad(value)(point, inputs),
+            jax.jacfwd(value)(point, inputs),
+        )
+    )
+
+
+@every_case
+@pytest.mark.parametrize("record", ["whole", "punctured"])
+def test_gradient_equals_central_differences(case, record):
+    inputs = case.inputs(punctured(case, 7) if record == "punctured" else case.measured)
+    difference = central_difference(
+        lambda point: loss(compiled(case.filter, case.build(point), inputs)[1]), case.point, 1e-5
+    )
+    value, backwards, forwards = gradients(case)(case.point, inputs)
+    assert np.isfinite(value)
+    # A step h = 1e-5 leaves h^2 = 1e-10 of truncation and eps/h = 2e-11 of rounding, each times
+    # a factor of order ten.
+    scale = np.abs(difference).max()
+    np.testing.assert_allclose(backwards, difference, rtol=1e-7, atol=1e-7 * scale)
+    # Forwards and backwards are the same sums in another order.
+    np.testing.assert_allclose(forwards, backwards, rtol=1e-11, atol=1e-12 * scale)
+
+
+@every_case
+def test_missing_sample_leaves_the_past_alone_and_the_future_finite(case):
+    whole, holed = (run_case(case, measured=z)[1] for z in (case.measured, punctured(case, 7)))
+    for one, other in zip(jax.tree.leaves(whole), jax.tree.leaves(holed), strict=True):
+        assert np.asarray(one[:7]).tobytes() == np.asarray(other[:7]).tobytes()
+        assert np.isfinite(other).all()
+    # Not the same as a sample of zero, and not without an effect on what follows.
+    zeroed = case.measured.copy()
+    zeroed[7] = 0.0
+    outputs = [jax.tree.leaves(o)[0] for o in (whole, holed, run_case(case, measured=zeroed)[1])]
+    for i, j in ((0, 1), (1, 2)):
+        assert np.abs(outputs[i][7:] - outputs[j][7:]).max() > 1e-6
+
+
+@pytest.mark.parametrize("case", [c for c in CASES if c.measured.ndim == 1], ids=lambda c: c.name)
+def test_one_missing_sample_is_one_step_of_prediction(case):
+    """Whatever is measured at a missing sample, the estimate there is the prediction.
+
+    The prediction is found without the filter's formulas: the filter's answer is a line in the
+    measurement, prediction + gain * (z - prediction), and crosses z = answer at the prediction.
+    """
+
+    def answer(z):
+        measured = case.measured.copy()
+        measured[7] = z
+        return float(np.asarray(run_case(case, measured=measured)[1])[7])
+
+    at_zero, at_one = answer(0.0), answer(1.0)
+    gain = at_one - at_zero
+    # prediction (1 - gain) = answer(0); the gain is of order 0.3, so a few digits go in 1 - gain
+    assert answer(np.nan) == pytest.approx(at_zero / (1 - gain), rel=1e-12)

@@ -1,0 +1,155 @@
+"""Textbook loops in plain NumPy and mpmath, written for reading: nothing here uses the project.
+
+Every function takes and gives NumPy arrays (or mpmath numbers) and shares no code with what it
+checks: linear solves where the filters have none, loops where they have a scan.
+"""
+
+from fractions import Fraction
+from typing import NamedTuple
+
+import mpmath
+import numpy as np
+
+
+class Model(NamedTuple):
+    """x' = F x + w with cov w = W per sample, z = H x + v with cov v = R, x0 known to P0."""
+
+    F: np.ndarray
+    W: np.ndarray
+    H: np.ndarray
+    R: np.ndarray
+    P0: np.ndarray
+    x0: np.ndarray
+
+
+class Run(NamedTuple):
+    """A filter's estimates after each sample, time first."""
+
+    x: np.ndarray
+    P: np.ndarray
+
+
+def kalman_predict(x, P, F, W):
+    """x = F x, P = F P F' + W."""
+    return F @ x, F @ P @ F.T + W
+
+
+def kalman_update(x, P, H, R, z):
+    """All measurements at once, by a solve, with Joseph's covariance; rows with NaN are dropped."""
+    seen = ~np.isnan(z).reshape(len(z), -1).any(axis=1)
+    if not seen.any():
+        return x, P
+    H, R, z = H[seen], R[np.ix_(seen, seen)], z[seen]
+    K = np.linalg.solve(H @ P @ H.T + R, H @ P).T
+    keep = np.eye(len(P)) - K @ H
+    return x + K @ (z - H @ x), keep @ P @ keep.T + K @ R @ K.T
+
+
+def linear_kalman(model, zs, pushes=None):
+    """The Kalman filter; the model's F and W are one matrix or one a sample, pushes is B u."""
+    N, n = len(zs), len(model.P0)
+    F, W = np.broadcast_to(model.F, (N, n, n)), np.broadcast_to(model.W, (N, n, n))
+    x, P, xs, Ps = model.x0, model.P0, [], []
+    for k in range(N):
+        x, P = kalman_predict(x, P, F[k], W[k])
+        if pushes is not None:
+            x = x + pushes[k]
+        x, P = kalman_update(x, P, model.H, model.R, zs[k])
+        xs.append(x)
+        Ps.append(P)
+    return Run(np.array(xs), np.array(Ps))
+
+
+def conditional_mean(model, zs):
+    """The last state and its covariance given all measurements, from their joint distribution.
+
+    No recursion on a covariance of errors: the covariance of all states is written down, and
+    the last one is conditioned on z_1..z_N in a single solve (Bayesian least squares).
+    """
+    F, W, H, R, P0, x0 = model
+    N, n, m = len(zs), len(x0), len(H)
+    power = [np.linalg.matrix_power(F, k) for k in range(N + 1)]
+    states = np.zeros((N, n, N, n))
+    for i in range(N):
+        for j in range(N):
+            start = power[i + 1] @ P0 @ power[j + 1].T
+            noise = [power[i - k] @ W @ power[j - k].T for k in range(min(i, j) + 1)]
+            states[i, :, j] = start + sum(noise)
+    joint = np.einsum("ax,ixjy,by->iajb", H, states, H).reshape(N * m, N * m)
+    joint += np.kron(np.eye(N), R)
+    cross = np.einsum("xjy,by->xjb", states[-1], H).reshape(n, N * m)
+    expected = np.concatenate([H @ power[k + 1] @ x0 for k in range(N)])
+    x = power[N] @ x0 + cross @ np.linalg.solve(joint, zs.reshape(-1) - expected)
+    return x, states[-1, :, -1] - cross @ np.linalg.solve(joint, cross.T)
+
+
+def exact_update(x, P, h, r, z):
+    """One scalar measurement in exact rational arithmetic; lists of float64 in and out."""
+    x, h = [Fraction(v) for v in x], [Fraction(v) for v in h]
+    P = [[Fraction(v) for v in row] for row in P]
+    states = range(len(x))
+    g = [sum(P[i][j] * h[j] for j in states) for i in states]
+    s = sum(h[i] * g[i] for i in states) + Fraction(r)
+    y = Fraction(z) - sum(h[i] * x[i] for i in states)
+    x = [float(x[i] + g[i] * y / s) for i in states]
+    return np.array(x), np.array(
+        [[float(P[i][j] - g[i] * g[j] / s) for j in states] for i in states]
+    )
+
+
+def exact_inertial(T, noise, zs, measured):
+    """Kownacki's filters to 40 digits: Phi = [1 T; 0 1], W = Q T^2 I, one state measured.
+
+    ``noise`` is R, Q and P0; ``measured`` is 0 for the gyroscope and 1 for the accelerometer.
+    The output is the measured state, rounded to float64.
+    """
+    with mpmath.workdps(40):
+        T, R, Q = (mpmath.mpf(float(v)) for v in (T, *noise[:2]))
+        phi, W = mpmath.matrix([[1, T], [0, 1]]), Q * T**2 * mpmath.eye(2)
+        x, P = mpmath.matrix([0, 0]), mpmath.matrix(np.asarray(noise[2]).tolist())
+        outputs = []
+        for z in zs:
+            x, P = phi * x, phi * P * phi.T + W
+            if not np.isnan(z):
+                K = P[:, measured] / (P[measured, measured] + R)
+                x = x + K * (mpmath.mpf(float(z)) - x[measured])
+                P = P - K * P[measured, :]
+            outputs.append(float(x[measured]))
+        return np.array(outputs)
+
+
+def response(F, K, H, w):
+    """|xhat / z| at w radians a sample of the filter x = F x + K (z - H F x), output H x."""
+    turn = np.exp(1j * w)
+    loop = turn * np.eye(len(F)) - (np.eye(len(F)) - np.outer(K, H)) @ F
+    return abs(H @ np.linalg.solve(loop, turn * K.astype(complex)))
+
+
+def rise_time(y, dt, top=1.0):
+    """Time from the first sample at 10 % to the first at 90 % of the step, with interpolation."""
+
+    def reached(level):
+        k = int(np.argmax(y >= level))
+        return k - (y[k] - level) / (y[k] - y[k - 1])
+
+    return (reached(0.9 * top) - reached(0.1 * top)) * dt
+
+
+def lag_to_first_crossing(lag, dt):
+    """Trapezoid of lag^2 from its first sample to the first at which lag <= 0 (or the last)."""
+    reached = np.flatnonzero(lag <= 0)
+    end = reached[0] if reached.size else len(lag) - 1
+    square = lag[: end + 1] ** 2
+    return dt * (square[1:] + square[:-1]).sum() / 2, end
+
+
+def lag_below(lag, dt):
+    """Trapezoid of max(lag, 0)^2 over the whole of lag."""
+    square = np.where(lag > 0, lag, 0.0) ** 2
+    return dt * (square[1:] + square[:-1]).sum() / 2
+
+
+def central_difference(function, point, step):
+    """The gradient of a scalar function by central differences, one coordinate after another."""
+    shifts = step * np.eye(len(point))
+    return np.array([(function(point + s) - function(point - s)) / (2 * step) for s in shifts])

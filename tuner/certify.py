@@ -1,0 +1,116 @@
+"""The certificate of a point: gradient, bounds, curvature, and what is not determined."""
+
+import math
+
+import numpy as np
+
+from tuner.problem import Problem
+from tuner.solution import Certificate, Parameter, Starts
+
+TENFOLD = math.log(10)
+FLAT = 1e-3
+"""A direction is flat if a tenfold change along it costs less than this share of the value."""
+STATIONARY = 1e-3
+"""A point is stationary if a change by a factor e would, to first order, cost less than this."""
+
+
+def certify(problem: Problem, z: np.ndarray, starts: Starts) -> Certificate:
+    """Judge a point of a problem.
+
+    Args:
+        problem: the problem; its objective should be differentiable near z.
+        z: the point, ``(n,)``.
+        starts: what the starts came to.
+
+    Returns:
+        The certificate, without any word from other methods.
+    """
+    value, gradient = problem.value_and_gradient(z)
+    scale = abs(value) or 1.0
+    curvatures, directions = np.linalg.eigh(problem.hessian(z) / scale)
+    labels = problem.space.coordinates
+    low, high = problem.space.box()
+    bound = (z <= low + 1e-6) | (z >= high - 1e-6)
+    return Certificate(
+        gradient={label: float(g) for label, g in zip(labels, gradient / scale, strict=True)},
+        active_bounds=tuple(label for label, at in zip(labels, bound, strict=True) if at),
+        curvatures=tuple(float(c) for c in curvatures),
+        flat_directions=tuple(
+            flat_in_words(labels, direction)
+            for curvature, direction in zip(curvatures, directions.T, strict=True)
+            if is_flat(float(curvature))
+        ),
+        starts=starts,
+        methods={},
+    )
+
+
+def is_flat(curvature: float) -> bool:
+    """Whether a tenfold change along a direction of this relative curvature hardly costs anything.
+
+    >>> is_flat(1e-5), is_flat(0.1)
+    (True, False)
+    """
+    return curvature * TENFOLD**2 / 2 < FLAT
+
+
+def is_stationary(problem: Problem, z: np.ndarray, gradient: dict[str, float]) -> tuple[bool, bool]:
+    """Whether the gradient vanishes, and whether it does but for parts that push against a bound."""
+    slopes = np.array(list(gradient.values()))
+    low, high = problem.space.box()
+    steep = np.abs(slopes) > STATIONARY
+    held = ((z <= low + 1e-6) & (slopes > 0)) | ((z >= high - 1e-6) & (slopes < 0))
+    return not steep.any(), not (steep & ~held).any()
+
+
+def flat_in_words(labels: list[str], direction: np.ndarray) -> str:
+    """Say which change of the parameters the data cannot see, and what is left determined.
+
+    >>> flat_in_words(["ln R", "ln Q"], np.array([0.7, 0.7]))
+    'R x 10 with Q x 10 changes nothing: only Q/R is determined'
+    >>> flat_in_words(["ln R", "ln Q"], np.array([1.0, 0.0]))
+    'R x 10 changes nothing: R is not determined'
+    """
+    direction = direction / direction[np.argmax(np.abs(direction))]
+    moved = [(label, d) for label, d in zip(labels, direction, strict=True) if abs(d) > 0.02]
+    steps = [
+        f"{label[3:]} x {10**d:.3g}" if label.startswith("ln ") else f"{label} {d:+.2g}"
+        for label, d in moved
+    ]
+    sentence = f"{' with '.join(steps)} changes nothing"
+    if len(moved) == 1:
+        return f"{sentence}: {moved[0][0].removeprefix('ln ')} is not determined"
+    if len(moved) > 2 or not all(label.startswith("ln ") for label, _ in moved):
+        return f"{sentence}: these are determined up to that"
+    (first, d1), (second, d2) = ((label[3:], d) for label, d in moved)
+    power = d2 / d1
+    name = first if abs(abs(power) - 1) < 0.02 else f"{first}^{abs(power):.2g}"
+    return f"{sentence}: only {second}{'/' if power > 0 else '*'}{name} is determined"
+
+
+def estimates(problem: Problem, z: np.ndarray, certificate: Certificate) -> dict[str, Parameter]:
+    """The parameters at z with their units and 1 % intervals."""
+    values = problem.parameters(z)
+    spread = _spread(problem, z, certificate)
+    found, at = {}, 0
+    for name, parameter in problem.space.parameters:
+        interval = None
+        if parameter.size == 1 and np.isfinite(spread[at]):
+            reach = np.where(np.arange(len(z)) == at, spread, 0.0)
+            low, high = problem.parameters(z - reach)[name], problem.parameters(z + reach)[name]
+            interval = float(low), float(high)
+        found[name] = Parameter(values[name], parameter.unit, interval)
+        at += parameter.size
+    return found
+
+
+def _spread(problem: Problem, z: np.ndarray, certificate: Certificate) -> np.ndarray:
+    """Half-widths in z, ``(n,)``, within which the value rises by 1 %; infinite along flat ones."""
+    scale = abs(problem.value(z)) or 1.0
+    curvatures, directions = np.linalg.eigh(problem.hessian(z) / scale)
+    flat = np.array([is_flat(float(c)) for c in curvatures], dtype=bool)
+    squared = np.zeros(len(z))
+    for curvature, direction in zip(curvatures[~flat], directions.T[~flat], strict=True):
+        squared += direction**2 / curvature
+    squared[(np.abs(directions[:, flat]) > 0.02).any(axis=1)] = np.inf
+    return np.sqrt(2 * 0.01 * squared)

@@ -1,0 +1,18 @@
+"""Tuned filters as files: written in six formats, and read back to the bit."""
+
+from tuner.export.error import ExportError
+from tuner.export.formats import FORMATS, Format, dump, load, suffix, write
+from tuner.export.tuned import Provenance, Quantity, Tuned
+
+__all__ = [
+    "FORMATS",
+    "ExportError",
+    "Format",
+    "Provenance",
+    "Quantity",
+    "Tuned",
+    "dump",
+    "load",
+    "suffix",
+    "write",
+]

@@ -1,0 +1,74 @@
+"""CSV: one row for each number, counted from 0; all the rest in lines above that begin with #."""
+
+import csv
+import io
+import json
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from tuner.export.document import Document, flat, head, mapping, nested, sequence, tuned_from
+from tuner.export.tuned import Quantity, Tuned
+
+_COLUMNS = ["name", "row", "column", "value", "unit", "meaning"]
+_SHAPES = "shapes"
+
+
+def dump(tuned: Tuned) -> bytes:
+    """UTF-8 text; what is quoted is text, what is not is a number.
+
+    The row and the column are empty for a number, and the column is for a vector.
+    """
+    stream = io.StringIO(newline="")
+    shapes = {quantity.name: list(quantity.value.shape) for quantity in tuned.quantities}
+    for key, value in (flat(head(tuned)) | {_SHAPES: shapes}).items():
+        stream.write(f"# {key}: {json.dumps(value, ensure_ascii=False)}\n")
+    # Without its quotes a field with a carriage return would end the row.
+    writer = csv.writer(stream, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
+    writer.writerow(_COLUMNS)
+    for quantity in tuned.quantities:
+        writer.writerows(_rows(quantity))
+    return stream.getvalue().encode()
+
+
+def load(data: bytes) -> Tuned:
+    """What :func:`dump` wrote; its rows may have been sorted in another way."""
+    lines = io.StringIO(data.decode("utf-8-sig"), newline="")
+    above: Document = {}
+    while (line := lines.readline()).startswith("#"):
+        key, _, value = line.removeprefix("#").partition(":")
+        above[key.strip()] = json.loads(value)
+    if next(csv.reader([line]), None) != _COLUMNS:
+        raise ValueError(f"its columns are not {','.join(_COLUMNS)}")
+    found: dict[str, list[list[str]]] = {}
+    for row in csv.reader(lines, strict=True):
+        found.setdefault(row[0] if row else "", []).append(row)
+    shapes = mapping("the list of shapes", above.pop(_SHAPES, None), found)
+    return tuned_from(nested(above), [_quantity(found[name], shapes[name]) for name in shapes])
+
+
+def _rows(quantity: Quantity) -> Iterator[list[str | int | float]]:
+    for index, value in np.ndenumerate(quantity.value):
+        row, column = (*index, "", "")[:2]
+        yield [quantity.name, row, column, float(value), quantity.unit, quantity.meaning]
+
+
+def _quantity(rows: list[list[str]], shape: object) -> Quantity:
+    """The quantity of these rows, which must be all that the shape asks for."""
+    name = rows[0][0]
+    if any(len(row) != len(_COLUMNS) for row in rows):
+        raise ValueError(f"{name!r} has a row with too many or too few columns")
+    labels = {(unit, meaning) for *_, unit, meaning in rows}
+    if len(labels) > 1:
+        raise ValueError(f"{name!r} has more than one unit or meaning")
+    numbers = {_index(row): float(row[3]) for row in rows}
+    sizes = sequence("a shape", shape)
+    if math.prod(sizes) != len(rows) or sorted(numbers) != list(np.ndindex(*sizes)):
+        raise ValueError(f"{name!r} has rows missing or twice")
+    values = np.array([numbers[index] for index in sorted(numbers)]).reshape(sizes)
+    return Quantity(name, values, *labels.pop())
+
+
+def _index(row: list[str]) -> tuple[int, ...]:
+    return tuple(int(number) for number in row[1:3] if number)

@@ -1,0 +1,142 @@
+"""The formats, and writing and reading in any of them."""
+
+import difflib
+import textwrap
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from tuner.atomic import WriteError, write_bytes
+from tuner.export import csv, header, json, mat, npz, toml
+from tuner.export.error import ExportError
+from tuner.export.tuned import Tuned
+
+
+@dataclass(frozen=True)
+class Format:
+    """One format.
+
+    Attributes:
+        name: what a user calls it.
+        suffix: of its files, with the dot.
+        dump: writes it.
+        load: reads it.
+    """
+
+    name: str
+    suffix: str
+    dump: Callable[[Tuned], bytes]
+    load: Callable[[bytes], Tuned]
+
+
+_FORMATS = {
+    format.name: format
+    for format in (
+        Format("json", ".json", json.dump, json.load),
+        Format("toml", ".toml", toml.dump, toml.load),
+        Format("npz", ".npz", npz.dump, npz.load),
+        Format("csv", ".csv", csv.dump, csv.load),
+        Format("mat", ".mat", mat.dump, mat.load),
+        Format("c", ".h", header.dump, header.load),
+    )
+}
+
+FORMATS = tuple(_FORMATS)
+
+
+def suffix(format: str) -> str:
+    """The suffix of the format's files, with the dot.
+
+    Raises:
+        ExportError: where there is no such format.
+
+    Example:
+        >>> suffix("c")
+        '.h'
+    """
+    return _known(format).suffix
+
+
+def dump(tuned: Tuned, format: str) -> bytes:
+    """The file's bytes; the same for the same filter, on every day and machine.
+
+    Args:
+        tuned: what to write.
+        format: one of :data:`FORMATS`.
+
+    Raises:
+        ExportError: where there is no such format.
+
+    Example:
+        >>> from tuner.export import Provenance, Quantity
+        >>> import numpy as np
+        >>> source = Provenance("demo", "step", "grid", "optimal", 0, "", "", ())
+        >>> gain = Quantity("K1", np.array(0.25), "", "Gain on the rate.")
+        >>> tuned = Tuned("gyro", "FixedGainFilter", (gain,), "discrete", 0.01, (), source)
+        >>> dump(tuned, "csv").decode().splitlines()[-1]
+        '"K1","","",0.25,"","Gain on the rate."'
+        >>> load(dump(tuned, "c"), "c") == tuned
+        True
+    """
+    return _known(format).dump(tuned)
+
+
+def load(data: bytes, format: str) -> Tuned:
+    """Read what :func:`dump` wrote, equal to the bit; nothing in it is ever run.
+
+    Args:
+        data: the file's bytes.
+        format: one of :data:`FORMATS`.
+
+    Raises:
+        ExportError: where there is no such format, or the bytes are damaged or not of its kind.
+
+    Example:
+        >>> load(b"{}", "json")
+        Traceback (most recent call last):
+        tuner.export.error.ExportError: no tuned filter can be read as json (the list of \
+quantities is missing or no list); export it again
+    """
+    known = _known(format)
+    try:
+        return known.load(data)
+    except Exception as error:  # the readers of foreign bytes fail in every way there is
+        reason = textwrap.shorten(str(error) or type(error).__name__, 200, placeholder=" ...")
+        raise ExportError(
+            f"no tuned filter can be read as {format} ({reason.rstrip('.')}); export it again"
+        ) from error
+
+
+def write(tuned: Tuned, path: Path | str, format: str, *, overwrite: bool = False) -> Path:
+    """Write a file, whole or not at all.
+
+    Args:
+        tuned: what to write.
+        path: the file, under this very name; its folder must exist.
+        format: one of :data:`FORMATS`.
+        overwrite: whether a file that is there may be replaced.
+
+    Returns:
+        The path.
+
+    Raises:
+        ExportError: where there is no such format, the file exists and may not be replaced, or
+            it cannot be written; a file that was there is then as it was.
+
+    Example:
+        >>> write(tuned, folder / f"{tuned.name}{suffix('c')}", "c")  # doctest: +SKIP
+        PosixPath('out/gyro.h')
+    """
+    data = dump(tuned, format)
+    try:
+        write_bytes(Path(path), data, overwrite=overwrite)
+    except WriteError as error:
+        raise ExportError(str(error)) from error
+    return Path(path)
+
+
+def _known(name: str) -> Format:
+    if name not in _FORMATS:
+        near = difflib.get_close_matches(name.lower(), FORMATS) or FORMATS
+        raise ExportError(f"there is no format {name!r}; there are {', '.join(near)}")
+    return _FORMATS[name]

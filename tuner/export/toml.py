@@ -1,0 +1,23 @@
+"""TOML: for files that people read and change."""
+
+import tomllib
+
+import tomli_w
+
+from tuner.export.document import head
+from tuner.export.plain import from_plain, plain_quantities
+from tuner.export.tuned import Tuned
+
+
+def dump(tuned: Tuned) -> bytes:
+    """A TOML document in UTF-8; numbers have the digits that give the same float64 again."""
+    document = head(tuned)
+    # Last, for all of its keys are known: a file that was cut short is noticed.
+    source = document.pop("provenance")
+    document |= {"quantities": plain_quantities(tuned), "provenance": source}
+    return tomli_w.dumps(document).encode()
+
+
+def load(data: bytes) -> Tuned:
+    """What :func:`dump` wrote, or a person who knows its schema."""
+    return from_plain(tomllib.loads(data.decode()))

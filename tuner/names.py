@@ -1,0 +1,17 @@
+"""Unknown names are errors that list the near ones."""
+
+import difflib
+from collections.abc import Iterable
+
+
+def unknown(kind: str, name: str, known: Iterable[str]) -> ValueError:
+    """The error for a name that is not among the known ones.
+
+    >>> str(unknown("solver", "neldermead", ["nelder-mead", "tpe"]))
+    "unknown solver 'neldermead'; did you mean nelder-mead? There are: nelder-mead, tpe"
+    """
+    names = sorted(known)
+    near = difflib.get_close_matches(name, names, n=3)
+    hint = f"did you mean {' or '.join(near)}? " if near else ""
+    there = f"There are: {', '.join(names)}" if names else "There are none"
+    return ValueError(f"unknown {kind} {name!r}; {hint}{there}")

@@ -1,0 +1,74 @@
+"""Does a tuned filter survive single precision on the target?"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from filters import AnyFilter, run
+
+HARMLESS = 0.01
+"""A deviation below this share of the signal's scale is not worth a warning."""
+
+
+@dataclass(frozen=True)
+class SinglePrecision:
+    """How far a filter in float32 strays from the same filter in float64 on the same record.
+
+    Attributes:
+        form: which form of the filter was run, "full covariance".
+        largest: largest deviation of the output, in its unit.
+        share: the same over the scale of the signal.
+        sample: where it occurs.
+        rms: root mean square of the deviation.
+        warning: a sentence where it matters, otherwise "".
+    """
+
+    form: str
+    largest: float
+    share: float
+    sample: int
+    rms: float
+    warning: str
+
+
+def single_precision(
+    form: str, filter: AnyFilter, params: Any, inputs: Any, scale: float
+) -> SinglePrecision:
+    """Run a filter whose outputs are one array ``(N, ...)`` in both precisions.
+
+    Args:
+        form: what to call it.
+        filter: the filter.
+        params: its parameters, float64.
+        inputs: its inputs, float64, time first.
+        scale: size of the signal that counts, in the output's unit.
+
+    Raises:
+        TypeError: where the filter falls back to float64, for then nothing would be tested.
+    """
+    exact = np.asarray(_outputs(filter, params, inputs))
+    halved = jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), (params, inputs))
+    rounded = _outputs(filter, *halved)
+    if rounded.dtype != jnp.float32:
+        raise TypeError(f"{type(filter).__name__} puts out {rounded.dtype} for float32 inputs")
+    deviation = np.nan_to_num(np.abs(np.asarray(rounded, float) - exact), nan=np.inf)
+    sample = int(np.unravel_index(np.argmax(deviation), deviation.shape)[0])
+    largest = float(deviation.max())
+    share = largest / scale
+    warning = ""
+    if not share < HARMLESS:
+        warning = (
+            f"in single precision the {form} form strays by {100 * share:.3g} % of {scale:g} at "
+            f"sample {sample}; run it in double precision or use a fixed-gain form"
+        )
+    rms = float(np.sqrt(np.mean(deviation**2)))
+    return SinglePrecision(form, largest, share, sample, rms, warning)
+
+
+@jax.jit(static_argnums=0)
+def _outputs(filter: AnyFilter, params: Any, inputs: Any) -> jax.Array:
+    outputs: jax.Array = run(filter, params, inputs)[1]
+    return outputs

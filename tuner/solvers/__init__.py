@@ -1,0 +1,57 @@
+"""Solvers: different methods on the same Problem, each returning a certified Solution."""
+
+from collections.abc import Callable
+
+from tuner.names import unknown
+from tuner.problem import Problem
+from tuner.solution import Solution
+from tuner.solvers.gradient import LBFGSB, TrustConstr
+from tuner.solvers.nelder_mead import NelderMead, fminsearch, nelder_mead
+from tuner.solvers.sampling import Sampler
+
+SOLVERS = {
+    "nelder-mead": "simplex search, no gradient; fminsearch's moves, tolerances made for z",
+    "l-bfgs-b": "quasi-Newton with bounds on exact gradients (scipy)",
+    "trust-constr": "Newton in a trust region on exact gradients (scipy)",
+    "cma-es": "covariance matrix adaptation (Optuna), trials kept in a database",
+    "tpe": "tree-structured Parzen estimator (Optuna), trials kept in a database",
+}
+"""What each solver is, by name."""
+
+
+def make_solver(
+    name: str, *, seed: int, starts: int, storage: str
+) -> Callable[[Problem], Solution]:
+    """A solver by name.
+
+    Args:
+        name: one of :data:`SOLVERS`.
+        seed: where its random numbers come from.
+        starts: how many starts a descent makes; samplers draw all over the box anyway.
+        storage: database URL for the samplers; "" for a temporary one.
+
+    Raises:
+        ValueError: for an unknown name, with the near ones.
+    """
+    match name:
+        case "nelder-mead":
+            return NelderMead(seed=seed, starts=starts)
+        case "l-bfgs-b":
+            return LBFGSB(seed=seed, starts=starts)
+        case "trust-constr":
+            return TrustConstr(seed=seed, starts=starts)
+        case "cma-es" | "tpe":
+            return Sampler(name, seed=seed, storage=storage)
+    raise unknown("solver", name, SOLVERS)
+
+
+__all__ = [
+    "LBFGSB",
+    "SOLVERS",
+    "NelderMead",
+    "Sampler",
+    "TrustConstr",
+    "fminsearch",
+    "make_solver",
+    "nelder_mead",
+]

@@ -1,0 +1,133 @@
+"""What a study is, and how studies are found."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from importlib.metadata import entry_points
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from tuner.comparison import Comparison
+from tuner.figure import Figure
+from tuner.names import unknown
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+    from tuner.export.tuned import Quantity
+    from tuner.logs import Log
+    from tuner.problem import Problem
+    from tuner.single import SinglePrecision
+    from tuner.solution import Solution
+
+Solver: TypeAlias = "Callable[[Problem], Solution]"
+
+
+@dataclass(frozen=True)
+class Source:
+    """Which data a run used.
+
+    Attributes:
+        name: the log's file name, or what was made up instead.
+        sha256: of the log's bytes, or of the made-up samples.
+        samples: how many samples.
+        rate_hz: sample rate.
+    """
+
+    name: str
+    sha256: str
+    samples: int
+    rate_hz: float
+
+
+@dataclass(frozen=True)
+class Task:
+    """One problem for one solver."""
+
+    problem: "Problem"
+    solver: Solver
+    solver_name: str
+
+
+Solutions: TypeAlias = "Mapping[tuple[str, str], Solution]"
+"""Solutions by the names of problem and solver."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """A problem whose solution goes onto a machine.
+
+    Attributes:
+        problem: the problem.
+        filter: name of the filter.
+        states: the order of its states.
+        dt: sample time, s.
+        quantities: what is exported besides the parameters, given the solution.
+        single: the same solution run in single precision.
+    """
+
+    problem: "Problem"
+    filter: str
+    states: tuple[str, ...]
+    dt: float
+    quantities: "Callable[[Solution], tuple[Quantity, ...]]"
+    single: "Callable[[Solution], tuple[SinglePrecision, ...]]"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a study does with given settings, data and seed.
+
+    Attributes:
+        source: the data.
+        tasks: what is solved.
+        targets: what is exported.
+        compare: the rows of the comparison, given all solutions.
+        figures: the figures, given all solutions.
+    """
+
+    source: Source
+    tasks: tuple[Task, ...]
+    targets: tuple[Target, ...]
+    compare: Callable[[Solutions], list[Comparison]]
+    figures: Callable[[Solutions], Iterable[Figure]]
+
+
+@dataclass(frozen=True)
+class Study:
+    """A published result to run again, or a benchmark.
+
+    Attributes:
+        name: what it is called on the command line.
+        title: one line.
+        paper: the citation.
+        settings: the model of its options, a frozen pydantic model that forbids unknown names.
+        channels: what ``--map`` may name, with a description each; empty if it takes no log.
+        plan: from settings, log (or None), seed and database URL to the plan.
+    """
+
+    name: str
+    title: str
+    paper: str
+    settings: "type[BaseModel]"
+    channels: Mapping[str, str] = field(hash=False)
+    plan: "Callable[[Any, Log | None, int, str], Plan]"
+
+
+GROUP = "tuner.studies"
+
+
+def study_names() -> list[str]:
+    """The names of all installed studies, sorted; none of them is imported."""
+    return sorted(point.name for point in entry_points(group=GROUP))
+
+
+def find_study(name: str) -> Study:
+    """Load a study by name, from whichever installed package offers it.
+
+    Raises:
+        ValueError: for an unknown name, with the near ones.
+    """
+    for point in entry_points(group=GROUP):
+        if point.name == name:
+            study: Study = point.load()
+            return study
+    raise unknown("study", name, study_names())
