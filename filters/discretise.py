@@ -75,5 +75,8 @@ def transitions(A: Array, G: Array, S: Array, dt: np.ndarray) -> Transition:
             f"{steps[wrong[0]]} at sample {wrong[0]}; time must not run backwards"
         )
     distinct, which = np.unique(steps, return_inverse=True)
-    table = jax.vmap(van_loan, in_axes=(None, None, None, 0))(A, G, S, jnp.asarray(distinct))
+    table = _at_each(A, G, S, jnp.asarray(distinct))
     return Transition(F=table.F[which], G=table.G[which], Q=table.Q[which])
+
+
+_at_each = jax.jit(jax.vmap(van_loan, in_axes=(None, None, None, 0)))

@@ -1,1 +1,70 @@
-"""."""
+"""Tune filters by optimisation: problems, solvers, certificates, logs, exports and studies.
+
+Public names are imported from here; what they need is loaded when they are first used.
+"""
+
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+_HOMES = {
+    "filters": (
+        "AccelerometerFilter",
+        "FixedGainFilter",
+        "Gains",
+        "GyroscopeFilter",
+        "LinearKalman",
+        "LinearModel",
+        "Noise",
+        "Sample",
+        "Transition",
+        "accelerometer_steady",
+        "gyroscope_steady",
+        "run",
+        "transitions",
+        "van_loan",
+    ),
+    "objectives": ("Crossing", "Data", "Reading", "StepResponse", "Welch"),
+    "tuner.comparison": ("Comparison", "Verdict"),
+    "tuner.export": ("Provenance", "Quantity", "Tuned"),
+    "tuner.logs": ("Log", "LogError", "parse_mapping", "read_log"),
+    "tuner.problem": ("Problem",),
+    "tuner.single": ("single_precision",),
+    "tuner.solution": ("Certificate", "Solution", "Status"),
+    "tuner.solvers": ("LBFGSB", "NelderMead", "Sampler", "TrustConstr", "fminsearch"),
+    "tuner.space": ("Bounded", "Covariance", "Fixed", "Positive", "Space"),
+    "tuner.split": ("split_noise",),
+    "tuner.study": ("Plan", "Source", "Study", "Target", "Task", "find_study"),
+    "tuner.surface": ("grid", "values", "values_and_gradients"),
+}
+_HOME = {name: home for home, names in _HOMES.items() for name in names}
+
+__all__ = sorted(_HOME)  # noqa: PLE0605  # the names are those of the table above
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'tuner' has no attribute {name!r}")
+    return getattr(import_module(_HOME[name]), name)
+
+
+def __dir__() -> list[str]:
+    return [*globals(), *__all__]
+
+
+def _check_siblings() -> None:
+    """Refuse to start beside another package called filters, objectives or studies."""
+    root = Path(__file__).resolve().parents[1]
+    for name in ("filters", "objectives", "studies"):
+        spec = find_spec(name)
+        found = None if spec is None or spec.origin is None else Path(spec.origin).resolve()
+        if found != root / name / "__init__.py":
+            raise ImportError(
+                f"tuner needs its own package {name!r} in {root / name}, but Python finds "
+                f"{found or 'none'}; rename yours, or start Python with -P so that the current "
+                "folder does not come first"
+            )
+
+
+_check_siblings()

@@ -65,7 +65,7 @@ def number(
     unit: str = "",
     note: str = "",
 ) -> Comparison:
-    """Compare two numbers: a match within the relative tolerance, otherwise a difference with its size.
+    """Compare two numbers: a match within the relative tolerance, or a difference with its size.
 
     >>> row = number("gain", "Table 2", 2.0, 7.2, tolerance=0.05)
     >>> row.verdict.value, row.note

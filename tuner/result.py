@@ -139,7 +139,7 @@ class SingleRecord(_Record):
 class Result(_Record):
     """Everything a run found; ``result.json``."""
 
-    schema_: Literal["tuner.result/1"] = Field("tuner.result/1", alias="schema")
+    schema_: Literal["tuner.result/1"] = Field(alias="schema")
     study: str
     seed: int
     log: LogRecord
@@ -167,7 +167,9 @@ def read_result(path: Path) -> Result:
     try:
         return Result.model_validate_json(file.read_bytes())
     except FileNotFoundError:
-        raise ValueError(f"{path} holds no result.json; give the folder of a finished run") from None
+        raise ValueError(
+            f"{path} holds no result.json; give the folder of a finished run"
+        ) from None
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"]) or "the file"

@@ -18,7 +18,7 @@ from tuner.logs import Log
 from tuner.problem import Problem
 from tuner.single import SinglePrecision, single_precision
 from tuner.solution import Solution
-from tuner.solvers import make_solver
+from tuner.solvers import NelderMead, make_solver
 from tuner.study import Plan, Source, Study, Target, Task
 
 
@@ -34,12 +34,14 @@ def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
         for name in settings.solvers
     ]
     posed = [(bench, bench.problem()) for bench in tested]
-    problems = [problem for _, problem in posed]
-    problems += [bench.problem(".paper", R=True) for bench in tested]
-    problems += [bench.problem(".literal", reading="R1") for bench in tested]
+    problems = [problem for _, problem in posed] + [bench.paper() for bench in tested]
+    tasks = [Task(problem, *solver) for problem in problems for solver in solvers]
+    # The literal cost has jumps, which no gradient sees.
+    simplex = NelderMead(seed=seed, starts=settings.starts)
+    tasks += [Task(bench.literal(), simplex, simplex.name) for bench in tested]
     return Plan(
         source=_source(tested[0], log, seed),
-        tasks=tuple(Task(problem, *solver) for problem in problems for solver in solvers),
+        tasks=tuple(tasks),
         targets=tuple(_target(bench, problem) for bench, problem in posed),
         compare=partial(compare, tested, log is None),
         figures=partial(figures, tested),

@@ -172,24 +172,29 @@ class Bench:
         welch = Welch.matlab(len(self.record))
         return StepResponse(self.dt, welch, Reading[reading], Crossing[crossing.upper()], weight)
 
-    def problem(self, suffix: str = "", *, reading: str | None = None, R: bool = False) -> Problem:
-        """Minimise (10) over Q, or over R and Q as the paper does.
-
-        Args:
-            suffix: added to the sensor's name.
-            reading: of the second term; the settings' unless given.
-            R: whether R is free as well.
-        """
+    def problem(self) -> Problem:
+        """Minimise (10) over Q, with R as measured: well posed, for only Q/R counts."""
         s = self.settings
-        objective = self.objective(reading or s.reading, s.crossing, s.weight)
+        return self._problem("", self.objective(s.reading, s.crossing, s.weight), free_R=False)
+
+    def paper(self) -> Problem:
+        """Minimise (10) over R and Q together, as the paper does: ill posed."""
+        s = self.settings
+        return self._problem(".paper", self.objective(s.reading, s.crossing, s.weight), free_R=True)
+
+    def literal(self) -> Problem:
+        """Minimise (10) over Q to the letter: reading R1, up to the first crossing."""
+        return self._problem(".literal", self.objective("R1", "first"), free_R=False)
+
+    def _problem(self, suffix: str, objective: StepResponse, *, free_R: bool) -> Problem:
         free = Positive(self.R, low=1e-13, high=1.0, unit=f"({self.unit})^2")
-        low, high = (1e-13, 1e2) if R else (1e-8 * self.R, 1e10 * self.R)
+        low, high = (1e-13, 1e2) if free_R else (1e-8 * self.R, 1e10 * self.R)
         return Problem(
             name=self.sensor.name + suffix,
             space=Space.of(
-                R=free if R else Fixed(self.R, unit=free.unit),
+                R=free if free_R else Fixed(self.R, unit=free.unit),
                 Q=Positive(np.clip(self.Q, low, high), low, high, unit=f"({self.unit})^2/s^2"),
-                P0=Fixed(s.P0, unit=free.unit),
+                P0=Fixed(self.settings.P0, unit=free.unit),
             ),
             filter=self.filter,
             build=noise,

@@ -82,7 +82,7 @@ def _answer(filter: AnyFilter, params: Noise, signals: jax.Array) -> jax.Array:
 
 def _surface(bench: Bench, ratio: float) -> Figure:
     """Fig 8: the cost over R and Q, on logarithmic axes, where its valley shows."""
-    problem = bench.problem(R=True)
+    problem = bench.paper()
     R = np.logspace(-12, 0, bench.settings.grid)
     Q = np.logspace(-12, 2, bench.settings.grid)
     published = bench.sensor.table2

@@ -41,10 +41,9 @@ def load(data: bytes) -> Tuned:
 def _struct(tuned: Tuned) -> Document:
     """The metadata as MATLAB shows them."""
     given = head(tuned)
-    versions = given["provenance"]["versions"]
     return given | {
         "states": _cells([[state] for state in given["states"]]),
-        "provenance": given["provenance"] | {"versions": _cells(list(map(list, versions.items())))},
+        "versions": _cells([[*pair] for pair in given["versions"].items()]),
         "units": {quantity.name: quantity.unit for quantity in tuned.quantities},
         "meanings": {quantity.name: quantity.meaning for quantity in tuned.quantities},
     }

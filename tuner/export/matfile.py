@@ -14,7 +14,7 @@ _CHAR, _DOUBLE = 4, 6  # classes of matrices
 _MAX_BYTES = 1 << 28
 # MATLAB packs the numbers of a double matrix into the smallest of these that holds them.
 _NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8"}
-_TEXTS = {2: "latin-1", 4: "utf-16", 16: "utf-8", 17: "utf-16"}
+_TEXTS = {2: "latin-1", 4: "utf-16-native", 16: "utf-8", 17: "utf-16-native"}
 
 
 def variables(data: bytes) -> tuple[dict[str, NDArray[np.float64]], dict[str, str]]:
@@ -82,5 +82,4 @@ def _text(rest: list[tuple[int, bytes]], order: str) -> str:
     if len(rest) != 1 or rest[0][0] not in _TEXTS:
         raise ValueError("it holds a text of an unknown kind")
     kind, body = rest[0]
-    name = _TEXTS[kind]
-    return body.decode({"<": "utf-16-le", ">": "utf-16-be"}[order] if name == "utf-16" else name)
+    return body.decode(_TEXTS[kind].replace("native", {"<": "le", ">": "be"}[order]))

@@ -1,0 +1,164 @@
+"""The command line: results on stdout, everything else on stderr."""
+
+import os
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import click
+import typer
+
+app = typer.Typer(
+    name="tuner",
+    help="Tunes filters by optimisation: finds Q, R and gains, says how far they can be trusted, "
+    "compares them with published values and exports them.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout.")]
+Force = Annotated[bool, typer.Option(help="Replace files that are there already.")]
+
+
+@app.command("list")
+def list_(
+    what: Annotated[
+        str, typer.Argument(help="studies, filters, objectives, solvers or formats")
+    ] = "studies",
+    json: Json = False,
+) -> None:
+    """List what there is."""
+    from tuner.cli.listing import show
+
+    show(what, json)
+
+
+@app.command()
+def run(
+    study: Annotated[
+        str, typer.Argument(help="A study's name, or a study.toml of an earlier run.")
+    ],
+    log: Annotated[Path | None, typer.Option(help="Sensor log: CSV, NPZ or MAT.")] = None,
+    map: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=COLUMN", help="Channel: column[index][*factor][:unit]."),
+    ] = None,
+    rate: Annotated[
+        float | None, typer.Option(metavar="HZ", help="Sample rate of the log.")
+    ] = None,
+    time: Annotated[str | None, typer.Option(metavar="COLUMN", help="Time column.")] = None,
+    set: Annotated[
+        list[str] | None, typer.Option(metavar="KEY=VALUE", help="A setting of the study.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for the results.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Seed of all random numbers; 0.")] = None,
+    storage: Annotated[
+        str | None, typer.Option(metavar="URL", help="Database for samplers; SQLite in the folder.")
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="Problems solved at once; one per processor.")
+    ] = None,
+    resume: Annotated[bool, typer.Option(help="Go on with an interrupted run in --out.")] = False,
+    dry_run: Annotated[bool, typer.Option(help="Say what would be done, and stop.")] = False,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Run a study, on its own data or on a log; write a folder with results and exports."""
+    from tuner.cli.run import Request, execute
+
+    request = Request(
+        study=study,
+        log=log,
+        maps=tuple(map or ()),
+        rate=rate,
+        time=time,
+        sets=tuple(set or ()),
+        out=out,
+        seed=seed,
+        storage=storage,
+        jobs=jobs or os.cpu_count() or 1,
+        resume=resume,
+        dry_run=dry_run,
+        force=force,
+        json=json,
+    )
+    raise typer.Exit(execute(request))
+
+
+@app.command()
+def compare(
+    runs: Annotated[list[Path], typer.Argument(help="Folders of runs, or their result.json.")],
+    tol: Annotated[
+        str | None, typer.Option(metavar="5%", help="Tolerance instead of each row's own.")
+    ] = None,
+    json: Json = False,
+    md: Annotated[bool, typer.Option("--md", help="A Markdown table.")] = False,
+    csv: Annotated[bool, typer.Option("--csv", help="Comma-separated values.")] = False,
+) -> None:
+    """Hold runs against the paper; exit 1 if a row lies outside its tolerance."""
+    from tuner.cli.compare import show
+
+    raise typer.Exit(show(runs, tol, json=json, md=md, csv=csv))
+
+
+@app.command()
+def export(
+    run: Annotated[Path, typer.Argument(help="Folder of a run, or its result.json.")],
+    to: Annotated[str, typer.Option(metavar="FORMAT", help="json, toml, npz, csv, mat or c.")],
+    output: Annotated[
+        str | None, typer.Option("-o", "--output", metavar="FILE|-", help="- is stdout.")
+    ] = None,
+    problem: Annotated[
+        str | None, typer.Option(help="Which one, where the run has several.")
+    ] = None,
+    log: Annotated[
+        Path | None, typer.Option(help="The run's log, to score what was written.")
+    ] = None,
+    force: Annotated[
+        bool, typer.Option(help="Replace the file; export what did not converge.")
+    ] = False,
+) -> None:
+    """Write a tuned filter as a file, read it back and score it again."""
+    from tuner.cli.export import write
+
+    write(run, to, output, problem=problem, log=log, force=force)
+
+
+@app.command()
+def doctor(json: Json = False) -> None:
+    """Check the installation."""
+    from tuner.cli.doctor import show
+
+    raise typer.Exit(show(json))
+
+
+def main() -> None:
+    """Run the command line, with one line on stderr and exit code 2 for what a user can mend."""
+    sys.exit(invoke(sys.argv[1:]))
+
+
+def invoke(arguments: list[str]) -> int:
+    """Run the command line with given arguments and return its exit code."""
+    try:
+        return int(app(arguments, prog_name="tuner", standalone_mode=False) or 0)
+    except click.ClickException as error:
+        return _refuse(error.format_message())
+    except (KeyboardInterrupt, click.Abort) as error:
+        print(f"tuner: interrupted{': ' if str(error) else ''}{error}", file=sys.stderr)
+        return 130
+    except ModuleNotFoundError as error:
+        return _refuse(f"{error}; install the extra that brings it")
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except (ValueError, OSError) as error:
+        if os.environ.get("TUNER_DEBUG"):
+            raise
+        return _refuse(str(error))
+
+
+def _refuse(message: str) -> int:
+    print(f"tuner: {' '.join(message.split())}", file=sys.stderr)
+    return 2

@@ -1,0 +1,42 @@
+"""Settings of a study from --set, in one sentence where they are wrong."""
+
+import tomllib
+from collections.abc import Sequence
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from tuner.names import unknown
+
+
+def parse_settings(model: type[BaseModel], pairs: Sequence[str], base: dict[str, Any]) -> BaseModel:
+    """The settings that KEY=VALUE pairs make of a base.
+
+    Values are read as TOML (numbers, true, [lists]), or as text where they are none.
+
+    Raises:
+        ValueError: for an unknown key, with the near ones, or a value that does not fit.
+    """
+    values = dict(base)
+    for pair in pairs:
+        key, equals, text = pair.partition("=")
+        if not equals:
+            raise ValueError(f"--set {pair} has no '='; write --set KEY=VALUE")
+        values[key.strip()] = _value(text.strip())
+    for key in values:
+        if key not in model.model_fields:
+            raise unknown("setting", key, model.model_fields)
+    try:
+        return model.model_validate(values)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"])
+        reason = first["msg"].removeprefix("Value error, ")
+        raise ValueError(f"setting {where}: {reason}, got {first['input']!r}") from None
+
+
+def _value(text: str) -> Any:
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text

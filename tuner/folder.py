@@ -1,0 +1,69 @@
+"""A run's folder: files written whole or not at all, and nothing overwritten unasked."""
+
+import contextlib
+from dataclasses import dataclass
+from pathlib import Path
+
+from tuner.atomic import write_bytes
+
+
+@dataclass(frozen=True)
+class RunFolder:
+    """Where a run keeps its files.
+
+    Attributes:
+        path: the folder.
+        overwrite: whether files that are there already may be replaced.
+    """
+
+    path: Path
+    overwrite: bool
+
+    def write(self, name: str, data: bytes, *, replace: bool = False) -> str:
+        """Write a file, in a folder below if its name says so, and return its name.
+
+        Args:
+            name: relative to the run's folder.
+            data: its content.
+            replace: whether this very file may be replaced, for files that grow with the run.
+        """
+        file = self.path / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        write_bytes(file, data, overwrite=self.overwrite or replace)
+        return name
+
+    def remove(self, name: str) -> None:
+        """Remove a file if it is there."""
+        with contextlib.suppress(FileNotFoundError):
+            (self.path / name).unlink()
+
+
+def open_folder(path: Path | None, study: str, *, force: bool, resume: bool) -> RunFolder:
+    """The folder for a run: the one that was asked for, or the next free one below ``runs``.
+
+    Raises:
+        ValueError: where it holds files and neither force nor resume was given, where there is
+            nothing to resume, or where it cannot be written.
+    """
+    if resume and (path is None or not (path / "progress.json").is_file()):
+        raise ValueError("--resume needs --out with the folder of an interrupted run")
+    chosen = path or _next_free(Path("runs"), study)
+    if chosen.is_file():
+        raise ValueError(f"--out {chosen} is a file; name a folder")
+    try:
+        chosen.mkdir(parents=True, exist_ok=True)
+        occupied = next(chosen.iterdir(), None)
+    except OSError as error:
+        raise ValueError(f"--out {chosen} cannot be written: {error.strerror}") from None
+    if occupied is not None and not force and not resume:
+        raise ValueError(
+            f"--out {chosen} is not empty; name another folder, or --force to replace its files"
+        )
+    return RunFolder(chosen, overwrite=force or resume)
+
+
+def _next_free(root: Path, study: str) -> Path:
+    number = 1
+    while (root / f"{study}-{number:03d}").exists():
+        number += 1
+    return root / f"{study}-{number:03d}"
