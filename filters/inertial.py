@@ -112,15 +112,14 @@ class GyroscopeFilter:
         p12 = state.p12 + T * state.p22
         det = state.det + q * (p11 + state.p22) + q**2
         p11, p22 = p11 + q, state.p22 + q
-        s = p11 + params.R
-        k1, k2 = p11 / s, p12 / s
+        over_s = 1 / (p11 + params.R)
+        k1, k2, shrink = p11 * over_s, p12 * over_s, params.R * over_s
         omega = state.omega + T * state.epsilon
         y = jnp.where(missing, 0.0, inputs - omega)
         omega, epsilon = omega + k1 * y, state.epsilon + k2 * y
-        p22 = jnp.where(missing, p22, (params.R * p22 + det) / s)
-        p11 = jnp.where(missing, p11, params.R * k1)
-        p12 = jnp.where(missing, p12, params.R * k2)
-        det = jnp.where(missing, det, params.R * det / s)
+        p22 = jnp.where(missing, p22, shrink * p22 + det * over_s)
+        shrink = jnp.where(missing, 1.0, shrink)
+        p11, p12, det = shrink * p11, shrink * p12, shrink * det
         return RateState(omega, epsilon, p11, p12, p22, det), omega
 
 

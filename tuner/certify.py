@@ -55,7 +55,7 @@ def is_flat(curvature: float) -> bool:
 
 
 def is_stationary(problem: Problem, z: np.ndarray, gradient: dict[str, float]) -> tuple[bool, bool]:
-    """Whether the gradient vanishes, and whether it does but for parts that push against a bound."""
+    """Whether the gradient vanishes, and whether it does but for what pushes against a bound."""
     slopes = np.array(list(gradient.values()))
     low, high = problem.space.box()
     steep = np.abs(slopes) > STATIONARY

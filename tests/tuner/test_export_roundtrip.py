@@ -24,12 +24,12 @@ def test_reads_back_what_it_wrote(case, format):
     assert load(dump(case(), format), format) == case()
 
 
-@pytest.mark.parametrize("format", FORMATS)
 @given(tuned=tuned_filters())
-def test_reads_back_anything(format, tuned):
-    data = dump(tuned, format)
-    assert load(data, format) == tuned
-    assert dump(load(data, format), format) == data
+def test_reads_back_anything(tuned):
+    for format in FORMATS:
+        data = dump(tuned, format)
+        assert load(data, format) == tuned
+        assert dump(load(data, format), format) == data
 
 
 def test_equality_is_to_the_bit():
@@ -121,7 +121,7 @@ def test_reads_what_matlab_saved_again():
     found = loadmat(io.BytesIO(dump(gyroscope(), "mat")), mat_dtype=True)
     again = {name: value for name, value in found.items() if not name.startswith("__")}
     stream = io.BytesIO()
-    savemat(stream, again, do_compression=True, long_field_names=True)
+    savemat(stream, again, do_compression=True)
     assert load(stream.getvalue(), "mat") == gyroscope()
 
 

@@ -5,14 +5,13 @@ import sys
 from pathlib import Path
 from typing import Annotated
 
-import click
 import typer
+from typer.exceptions import TyperException
 
 app = typer.Typer(
     name="tuner",
     help="Tunes filters by optimisation: finds Q, R and gains, says how far they can be trusted, "
     "compares them with published values and exports them.",
-    no_args_is_help=True,
     rich_markup_mode=None,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -142,14 +141,12 @@ def main() -> None:
 def invoke(arguments: list[str]) -> int:
     """Run the command line with given arguments and return its exit code."""
     try:
-        return int(app(arguments, prog_name="tuner", standalone_mode=False) or 0)
-    except click.ClickException as error:
-        return _refuse(error.format_message())
-    except (KeyboardInterrupt, click.Abort) as error:
+        return int(app(arguments or ["--help"], prog_name="tuner", standalone_mode=False) or 0)
+    except TyperException as error:
+        return _refuse(f"{getattr(error, 'format_message', error.__str__)().rstrip('.')}; see tuner --help")
+    except (KeyboardInterrupt, typer.Abort) as error:
         print(f"tuner: interrupted{': ' if str(error) else ''}{error}", file=sys.stderr)
         return 130
-    except ModuleNotFoundError as error:
-        return _refuse(f"{error}; install the extra that brings it")
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0

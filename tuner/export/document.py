@@ -84,9 +84,9 @@ def mapping(what: str, given: object, keys: Iterable[str] | None = None) -> Docu
     if not isinstance(given, dict):
         raise ValueError(f"{what} is missing or no mapping")
     known = set(given if keys is None else keys)
-    if given.keys() != known:
-        odd = sorted(map(repr, given.keys() ^ known))
-        raise ValueError(f"{what} lacks or should not have {', '.join(odd)}")
+    for verb, odd in (("lacks", known - given.keys()), ("should not have", given.keys() - known)):
+        if odd:
+            raise ValueError(f"{what} {verb} {', '.join(sorted(map(repr, odd)))}")
     return given
 
 

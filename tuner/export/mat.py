@@ -26,7 +26,7 @@ def dump(tuned: Tuned) -> bytes:
     contents: Document = {quantity.name: quantity.value for quantity in tuned.quantities}
     contents |= {META: _struct(tuned), _JSON: meta(tuned)}
     stream = io.BytesIO()
-    savemat(stream, contents, long_field_names=True, oned_as="column")
+    savemat(stream, contents, oned_as="column")
     return _TEXT + stream.getvalue()[len(_TEXT) :]
 
 
