@@ -49,7 +49,8 @@ class StepTruth(NamedTuple):
         step: the step signal S.
         lag_weight: trapezoidal weight of the squared lag, s; 0 before the step.
         last_weight: the same for the sample at which the integral ends, s.
-        power_weight: Parseval weight of the squared output (:meth:`Welch.power_weights`).
+        power_weight: Parseval weight of the squared output (:meth:`Welch.power_weights`); NaN for
+            R6, which takes none.
     """
 
     step: Array
@@ -93,17 +94,24 @@ class StepResponse:
         """The weights of both integrals for a step signal ``(N,)``, 0 before the step enters.
 
         Raises:
-            ValueError: where no step enters within the record, or the record is shorter than a
-                Welch segment.
+            ValueError: where the signal is not 0 first and above 0 from then on, or the record is
+                shorter than a Welch segment (under R6 :meth:`parts` says so).
         """
-        after = np.flatnonzero(step)
-        if not 0 < after.size < len(step):
-            raise ValueError("the step signal must be 0 at first and rise within the record")
-        lag_weight, last_weight = np.zeros((2, len(step)))
-        lag_weight[after] = self.dt
-        lag_weight[after[[0, -1]]] = self.dt / 2
-        last_weight[after[1:]] = self.dt / 2
-        columns = step, lag_weight, last_weight, self.welch.power_weights(len(step))
+        step = np.asarray(step)
+        samples = len(step)
+        enters = int(np.argmax(step != 0))
+        if enters == 0 or not (step[enters:] > 0).all():
+            raise ValueError(
+                "the step signal must be 0 at first, rise within the record and stay above 0"
+            )
+        lag_weight, last_weight = np.zeros((2, samples))
+        last_weight[enters + 1 :] = self.dt / 2
+        lag_weight[enters:-1] = self.dt / 2
+        lag_weight += last_weight
+        power_weight = np.full(samples, np.nan)  # R6 takes none, and any detrend or average
+        if self.reading is not Reading.R6:
+            power_weight = self.welch.power_weights(samples)
+        columns = step, lag_weight, last_weight, power_weight
         return StepTruth(*(jnp.asarray(column) for column in columns))
 
     def init(self) -> StepSum:
@@ -131,7 +139,9 @@ class StepResponse:
         if kept is None:
             return StepCost(total.inertia, total.power)
         resolution = 1 / (self.welch.nfft * self.dt)
-        amplitude = jnp.sqrt(self.welch.psd(kept, self.dt))
+        density = self.welch.psd(kept, self.dt)
+        some = density > 0  # the root has no slope at 0
+        amplitude = jnp.where(some, jnp.sqrt(jnp.where(some, density, 1.0)), 0.0)
         return StepCost(total.inertia, amplitude.sum() * resolution)
 
     def _inertia(self, total: StepSum, lag: Array, truth: StepTruth) -> tuple[Array, Array]:

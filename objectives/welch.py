@@ -78,7 +78,7 @@ class Welch:
 
     @classmethod
     def matlab(cls, samples: int) -> "Welch":
-        """MATLAB's ``pwelch`` defaults: 8 segments, half overlapping, symmetric Hamming window.
+        """MATLAB's ``pwelch`` defaults: 7 or 8 half-overlapping segments, symmetric Hamming window.
 
         ``segment = floor(samples / 4.5)``, ``nfft`` the next power of two (256 at least).
 
@@ -159,7 +159,7 @@ detrend='none', scaling='density', average='mean')
             segments = segments - segments.mean(axis=1, keepdims=True)
         if self.detrend == "linear":
             time = np.arange(self.segment) - (self.segment - 1) / 2
-            slope = segments @ time / (time @ time)
+            slope = segments @ time / (time @ time or 1.0)  # a single sample has no slope
             segments = segments - slope[:, None] * time
         return segments * self._taper()
 
@@ -178,6 +178,7 @@ detrend='none', scaling='density', average='mean')
 
 
 _CHOICES = {
+    "window": tuple(sorted(_WINDOWS)),
     "detrend": ("none", "constant", "linear"),
     "scaling": ("density", "spectrum"),
     "average": ("mean", "median"),

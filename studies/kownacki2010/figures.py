@@ -35,7 +35,7 @@ def _sweeps(bench: Bench) -> Figure:
     R, Q = bench.noise
     ones = np.ones((2, 2))
     sweeps = {
-        "R = 0": Noise(0.0, Q, ones),
+        "R = 1e-30, as good as 0": Noise(1e-30, Q, ones),
         "R = 1": Noise(1.0, Q, ones),
         "Q = 0": Noise(R, 0.0, ones),
         "Q = 1": Noise(R, 1.0, ones),

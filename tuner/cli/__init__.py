@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from typer.exceptions import TyperException
+from typer._click.exceptions import ClickException
 
 app = typer.Typer(
     name="tuner",
@@ -142,8 +142,9 @@ def invoke(arguments: list[str]) -> int:
     """Run the command line with given arguments and return its exit code."""
     try:
         return int(app(arguments or ["--help"], prog_name="tuner", standalone_mode=False) or 0)
-    except TyperException as error:
-        return _refuse(f"{getattr(error, 'format_message', error.__str__)().rstrip('.')}; see tuner --help")
+    except ClickException as error:
+        words = error.format_message()
+        return _refuse(f"{words.rstrip('.')}; see tuner --help")
     except (KeyboardInterrupt, typer.Abort) as error:
         print(f"tuner: interrupted{': ' if str(error) else ''}{error}", file=sys.stderr)
         return 130
