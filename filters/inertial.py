@@ -4,8 +4,8 @@ Both are the Kalman filter (7) on the state models (8) and (9), with Phi = [1 T;
 G = T I and a scalar Q, so that Q T^2 I enters per sample. They are written out, for they run
 inside a tuning loop. The covariance is carried over R, so that after a measurement its first
 column is the gain: p11 -> p11 / (p11 + 1) = K1. Only Q/R and P0/R are left in the recursion.
-Beside its three numbers runs their determinant, and nothing is ever subtracted: what P22 - K2 P12
-loses where P0 has rank one is up to 3e-4 of the step at R = 1e-12, and 0.2 of it in single precision.
+Beside its three numbers runs their determinant, and nothing is ever subtracted: where P0 has rank
+one, P22 - K2 P12 loses up to 3e-4 of the step at R = 1e-12, and 0.2 of it in single precision.
 """
 
 from dataclasses import dataclass

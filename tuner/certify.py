@@ -8,10 +8,15 @@ from tuner.problem import Problem
 from tuner.solution import Certificate, Parameter, Starts
 
 TENFOLD = math.log(10)
-FLAT = 1e-3
-"""A direction is flat if a tenfold change along it costs less than this share of the value."""
+FLAT = 0.01
+"""A direction is flat if a tenfold change along it changes the value by less than this share.
+
+The intervals of :func:`estimates` are drawn where the value has risen by as much.
+"""
 STATIONARY = 1e-3
 """A point is stationary if a change by a factor e would, to first order, cost less than this."""
+NEAR = 0.01
+"""A coordinate this close to a bound lies on it: barriers and samplers never quite get there."""
 
 
 def certify(problem: Problem, z: np.ndarray, starts: Starts) -> Certificate:
@@ -26,40 +31,49 @@ def certify(problem: Problem, z: np.ndarray, starts: Starts) -> Certificate:
         The certificate, without any word from other methods.
     """
     value, gradient = problem.value_and_gradient(z)
-    scale = abs(value) or 1.0
-    curvatures, directions = np.linalg.eigh(problem.hessian(z) / scale)
+    gradient = gradient / (abs(value) or 1.0)
+    curvatures, directions = _spectrum(problem, z, value)
     labels = problem.space.coordinates
     low, high = problem.space.box()
-    bound = (z <= low + 1e-6) | (z >= high - 1e-6)
+    bound = (z <= low + NEAR) | (z >= high - NEAR)
     return Certificate(
-        gradient={label: float(g) for label, g in zip(labels, gradient / scale, strict=True)},
+        gradient={label: float(g) for label, g in zip(labels, gradient, strict=True)},
         active_bounds=tuple(label for label, at in zip(labels, bound, strict=True) if at),
         curvatures=tuple(float(c) for c in curvatures),
         flat_directions=tuple(
             flat_in_words(labels, direction)
             for curvature, direction in zip(curvatures, directions.T, strict=True)
-            if is_flat(float(curvature))
+            if is_flat(float(gradient @ direction), float(curvature))
         ),
         starts=starts,
         methods={},
     )
 
 
-def is_flat(curvature: float) -> bool:
-    """Whether a tenfold change along a direction of this relative curvature hardly costs anything.
+def _spectrum(problem: Problem, z: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues of the Hessian over the value, ``(n,)``, ascending, and their directions."""
+    hessian = problem.hessian(z) / (abs(value) or 1.0)
+    if not np.isfinite(hessian).all():
+        return np.full(len(z), np.nan), np.eye(len(z))
+    curvatures, directions = np.linalg.eigh(hessian)
+    return curvatures, directions
 
-    >>> is_flat(1e-5), is_flat(0.1)
-    (True, False)
+
+def is_flat(slope: float, curvature: float) -> bool:
+    """Whether a tenfold change either way along a direction hardly changes the value.
+
+    >>> is_flat(0.0, 1e-5), is_flat(0.0, 0.1), is_flat(0.1, 0.0), is_flat(0.0, -0.1)
+    (True, False, False, False)
     """
-    return curvature * TENFOLD**2 / 2 < FLAT
+    return abs(slope) * TENFOLD + abs(curvature) * TENFOLD**2 / 2 < FLAT
 
 
 def is_stationary(problem: Problem, z: np.ndarray, gradient: dict[str, float]) -> tuple[bool, bool]:
     """Whether the gradient vanishes, and whether it does but for what pushes against a bound."""
     slopes = np.array(list(gradient.values()))
     low, high = problem.space.box()
-    steep = np.abs(slopes) > STATIONARY
-    held = ((z <= low + 1e-6) & (slopes > 0)) | ((z >= high - 1e-6) & (slopes < 0))
+    steep = ~(np.abs(slopes) <= STATIONARY)  # what is not a number is not stationary either
+    held = ((z <= low + NEAR) & (slopes > 0)) | ((z >= high - NEAR) & (slopes < 0))
     return not steep.any(), not (steep & ~held).any()
 
 
@@ -88,10 +102,10 @@ def flat_in_words(labels: list[str], direction: np.ndarray) -> str:
     return f"{sentence}: only {second}{'/' if power > 0 else '*'}{name} is determined"
 
 
-def estimates(problem: Problem, z: np.ndarray, certificate: Certificate) -> dict[str, Parameter]:
+def estimates(problem: Problem, z: np.ndarray) -> dict[str, Parameter]:
     """The parameters at z with their units and 1 % intervals."""
     values = problem.parameters(z)
-    spread = _spread(problem, z, certificate)
+    spread = _spread(problem, z)
     found, at = {}, 0
     for name, parameter in problem.space.parameters:
         interval = None
@@ -104,13 +118,12 @@ def estimates(problem: Problem, z: np.ndarray, certificate: Certificate) -> dict
     return found
 
 
-def _spread(problem: Problem, z: np.ndarray, certificate: Certificate) -> np.ndarray:
+def _spread(problem: Problem, z: np.ndarray) -> np.ndarray:
     """Half-widths in z, ``(n,)``, within which the value rises by 1 %; infinite along flat ones."""
-    scale = abs(problem.value(z)) or 1.0
-    curvatures, directions = np.linalg.eigh(problem.hessian(z) / scale)
-    flat = np.array([is_flat(float(c)) for c in curvatures], dtype=bool)
+    curvatures, directions = _spectrum(problem, z, problem.value(z))
+    rising = curvatures * TENFOLD**2 / 2 >= FLAT
     squared = np.zeros(len(z))
-    for curvature, direction in zip(curvatures[~flat], directions.T[~flat], strict=True):
+    for curvature, direction in zip(curvatures[rising], directions.T[rising], strict=True):
         squared += direction**2 / curvature
-    squared[(np.abs(directions[:, flat]) > 0.02).any(axis=1)] = np.inf
-    return np.sqrt(2 * 0.01 * squared)
+    squared[(np.abs(directions[:, ~rising]) > 0.02).any(axis=1)] = np.inf
+    return np.sqrt(2 * FLAT * squared)

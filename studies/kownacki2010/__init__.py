@@ -90,8 +90,9 @@ def _single(bench: Bench, solution: Solution) -> tuple[SinglePrecision, ...]:
 STUDY = Study(
     name="kownacki2010",
     title="Q and R of an accelerometer's and a gyroscope's Kalman filter by optimisation",
-    paper="C. Kownacki, Optimization approach to adapt Kalman filters for the real-time application "
-    "of accelerometer and gyroscope signals' filtering, Digital Signal Processing, 2010",
+    paper="C. Kownacki, Optimization approach to adapt Kalman filters for the real-time "
+    "application of accelerometer and gyroscope signals' filtering, "
+    "Digital Signal Processing, 2010",
     settings=Settings,
     channels={"omega": "gyroscope: angular rate", "a": "accelerometer: acceleration"},
     plan=plan,

@@ -75,7 +75,7 @@ ACC = Sensor(
 
 
 class Settings(BaseModel):
-    """What can be set with ``--set``; defaults are the paper's, or the notes' where it is silent."""
+    """What can be set with ``--set``; the defaults are the paper's wherever it names a value."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -98,7 +98,7 @@ class Settings(BaseModel):
     starts: int = Field(4, ge=1, description="starts of each descent")
     rate_hz: float = Field(10_000.0, gt=0, description="of the built-in record")
     seconds: float = Field(10.0, gt=0, description="length of the built-in record")
-    grid: int = Field(33, ge=2, le=257, description="points along each axis of Fig 8")
+    grid: int = Field(25, ge=2, le=257, description="points along each axis of Fig 8")
 
     @field_validator("P0")
     @classmethod

@@ -28,7 +28,7 @@ def compare(benches: list[Bench], made_up: bool, solutions: Solutions) -> list[C
     return [row for bench in benches for row in _rows(bench, made_up, solutions)]
 
 
-def _why_Q(bench: Bench) -> str:
+def _why_low_variance(bench: Bench) -> str:
     white = bench.sensor.table1.R * 2 * bench.settings.cutoff_hz * bench.dt
     return f"white noise of Table 1's R has {white:.3g} below the cutoff: the paper's was not white"
 
@@ -82,7 +82,7 @@ def _rows(bench: Bench, made_up: bool, solutions: Solutions) -> list[Comparison]
             "Table 1",
             sensor.table1.Q,
             bench.noise.Q,
-            note=_why_Q(bench) if made_up else OTHER,
+            note=_why_low_variance(bench) if made_up else OTHER,
         ),
         *_searches(bench),
         claim(
@@ -90,7 +90,7 @@ def _rows(bench: Bench, made_up: bool, solutions: Solutions) -> list[Comparison]
             "section 4: R has stronger influence",
             False,
             ours=_change_when_scaled(bench, ratio),
-            note="a thousandfold R with a thousandfold Q changes the cost by this share: only Q/R counts",
+            note="a thousandfold R with a thousandfold Q changes the cost by this share",
         ),
     ]
 
@@ -109,8 +109,8 @@ def _individual(bench: Bench, solutions: Solutions) -> list[Comparison]:
             tolerance=TOLERANCE,
             unit=tuned.unit,
         )
-        if both.certificate.flat_directions:
-            words = "; ".join(both.certificate.flat_directions)
+        if tuned.interval is None:
+            words = "; ".join(both.certificate.flat_directions) or both.message
             row = replace(row, verdict=Verdict.NOT_IDENTIFIABLE, tolerance=None, note=words)
         rows.append(row)
     return rows

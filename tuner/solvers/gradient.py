@@ -71,9 +71,10 @@ def _minimise(problem: Problem, z: np.ndarray, method: str, options: dict[str, A
     from scipy.optimize import Bounds, minimize
 
     low, high = problem.space.box()
-    scale = abs(problem.value(z))
+    begin = problem.value(z)
+    scale = abs(begin)
     if not 0 < scale < np.inf:
-        return Minimum(z, problem.value(z), 1, False, "the objective at the start is not usable")
+        return Minimum(z, begin, 1, False, "the objective at the start is not usable")
 
     def value_and_gradient(point: np.ndarray) -> tuple[float, np.ndarray]:
         value, gradient = problem.value_and_gradient(point)

@@ -50,13 +50,22 @@ def from_several(
     Raises:
         ValueError: for fewer than one start, or where nothing is free.
     """
-    if starts < 1:
-        raise ValueError(f"{solver} needs at least one start, got {starts}")
-    if problem.space.size == 0:
-        raise ValueError(f"every parameter of {problem.name} is fixed: there is nothing to tune")
+    refuse_idle(problem, solver, starts, "start")
     begun = time.perf_counter()
     ends = [descend(problem, z) for z in problem.space.starts(starts, seed)]
     return conclude(problem, solver, ends, time.perf_counter() - begun)
+
+
+def refuse_idle(problem: Problem, solver: str, count: int, what: str) -> None:
+    """Refuse to begin without a start or trial, or where nothing is free.
+
+    Raises:
+        ValueError: says which of the two.
+    """
+    if count < 1:
+        raise ValueError(f"{solver} needs at least one {what}, got {count}")
+    if problem.space.size == 0:
+        raise ValueError(f"every parameter of {problem.name} is fixed: there is nothing to tune")
 
 
 def conclude(problem: Problem, solver: str, ends: list[Minimum], seconds: float) -> Solution:
@@ -71,7 +80,7 @@ def conclude(problem: Problem, solver: str, ends: list[Minimum], seconds: float)
         message=f"{status.sentence} ({best.message})",
         value=best.value,
         z=best.z,
-        parameters=estimates(problem, best.z, certificate),
+        parameters=estimates(problem, best.z),
         derived=problem.derived(best.z),
         evaluations=sum(end.evaluations for end in ends),
         seconds=seconds,

@@ -120,7 +120,8 @@ def nelder_mead(
 
 def _small(points: np.ndarray, values: np.ndarray, xtol: float, ftol: float) -> bool:
     near = np.abs(points[1:] - points[0]).max() <= xtol
-    return bool(near and np.abs(values[1:] - values[0]).max() <= ftol)
+    # Infinite values are equal, though their difference is not a number.
+    return bool(near and (values[-1] == values[0] or values[-1] - values[0] <= ftol))
 
 
 def _replace_worst(

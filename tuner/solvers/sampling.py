@@ -1,21 +1,23 @@
 """Samplers of Optuna: CMA-ES and TPE, for objectives with thresholds or many local minima."""
 
-import tempfile
 import time
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from threading import Lock
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
+from tuner.names import unknown
 from tuner.problem import Problem
 from tuner.solution import Solution
-from tuner.solvers.multistart import Minimum, conclude
+from tuner.solvers.multistart import Minimum, conclude, refuse_idle
 
 if TYPE_CHECKING:
     import optuna
+
+_Name = Literal["cma-es", "tpe"]
+_OPENING = Lock()  # two threads that open one new database would both create its tables
 
 
 @dataclass(frozen=True)
@@ -27,28 +29,35 @@ class Sampler:
     Attributes:
         name: cma-es (covariance matrix adaptation) or tpe (tree-structured Parzen estimator).
         seed: where the draws come from.
-        storage: database URL; "" for an SQLite file that is deleted at the end.
+        storage: database URL; "" keeps nothing.
         trials: how many trials in all.
+
+    Raises:
+        ValueError: for an unknown name, with the near ones.
     """
 
-    name: Literal["cma-es", "tpe"]
+    name: _Name
     seed: int
     storage: str = ""
     trials: int = 150
+
+    def __post_init__(self) -> None:
+        if self.name not in get_args(_Name):
+            raise unknown("sampler", self.name, get_args(_Name))
 
     def __call__(self, problem: Problem) -> Solution:
         """Solve a problem."""
         import optuna
 
+        refuse_idle(problem, self.name, self.trials, "trial")
         begun = time.perf_counter()
-        with _quiet(), _database(self.storage) as url:
-            study = self._study(problem, url)
-            done = len(study.get_trials(deepcopy=False, states=(optuna.trial.TrialState.COMPLETE,)))
-            if not study.trials:
-                study.enqueue_trial(dict(zip(_keys(problem), problem.space.start(), strict=True)))
-            study.sampler = self._sampler(problem, done)
-            study.optimize(lambda trial: self._trial(problem, trial), max(self.trials - done, 0))
-            best = study.best_trial
+        study = self._study(problem)
+        done = len(study.get_trials(deepcopy=False, states=(optuna.trial.TrialState.COMPLETE,)))
+        if not study.trials:
+            study.enqueue_trial(dict(zip(_keys(problem), problem.space.start(), strict=True)))
+        study.sampler = self._sampler(done)
+        study.optimize(lambda trial: self._trial(problem, trial), max(self.trials - done, 0))
+        best = study.best_trial
         end = Minimum(
             z=np.array([best.params[key] for key in _keys(problem)]),
             value=float(best.value if best.value is not None else np.inf),
@@ -58,18 +67,19 @@ class Sampler:
         )
         return conclude(problem, self.name, [end], time.perf_counter() - begun)
 
-    def _study(self, problem: Problem, url: str) -> "optuna.Study":
+    def _study(self, problem: Problem) -> "optuna.Study":
         import optuna
 
-        storage = optuna.storages.RDBStorage(url, heartbeat_interval=60)
-        return optuna.create_study(
-            storage=storage,
-            study_name=f"{problem.name}/{self.name}/{self.seed}",
-            load_if_exists=True,
-            direction="minimize",
-        )
+        optuna.logging.set_verbosity(optuna.logging.WARNING)  # its own log off stderr
+        with _OPENING:
+            return optuna.create_study(
+                storage=_storage(self.storage),
+                study_name=f"{problem.name}/{self.name}/{self.seed}",
+                load_if_exists=True,
+                direction="minimize",
+            )
 
-    def _sampler(self, problem: Problem, done: int) -> "optuna.samplers.BaseSampler":
+    def _sampler(self, done: int) -> "optuna.samplers.BaseSampler":
         import optuna
 
         seed = self.seed + done  # a resumed search must not draw the same trials again
@@ -91,24 +101,12 @@ def _keys(problem: Problem) -> list[str]:
     return [f"z{i}" for i in range(problem.space.size)]
 
 
-@contextmanager
-def _database(url: str) -> Iterator[str]:
-    """The database's URL, or that of a temporary one."""
-    if url:
-        yield url
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        yield f"sqlite:///{folder}/trials.sqlite3"
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Optuna's own log off stderr, and its notes on experimental options too."""
+def _storage(url: str) -> "optuna.storages.BaseStorage":
+    """The database, or memory for ""."""
     import optuna
 
-    level = optuna.logging.get_verbosity()
-    optuna.logging.set_verbosity(optuna.logging.WARNING)
-    with warnings.catch_warnings():
+    if not url:
+        return optuna.storages.InMemoryStorage()
+    with warnings.catch_warnings():  # the heartbeat is an experimental option
         warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
-        yield
-    optuna.logging.set_verbosity(level)
+        return optuna.storages.RDBStorage(url, heartbeat_interval=60)
