@@ -48,11 +48,15 @@ class Comparison:
         return self.ours / self.paper - 1
 
     def within(self, tolerance: float | None) -> bool:
-        """Whether a number lies within a tolerance (its own if None); rows in words always do."""
-        allowed = self.tolerance if tolerance is None else tolerance
-        if self.tolerance is None or self.deviation is None or allowed is None:
+        """Whether a number lies within a tolerance (its own if None); rows in words always do.
+
+        Without a deviation (zero on paper, or infinite and so not on file) the verdict decides.
+        """
+        if self.tolerance is None:
             return True
-        return abs(self.deviation) <= allowed
+        if self.deviation is None:
+            return self.verdict is Verdict.MATCH
+        return abs(self.deviation) <= (self.tolerance if tolerance is None else tolerance)
 
 
 def number(

@@ -66,7 +66,7 @@ def _draw_lines(lines: tuple[Line, ...], axes: "Axes", *, on_map: bool) -> None:
     for i, line in enumerate(lines):
         # Thinner dashes over thicker lines: curves that coincide all stay visible.
         style = "o" if np.size(line.x) == 1 else ("-", "--", ":", "-.")[i % 4]
-        width = max(3.0 - 0.4 * i, 1.0)
+        width = max(2.2 - 0.3 * i, 1.0)
         colour = colours[i % len(colours)] if colours else None
         axes.plot(line.x, line.y, style, label=line.label, color=colour, lw=width, ms=7, mec="k")
 

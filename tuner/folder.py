@@ -1,10 +1,11 @@
 """A run's folder: files written whole or not at all, and nothing overwritten unasked."""
 
 import contextlib
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from tuner.atomic import write_bytes
+from tuner.atomic import WriteError, write_bytes
 
 
 @dataclass(frozen=True)
@@ -26,9 +27,17 @@ class RunFolder:
             name: relative to the run's folder.
             data: its content.
             replace: whether this very file may be replaced, for files that grow with the run.
+
+        Raises:
+            WriteError: where it exists and may not be replaced, or cannot be written.
         """
         file = self.path / name
-        file.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            file.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise WriteError(
+                f"the folder {file.parent} cannot be made ({error.strerror}); choose another --out"
+            ) from None
         write_bytes(file, data, overwrite=self.overwrite or replace)
         return name
 
@@ -41,25 +50,29 @@ class RunFolder:
 def open_folder(path: Path | None, study: str, *, force: bool, resume: bool) -> RunFolder:
     """The folder for a run: the one that was asked for, or the next free one below ``runs``.
 
+    It is made when the first file is written, so that a run that never begins leaves nothing.
+
     Raises:
         ValueError: where it holds files and neither force nor resume was given, where there is
-            nothing to resume, or where it cannot be written.
+            nothing to resume, or where it is no folder.
     """
     if resume and (path is None or not (path / "progress.json").is_file()):
         raise ValueError("--resume needs --out with the folder of an interrupted run")
     chosen = path or _next_free(Path("runs"), study)
-    if chosen.is_file():
+    if os.path.lexists(chosen) and not chosen.is_dir():
         raise ValueError(f"--out {chosen} is a file; name a folder")
-    try:
-        chosen.mkdir(parents=True, exist_ok=True)
-        occupied = next(chosen.iterdir(), None)
-    except OSError as error:
-        raise ValueError(f"--out {chosen} cannot be written: {error.strerror}") from None
-    if occupied is not None and not force and not resume:
+    if not force and not resume and _occupied(chosen):
         raise ValueError(
             f"--out {chosen} is not empty; name another folder, or --force to replace its files"
         )
     return RunFolder(chosen, overwrite=force or resume)
+
+
+def _occupied(path: Path) -> bool:
+    try:
+        return path.exists() and next(path.iterdir(), None) is not None
+    except OSError as error:
+        raise ValueError(f"--out {path} cannot be read: {error.strerror}") from None
 
 
 def _next_free(root: Path, study: str) -> Path:

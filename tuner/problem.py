@@ -79,6 +79,9 @@ class Problem:
             ValueError: for unknown or missing names, or values outside their constraints.
         """
         self.space.unconstrain(parameters)
+        missing = [name for name in self.space.names if name not in parameters]
+        if missing:
+            raise ValueError(f"{self.name} has no value for {', '.join(missing)}: give them all")
         values = {name: jnp.asarray(parameters[name], float) for name in self.space.names}
         return float(_score(self.static, values, self.data))
 

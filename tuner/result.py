@@ -61,7 +61,7 @@ class SolutionRecord(_Record):
 
     def solution(self) -> Solution:
         """The solution that was recorded."""
-        fields = dict(self.certificate)
+        fields = _infinite(self.certificate)
         for name in ("active_bounds", "curvatures", "flat_directions"):
             fields[name] = tuple(fields[name])
         return Solution(
@@ -69,17 +69,26 @@ class SolutionRecord(_Record):
             solver=self.solver,
             status=self.status,
             message=self.message,
-            value=np.inf if self.value is None else self.value,
+            value=_infinite(self.value),
             z=np.array(self.z),
             parameters={
                 name: Parameter(np.array(p.value), p.unit, p.interval)
                 for name, p in self.parameters.items()
             },
-            derived={k: np.inf if v is None else v for k, v in self.derived.items()},
+            derived=_infinite(self.derived),
             evaluations=self.evaluations,
             seconds=self.seconds,
             certificate=Certificate(**{**fields, "starts": Starts(**fields["starts"])}),
         )
+
+
+def _infinite(data: Any) -> Any:
+    """The same with infinity for null, which is how JSON has infinite numbers."""
+    if isinstance(data, dict):
+        return {key: _infinite(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_infinite(value) for value in data]
+    return np.inf if data is None else data
 
 
 class ComparisonRecord(_Record):
@@ -114,14 +123,14 @@ class ExportRecord(_Record):
     Attributes:
         problem, format, file: what was written where, relative to the run's folder.
         score: the objective with the parameters that were read back.
-        relative_change: the same over the solution's value, minus one.
+        relative_change: its distance from the solution's value, over that value.
     """
 
     problem: str
     format: str
     file: str
-    score: float
-    relative_change: float
+    score: float | None
+    relative_change: float | None
 
 
 class SingleRecord(_Record):

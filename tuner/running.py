@@ -9,6 +9,7 @@ from importlib.metadata import version
 from typing import Any, TypeAlias
 
 import numpy as np
+from pydantic import TypeAdapter, ValidationError
 
 from tuner import export
 from tuner.drawing import picture, table
@@ -22,10 +23,9 @@ from tuner.result import (
     Result,
     SingleRecord,
     SolutionRecord,
-    pretty,
 )
 from tuner.solution import Solution
-from tuner.study import Plan, Solutions, Study, Target, Task
+from tuner.study import Plan, Solutions, Study, Target, Task, best
 
 Progress: TypeAlias = Callable[[str, int, int], None]
 """Called with what is being done, and how many of how many parts are finished."""
@@ -62,6 +62,7 @@ class Run:
         solutions = dict(finished)
         open_tasks = [task for task in self.plan.tasks if _key(task) not in solutions]
         self.progress("solving", len(solutions), len(self.plan.tasks))
+        self._save(solutions)  # a run that is interrupted at once can go on as well
         with ThreadPoolExecutor(jobs) as pool:
             futures = {pool.submit(task.solver, task.problem): task for task in open_tasks}
             try:
@@ -77,8 +78,9 @@ class Run:
         return _agreement({_key(task): solutions[_key(task)] for task in self.plan.tasks})
 
     def _save(self, solutions: Solutions) -> None:
-        records = [SolutionRecord.of(s).model_dump(mode="json") for s in solutions.values()]
-        self.folder.write("progress.json", pretty(records), replace=True)
+        records = [SolutionRecord.of(s).model_dump_json() for s in solutions.values()]
+        text = f"[{','.join(records)}]\n"
+        self.folder.write("progress.json", text.encode(), replace=True)
 
     def finish(self, solutions: Solutions, formats: tuple[str, ...], begun: float) -> Result:
         """Compare, export, check in single precision and draw; write the result."""
@@ -90,7 +92,7 @@ class Run:
         tuned = [self.tuned(target, solutions) for target in self.plan.targets]
         for target, what in zip(self.plan.targets, tuned, strict=True):
             self.progress(f"exporting {what.name}", 1, 4)
-            solution = _best(target.problem.name, solutions)
+            solution = best(target.problem.name, solutions)
             if solution.status.trusted:
                 exports += [self._export(target.problem, solution, what, f) for f in formats]
             self.progress(f"single precision {what.name}", 2, 4)
@@ -123,7 +125,7 @@ class Run:
 
     def tuned(self, target: Target, solutions: Solutions) -> Tuned:
         """What is exported for a target: its parameters, and what follows from them."""
-        solution = _best(target.problem.name, solutions)
+        solution = best(target.problem.name, solutions)
         parameters = [Quantity(n, p.value, p.unit) for n, p in solution.parameters.items()]
         return Tuned(
             name=solution.problem,
@@ -149,22 +151,33 @@ class Run:
     ) -> ExportRecord:
         name = f"exports/{tuned.name}{export.suffix(form)}"
         self.folder.write(name, export.dump(tuned, form))
-        score = rescore(problem, export.load((self.folder.path / name).read_bytes(), form))
-        change = score / solution.value - 1
-        return ExportRecord(
-            problem=problem.name, format=form, file=name, score=score, relative_change=change
-        )
+        read_back = export.load((self.folder.path / name).read_bytes(), form)
+        return score_export(problem, solution.value, read_back, form, name)
 
 
-def rescore(problem: Problem, tuned: Tuned) -> float:
-    """The objective with the parameters of an exported filter."""
-    values = {q.name: q.value for q in tuned.quantities if q.name in problem.space.names}
-    return problem.score(values)
+def score_export(
+    problem: Problem, value: float, tuned: Tuned, form: str, file: str
+) -> ExportRecord:
+    """Score the parameters of an exported filter against the value of its solution."""
+    parameters = {q.name: q.value for q in tuned.quantities if q.name in problem.space.names}
+    score = problem.score(parameters)
+    change = (score - value) / (value or 1.0)
+    return ExportRecord(
+        problem=problem.name, format=form, file=file, score=score, relative_change=change
+    )
 
 
-def recorded(records: list[dict[str, Any]]) -> dict[tuple[str, str], Solution]:
-    """The solutions of an interrupted run, by problem and solver."""
-    solutions = [SolutionRecord.model_validate(record).solution() for record in records]
+def recorded(progress: bytes) -> dict[tuple[str, str], Solution]:
+    """The solutions of an interrupted run, by problem and solver, from its ``progress.json``.
+
+    Raises:
+        ValueError: where it is none.
+    """
+    try:
+        records = TypeAdapter(list[SolutionRecord]).validate_json(progress)
+    except ValidationError:
+        raise ValueError("progress.json is not that of a run; start anew with --force") from None
+    solutions = [record.solution() for record in records]
     return {(s.problem, s.solver): s for s in solutions}
 
 
@@ -174,19 +187,11 @@ def trusted(plan: Plan, solutions: Solutions) -> bool:
     Problems that are solved for the comparison alone may be ill posed; their rows say so.
     """
     names = [target.problem.name for target in plan.targets]
-    return all(_best(name, solutions).status.trusted for name in names)
+    return all(best(name, solutions).status.trusted for name in names)
 
 
 def _key(task: Task) -> tuple[str, str]:
     return task.problem.name, task.solver_name
-
-
-def _best(problem: str, solutions: Solutions) -> Solution:
-    """The solution with the lowest value; among equals (to 1e-6) one that converged."""
-    candidates = [s for (name, _), s in solutions.items() if name == problem]
-    lowest = min(s.value for s in candidates)
-    equals = [s for s in candidates if s.value <= lowest + 1e-6 * abs(lowest)]
-    return min(equals, key=lambda s: (not s.status.trusted, s.value))
 
 
 def _agreement(solutions: Solutions) -> dict[tuple[str, str], Solution]:

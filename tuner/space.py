@@ -74,9 +74,10 @@ class Positive:
 
     def unconstrain(self, value: np.ndarray) -> np.ndarray:
         """Ln value."""
-        if not np.all(np.isfinite(value) & (value > 0)):
-            raise ValueError(f"must be positive and finite, got {value:g}")
-        return np.asarray(np.log(np.reshape(value, 1)))
+        number = _number(value)
+        if not 0 < number < np.inf:
+            raise ValueError(f"must be positive and finite, got {number:g}")
+        return np.log([number])
 
     def start(self) -> np.ndarray:
         """Ln init."""
@@ -102,9 +103,9 @@ class Bounded:
     size: int = 1
 
     def __post_init__(self) -> None:
-        if not self.low < self.init < self.high:
+        if not -np.inf < self.low < self.init < self.high < np.inf:
             raise ValueError(
-                f"a bounded parameter needs low < init < high, got low {self.low:g}, "
+                f"a bounded parameter needs finite low < init < high, got low {self.low:g}, "
                 f"init {self.init:g}, high {self.high:g}"
             )
 
@@ -114,20 +115,22 @@ class Bounded:
 
     def unconstrain(self, value: np.ndarray) -> np.ndarray:
         """The logit of the value's place between the bounds."""
-        share = (np.reshape(value, 1) - self.low) / (self.high - self.low)
-        if not np.all((share > 0) & (share < 1)):
+        number = _number(value)
+        share = (number - self.low) / (self.high - self.low)
+        if not 0 < share < 1:
             raise ValueError(
-                f"must lie strictly between {self.low:g} and {self.high:g}, got {value:g}"
+                f"must lie strictly between {self.low:g} and {self.high:g}, got {number:g}"
             )
-        return np.log(share) - np.log1p(-share)
+        return np.array([np.log(share) - np.log1p(-share)])
 
     def start(self) -> np.ndarray:
         """The logit of init."""
         return self.unconstrain(np.asarray(self.init))
 
     def box(self) -> tuple[np.ndarray, np.ndarray]:
-        """A thousandth of the range from either bound, where the curve is nearly flat."""
-        return np.array([-6.9]), np.array([6.9])
+        """A thousandth of the range from either bound, where the curve is nearly flat; or init."""
+        start = self.start()
+        return np.minimum(-6.9, start), np.maximum(6.9, start)
 
     def coordinates(self, name: str) -> list[str]:
         """Logit of the name."""
@@ -154,7 +157,13 @@ class Covariance:
             raise ValueError(
                 f"a covariance needs 0 < low < high, got low {self.low:g}, high {self.high:g}"
             )
-        self.unconstrain(np.asarray(self.init))
+        (low, high), start = self.box(), self.start()
+        if not ((low <= start) & (start <= high)).all():
+            raise ValueError(
+                "a covariance needs an init whose Cholesky factor has its diagonal between low and "
+                f"high and no entry above high, got low {self.low:g}, high {self.high:g} and "
+                f"the factor {np.linalg.cholesky(np.asarray(self.init)).tolist()}"
+            )
 
     @property
     def size(self) -> int:
@@ -170,11 +179,13 @@ class Covariance:
 
     def unconstrain(self, value: np.ndarray) -> np.ndarray:
         """The lower triangle of the Cholesky factor, its diagonal as logarithms, row by row."""
-        matrix = covariance(value, definite=True)
+        matrix, n = covariance(value, definite=True), len(self.init)
+        if len(matrix) != n:
+            raise ValueError(f"must have the shape {(n, n)}, got {matrix.shape}")
         L = np.linalg.cholesky(matrix)
-        diagonal = np.diag_indices(len(matrix))
+        diagonal = np.diag_indices(n)
         L[diagonal] = np.log(L[diagonal])
-        lower: np.ndarray = L[np.tril_indices(len(matrix))]
+        lower: np.ndarray = L[np.tril_indices(n)]
         return lower
 
     def start(self) -> np.ndarray:
@@ -300,6 +311,13 @@ class Space:
         return np.vstack([self.start(), random])[:count]
 
 
+def _number(value: np.ndarray) -> float:
+    """The only number of an array."""
+    if np.size(value) != 1:
+        raise ValueError(f"must be one number, got the shape {np.shape(value)}")
+    return float(np.reshape(value, ()))
+
+
 def covariance(value: object, *, definite: bool = False) -> np.ndarray:
     """Check a covariance matrix: square, symmetric and positive (semi-)definite.
 
@@ -318,7 +336,7 @@ def covariance(value: object, *, definite: bool = False) -> np.ndarray:
     ValueError: must be positive semi-definite, but has the eigenvalue -1
     """
     matrix = np.array(value, dtype=float)
-    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
+    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.size:
         raise ValueError(f"must be a square matrix, got the shape {matrix.shape}")
     if not np.isfinite(matrix).all():
         raise ValueError("must be finite")

@@ -1,8 +1,12 @@
 """Guess R and Q from a record at rest: what is fast is measurement noise, what is slow is not."""
 
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
+
+from tuner.names import unknown
+
+_Method: TypeAlias = Literal["ideal", "butterworth"]
 
 
 class NoiseSplit(NamedTuple):
@@ -16,7 +20,7 @@ def split_noise(
     record: np.ndarray,
     rate_hz: float,
     cutoff_hz: float = 1.0,
-    method: Literal["ideal", "butterworth"] = "ideal",
+    method: _Method = "ideal",
 ) -> NoiseSplit:
     """Split a motionless record ``(N,)`` at a frequency; the parts' variances stand for R and Q.
 
@@ -25,13 +29,16 @@ def split_noise(
     variance; the other one runs second-order Butterworth filters forwards and back.
 
     Raises:
-        ValueError: where the cutoff is not between the record's lowest frequency and half its rate.
+        ValueError: where the cutoff is not between the record's lowest frequency and half its rate,
+            and for an unknown method.
 
     >>> t = np.arange(1000) / 100
     >>> slow, fast = np.sin(2 * np.pi * 0.5 * t), 2 * np.sin(2 * np.pi * 20 * t)
     >>> [round(part, 6) for part in split_noise(slow + fast, rate_hz=100)]
     [2.0, 0.5]
     """
+    if method not in get_args(_Method):
+        raise unknown("split", method, get_args(_Method))
     n = len(record)
     if not rate_hz / n < cutoff_hz < rate_hz / 2:
         raise ValueError(

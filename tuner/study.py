@@ -51,6 +51,14 @@ Solutions: TypeAlias = "Mapping[tuple[str, str], Solution]"
 """Solutions by the names of problem and solver."""
 
 
+def best(problem: str, solutions: Solutions) -> "Solution":
+    """The solution of a problem with the lowest value; among equals (to 1e-6) a converged one."""
+    candidates = [s for (name, _), s in solutions.items() if name == problem]
+    lowest = min(s.value for s in candidates)
+    equals = [s for s in candidates if s.value <= lowest + 1e-6 * abs(lowest)]
+    return min(equals, key=lambda s: (not s.status.trusted, s.value))
+
+
 @dataclass(frozen=True)
 class Target:
     """A problem whose solution goes onto a machine.

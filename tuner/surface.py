@@ -21,18 +21,20 @@ _TRANSFORMS = 12  # a kept record is cut, windowed and transformed: copies that 
 
 
 def values(problem: Problem, Z: np.ndarray) -> np.ndarray:
-    """The objective at each of the points ``(B, n)``, as ``(B,)``.
+    """The objective at each of the points ``(B, n)``, as ``(B,)``; infinite where not a number.
 
     The points run side by side in one time loop and in as many threads as there are processors;
     memory stays below :data:`MEMORY`.
     """
-    return np.concatenate(_batches(problem, Z, _values))
+    found = np.concatenate(_batches(problem, Z, _values))
+    return np.where(np.isfinite(found), found, np.inf)
 
 
 def values_and_gradients(problem: Problem, Z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The objective ``(B,)`` and its gradients ``(B, n)`` at each of the points ``(B, n)``."""
     scores, gradients = zip(*_batches(problem, Z, _values_and_gradients), strict=True)
-    return np.concatenate(scores), np.concatenate(gradients)
+    found = np.concatenate(scores)
+    return np.where(np.isfinite(found), found, np.inf), np.concatenate(gradients)
 
 
 def grid(problem: Problem, axes: dict[str, np.ndarray]) -> np.ndarray:

@@ -69,11 +69,14 @@ def _target(bench: Bench, problem: Problem) -> Target:
 
 def _quantities(bench: Bench, solution: Solution) -> tuple[Quantity, ...]:
     k1, k2, bandwidth = bench.steady(solution.derived["q_over_r"])
-    return (
+    quantities = (
         Quantity("K1", np.array(k1), "1", "steady gain on the measured quantity"),
         Quantity("K2", np.array(k2), "1/s", "steady gain on its derivative"),
-        Quantity("bandwidth", np.array(bandwidth), "Hz", "where the response has fallen by 3 dB"),
     )
+    if not np.isfinite(bandwidth):  # a filter that is nearly none has no such frequency
+        return quantities
+    meaning = "where the response has fallen by 3 dB"
+    return (*quantities, Quantity("bandwidth", np.array(bandwidth), "Hz", meaning))
 
 
 def _single(bench: Bench, solution: Solution) -> tuple[SinglePrecision, ...]:

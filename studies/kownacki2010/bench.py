@@ -77,7 +77,7 @@ ACC = Sensor(
 class Settings(BaseModel):
     """What can be set with ``--set``; the defaults are the paper's wherever it names a value."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     step: float = Field(0.2, gt=0, description="height of the step, in the record's unit")
     reading: Literal["R1", "R2", "R6"] = Field("R6", description="what (10)'s second term means")
@@ -187,8 +187,16 @@ class Bench:
         return self._problem(".literal", self.objective("R1", "first"), free_R=False)
 
     def _problem(self, suffix: str, objective: StepResponse, *, free_R: bool) -> Problem:
-        free = Positive(self.R, low=1e-13, high=1.0, unit=f"({self.unit})^2")
-        low, high = (1e-13, 1e2) if free_R else (1e-8 * self.R, 1e10 * self.R)
+        # Wide enough for any unit of the record.
+        free = Positive(
+            self.R,
+            low=min(1e-13, 1e-4 * self.R),
+            high=max(1.0, 1e3 * self.R),
+            unit=f"({self.unit})^2",
+        )
+        low, high = 1e-8 * self.R, 1e10 * self.R
+        if free_R:
+            low, high = min(1e-13, 1e-7 * self.R), max(1e2, 1e4 * self.R)
         return Problem(
             name=self.sensor.name + suffix,
             space=Space.of(

@@ -11,7 +11,7 @@ from objectives import Folded, StepCost, StepResponse
 from studies.kownacki2010.bench import ACC, Bench
 from tuner.figure import Chart, Figure, Line, Map
 from tuner.problem import Problem
-from tuner.study import Solutions
+from tuner.study import Solutions, best
 from tuner.surface import grid
 
 POINTS = 1000  # samples of a curve; a picture shows no more
@@ -20,10 +20,7 @@ POINTS = 1000  # samples of a curve; a picture shows no more
 def figures(benches: list[Bench], solutions: Solutions) -> Iterator[Figure]:
     """All figures of every sensor."""
     for bench in benches:
-        ratio = min(
-            (s for (name, _), s in solutions.items() if name == bench.sensor.name),
-            key=lambda solution: solution.value,
-        ).derived["q_over_r"]
+        ratio = best(bench.sensor.name, solutions).derived["q_over_r"]
         yield _sweeps(bench)
         yield _surface(bench, ratio)
         yield _responses(bench, ratio)
@@ -54,12 +51,21 @@ def _responses(bench: Bench, ratio: float) -> Figure:
         "Table 2": Noise(published.R, published.Q, np.ones((2, 2))),
         f"optimum, Q/R = {ratio:.4g}": Noise(bench.R, ratio * bench.R, np.ones((2, 2))),
     }
-    return _chart(bench, f"fig9_{bench.sensor.name}", "Step response with tuned Q and R", chosen)
+    title = "Step response with tuned Q and R"
+    return _chart(bench, f"fig9_{bench.sensor.name}", title, chosen, window=(0.48, 0.65))
 
 
-def _chart(bench: Bench, name: str, title: str, chosen: dict[str, Noise]) -> Chart:
+def _chart(
+    bench: Bench,
+    name: str,
+    title: str,
+    chosen: dict[str, Noise],
+    window: tuple[float, float] = (0.0, 1.0),
+) -> Chart:
+    """What the filter answers to step and record, over a window of the record (from 0 to 1)."""
     time = np.arange(len(bench.record)) * bench.dt
-    shown = np.unique(np.linspace(0, len(time) - 1, POINTS).astype(int))
+    first, last = (share * (len(time) - 1) for share in window)
+    shown = np.unique(np.linspace(first, last, POINTS).astype(int))
     answers = {
         label: np.asarray(_answer(bench.filter, p, bench.signals)) for label, p in chosen.items()
     }
@@ -83,11 +89,11 @@ def _answer(filter: AnyFilter, params: Noise, signals: jax.Array) -> jax.Array:
 def _surface(bench: Bench, ratio: float) -> Figure:
     """Fig 8: the cost over R and Q, on logarithmic axes, where its valley shows."""
     problem = bench.paper()
-    R = np.logspace(-12, 0, bench.settings.grid)
-    Q = np.logspace(-12, 2, bench.settings.grid)
+    R = np.logspace(-13, 0, bench.settings.grid)
+    Q = np.logspace(-13, 2, bench.settings.grid)
     published = bench.sensor.table2
     valley = np.log10(R), np.log10(R * ratio)
-    inside = (valley[1] >= -12) & (valley[1] <= 2)
+    inside = (valley[1] >= -13) & (valley[1] <= 2)
     return Map(
         name=f"fig8_{bench.sensor.name}",
         title=f"Cost (10), reading {bench.settings.reading} ({bench.sensor.name}): only Q/R counts",

@@ -7,9 +7,8 @@ import numpy as np
 
 from studies.kownacki2010.bench import ACC, Bench
 from tuner.comparison import Comparison, Verdict, claim, number
-from tuner.solution import Solution
 from tuner.solvers import fminsearch
-from tuner.study import Solutions
+from tuner.study import Solutions, best
 
 TOLERANCE = 0.05
 OTHER = "another sensor at another rate: for orientation only"
@@ -28,32 +27,39 @@ def compare(benches: list[Bench], made_up: bool, solutions: Solutions) -> list[C
     return [row for bench in benches for row in _rows(bench, made_up, solutions)]
 
 
-def _why_low_variance(bench: Bench) -> str:
-    white = bench.sensor.table1.R * 2 * bench.settings.cutoff_hz * bench.dt
-    return f"white noise of Table 1's R has {white:.3g} below the cutoff: the paper's was not white"
-
-
-def best(problem: str, solutions: Solutions) -> Solution:
-    """The solution of a problem with the lowest value."""
-    return min((s for (name, _), s in solutions.items() if name == problem), key=lambda s: s.value)
-
-
 def _rows(bench: Bench, made_up: bool, solutions: Solutions) -> list[Comparison]:
-    sensor, name = bench.sensor, bench.sensor.name
-    optimum = best(name, solutions)
-    ratio = optimum.derived["q_over_r"]
-    published = sensor.table2.Q / sensor.table2.R
-    (k1, _, bandwidth), (our_k1, _, our_bandwidth) = bench.steady(published), bench.steady(ratio)
-    note = (WHY_ACC if sensor is ACC else f"reading {bench.settings.reading}") if made_up else OTHER
-    row = partial(number, tolerance=TOLERANCE)
-    at_paper = bench.problem().value(np.log([published * bench.R]))
     return [
-        row(f"{name}.q_over_r", "Table 2", published, ratio, unit="1/s^2", note=note),
-        row(f"{name}.k1", "Table 2, steady gain", k1, our_k1, note=note),
-        row(
-            f"{name}.bandwidth_hz", "Table 2, -3 dB", bandwidth, our_bandwidth, unit="Hz", note=note
-        ),
+        *_ratio(bench, made_up, solutions),
         *_individual(bench, solutions),
+        *_cost(bench, solutions),
+        *_table1(bench, made_up),
+        *_searches(bench),
+    ]
+
+
+def _ratio(bench: Bench, made_up: bool, solutions: Solutions) -> list[Comparison]:
+    """Q/R, and the gain and bandwidth that follow from it."""
+    name = bench.sensor.name
+    published = bench.sensor.table2.Q / bench.sensor.table2.R
+    ratio = best(name, solutions).derived["q_over_r"]
+    (k1, _, bandwidth), (our_k1, _, our_bandwidth) = bench.steady(published), bench.steady(ratio)
+    note = (WHY_ACC if bench.sensor is ACC else "") if made_up else OTHER
+    row = partial(number, tolerance=TOLERANCE, note=note)
+    return [
+        row(f"{name}.q_over_r", "Table 2", published, ratio, unit="1/s^2"),
+        row(f"{name}.k1", "Table 2, steady gain", k1, our_k1),
+        row(f"{name}.bandwidth_hz", "Table 2, -3 dB", bandwidth, our_bandwidth, unit="Hz"),
+    ]
+
+
+def _cost(bench: Bench, solutions: Solutions) -> list[Comparison]:
+    """What the cost says of Table 2, in the chosen reading and to the letter, and of R alone."""
+    name, optimum = bench.sensor.name, best(bench.sensor.name, solutions)
+    published = bench.sensor.table2.Q / bench.sensor.table2.R
+    at_paper = bench.problem().value(np.log([published * bench.R]))
+    literal = best(f"{name}.literal", solutions).derived["q_over_r"]
+    change = _change_when_scaled(bench, optimum.derived["q_over_r"])
+    return [
         number(
             f"{name}.cost_at_paper_over_optimum",
             "Table 2 is called optimal",
@@ -62,41 +68,39 @@ def _rows(bench: Bench, made_up: bool, solutions: Solutions) -> list[Comparison]
             tolerance=0.01,
             note="cost (10) at Table 2's Q/R over its minimum on this record",
         ),
-        row(
+        number(
             f"{name}.q_over_r_literal",
             "Table 2; (10) to the letter (R1)",
             published,
-            best(f"{name}.literal", solutions).derived["q_over_r"],
+            literal,
+            tolerance=TOLERANCE,
             unit="1/s^2",
             note=WHY_LITERAL,
         ),
-        row(
-            f"{name}.table1_R",
-            "Table 1",
-            sensor.table1.R,
-            bench.noise.R,
-            note="" if made_up else OTHER,
-        ),
-        row(
-            f"{name}.table1_Q",
-            "Table 1",
-            sensor.table1.Q,
-            bench.noise.Q,
-            note=_why_low_variance(bench) if made_up else OTHER,
-        ),
-        *_searches(bench),
         claim(
             f"{name}.R_stronger_than_Q",
             "section 4: R has stronger influence",
-            False,
-            ours=_change_when_scaled(bench, ratio),
+            abs(change) > TOLERANCE,
+            ours=change,
             note="a thousandfold R with a thousandfold Q changes the cost by this share",
         ),
     ]
 
 
+def _table1(bench: Bench, made_up: bool) -> list[Comparison]:
+    """R and Q of the record by Table 1's procedure."""
+    name, table, noise = bench.sensor.name, bench.sensor.table1, bench.noise
+    white = table.R * 2 * bench.settings.cutoff_hz * bench.dt
+    why = f"white noise of Table 1's R has {white:.3g} below the cutoff: the paper's was not white"
+    row = partial(number, tolerance=TOLERANCE, unit=f"({bench.unit})^2")
+    return [
+        row(f"{name}.table1_R", "Table 1", table.R, noise.R, note="" if made_up else OTHER),
+        row(f"{name}.table1_Q", "Table 1", table.Q, noise.Q, note=why if made_up else OTHER),
+    ]
+
+
 def _individual(bench: Bench, solutions: Solutions) -> list[Comparison]:
-    """R and Q one by one, judged by the certificate of the two-parameter problem."""
+    """R and Q one by one, judged by the certificate of the two-parameter problem (as printed)."""
     both = best(f"{bench.sensor.name}.paper", solutions)
     rows = []
     for letter, published in bench.sensor.table2._asdict().items():

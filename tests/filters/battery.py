@@ -51,7 +51,7 @@ def _gains(point):
 
 _RNG = np.random.default_rng(20100907)
 _ONE, _TWO = _RNG.normal(size=N), _RNG.normal(size=(N, 2))
-_DT = _RNG.uniform(0.05, 0.2, N)
+_DT = _RNG.choice([0.1, 0.0, 0.25], N)
 _A = jnp.array([[0.0, 1.0], [-2.0, -0.4]])
 _PUSH = jnp.asarray(_RNG.normal(size=(N, 1)))
 

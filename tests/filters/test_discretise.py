@@ -79,28 +79,27 @@ def test_two_half_steps_are_one_step():
     np.testing.assert_allclose(half.F @ half.Q @ half.F.T + half.Q, whole.Q, rtol=1e-13)
 
 
-def test_gradient_equals_central_differences():
-    def total(point):
-        A, s, dt = point[:4].reshape(2, 2), point[4], point[5]
-        step = van_loan(A, jnp.eye(2), s * jnp.eye(2), dt)
-        return (step.F**2).sum() + (step.Q * jnp.array([[1.0, 2.0], [0.0, 3.0]])).sum()
+@jax.jit
+@jax.value_and_grad
+def total(point):
+    """One number of F and Q, from A, the density and dt."""
+    A, s, dt = point[:4].reshape(2, 2), point[4], point[5]
+    step = van_loan(A, jnp.eye(2), s * jnp.eye(2), dt)
+    return (step.F**2).sum() + (step.Q * jnp.array([[1.0, 2.0], [0.0, 3.0]])).sum()
 
-    value = jax.jit(jax.value_and_grad(total))
-    for point in ([0.0, 1.0, -2.0, -0.4, 0.3, 0.2], [0.0, 1.0, -2.0, -0.4, 0.3, 3.1]):
-        difference = central_difference(lambda p: value(p)[0], np.array(point), 1e-5)
-        _, backwards = value(np.array(point))
-        # h = 1e-5: h^2 = 1e-10 of truncation times third derivatives of order dt^3 = 30
-        np.testing.assert_allclose(backwards, difference, rtol=1e-7, atol=1e-8)
+
+@pytest.mark.parametrize("dt", [0.2, 3.1])  # the step whole, and in eight parts
+def test_gradient_equals_central_differences(dt):
+    point = np.array([0.0, 1.0, -2.0, -0.4, 0.3, dt])
+    difference = central_difference(lambda p: total(p)[0], point, 1e-5)
+    # h = 1e-5: h^2 = 1e-10 of truncation times third derivatives of order dt^3 = 30
+    np.testing.assert_allclose(total(point)[1], difference, rtol=1e-7, atol=1e-8)
 
 
 def test_gradient_at_rest_is_finite():
-    """A = 0 and S = 0 are corners of the way the step is divided."""
-
-    def total(a, s):
-        step = van_loan(a * jnp.ones((2, 2)), jnp.eye(2), s * jnp.eye(2), 0.1)
-        return step.F.sum() + step.Q.sum()
-
-    assert np.isfinite(jax.jit(jax.grad(total, argnums=(0, 1)))(0.0, 0.0)).all()
+    """A = 0, S = 0 and dt = 0 are corners of the way the step is divided."""
+    for point in (np.zeros(6), np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.1])):
+        assert np.isfinite(total(point)[1]).all()
 
 
 def test_transitions_give_each_sample_its_step():

@@ -211,7 +211,7 @@ def test_precise_measurements_of_a_rank_one_start_keep_nine_digits():
 
 
 def test_gradient_in_every_parameter_equals_central_differences():
-    """F, G Q G', H, R, P0 and x0 at once, with holes; backwards and along one direction."""
+    """F, G, Q, H, R, P0 and x0 at once, with holes."""
     model, z = example()
     z = z.copy()
     z[3, 0], z[7] = np.nan, np.nan
@@ -227,6 +227,3 @@ def test_gradient_in_every_parameter_equals_central_differences():
     # h = 1e-5: h^2 = 1e-10 of truncation, eps/h = 2e-11 of rounding, each times about ten
     scale = np.abs(difference).max()
     np.testing.assert_allclose(gradient, difference, rtol=0, atol=1e-8 * scale)
-    along = jnp.linspace(-1.0, 1.0, flat.size)
-    _, forwards = jax.jit(lambda p: jax.jvp(total, (p,), (along,)))(flat)
-    np.testing.assert_allclose(forwards, gradient @ along, rtol=1e-11)  # the same sums reordered

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from typer._click.exceptions import ClickException
+from typer.exceptions import TyperException
 
 app = typer.Typer(
     name="tuner",
@@ -52,7 +52,9 @@ def run(
         list[str] | None, typer.Option(metavar="KEY=VALUE", help="A setting of the study.")
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the results.")] = None,
-    seed: Annotated[int | None, typer.Option(help="Seed of all random numbers; 0.")] = None,
+    seed: Annotated[
+        int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all random numbers; 0.")
+    ] = None,
     storage: Annotated[
         str | None, typer.Option(metavar="URL", help="Database for samplers; SQLite in the folder.")
     ] = None,
@@ -142,7 +144,7 @@ def invoke(arguments: list[str]) -> int:
     """Run the command line with given arguments and return its exit code."""
     try:
         return int(app(arguments or ["--help"], prog_name="tuner", standalone_mode=False) or 0)
-    except ClickException as error:
+    except TyperException as error:
         words = error.format_message()
         return _refuse(f"{words.rstrip('.')}; see tuner --help")
     except (KeyboardInterrupt, typer.Abort) as error:

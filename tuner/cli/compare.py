@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from tuner.cli.tables import number_text, show_grid
 from tuner.comparison import Comparison
 from tuner.result import Result, read_result
 
@@ -85,11 +86,6 @@ def _grid(
     return lines
 
 
-def number_text(value: float | None) -> str:
-    """A number in six digits, a dash for none."""
-    return "-" if value is None else f"{value:.6g}"
-
-
 def _verdict(row: Comparison, tolerance: float | None) -> str:
     if tolerance is None or row.tolerance is None or row.deviation is None:
         return row.verdict.value
@@ -104,6 +100,4 @@ def _print(lines: list[list[str]], *, md: bool, csv: bool) -> None:
         body.insert(1, ["---"] * len(lines[0]))
         print("\n".join(f"| {' | '.join(line)} |" for line in body))
     else:
-        from tuner.cli.tables import show_grid
-
         show_grid("Comparison with the paper", lines)

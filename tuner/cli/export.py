@@ -8,7 +8,7 @@ from tuner import export
 from tuner.atomic import write_bytes
 from tuner.export import Tuned
 from tuner.names import unknown
-from tuner.result import ExportRecord, Result, read_result
+from tuner.result import Result, read_result
 
 
 def write(
@@ -55,7 +55,7 @@ def _choose(result: Result, problem: str | None) -> Tuned:
 def _score(folder: Path, result: Result, path: Path, to: str, log: Path | None) -> None:
     """Score the file on the run's data and add that to the result; say so where it cannot be."""
     from tuner.cli.again import plan_again
-    from tuner.running import rescore
+    from tuner.running import score_export
 
     try:
         plan = plan_again(folder, log)
@@ -64,19 +64,16 @@ def _score(folder: Path, result: Result, path: Path, to: str, log: Path | None) 
         return
     tuned = export.load(path.read_bytes(), to)
     problem = next(t.problem for t in plan.targets if t.problem.name == tuned.name)
-    score = rescore(problem, tuned)
-    value = next(
-        s.value
+    solution = next(
+        s.solution()
         for s in result.solutions
         if (s.problem, s.solver) == (tuned.name, tuned.provenance.solver)
     )
-    change = score / value - 1 if value else 0.0
+    record = score_export(problem, solution.value, tuned, to, path.name)
     print(
-        f"read back and scored: {score:.12g}, {change:+.1e} of the solution's value",
+        f"read back and scored: {record.score:.12g}, "
+        f"{record.relative_change:+.1e} of the solution's value",
         file=sys.stderr,
-    )
-    record = ExportRecord(
-        problem=tuned.name, format=to, file=path.name, score=score, relative_change=change
     )
     grown = result.model_copy(update={"exports": [*result.exports, record]})
     write_bytes(folder / "result.json", grown.to_json().encode(), overwrite=True)

@@ -1,9 +1,8 @@
 """tuner run: read the request, solve, and show what was found."""
 
-import json
+import shlex
 import sys
 import time
-import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from tuner.cache import use_cache
+from tuner.cli.recipe import LogEntries, Recipe, log_beside, read_recipe
 from tuner.cli.settings import parse_settings
 from tuner.environment import environment
 from tuner.export import FORMATS
@@ -18,6 +18,7 @@ from tuner.folder import RunFolder, open_folder
 from tuner.logs import Log, describe, parse_mapping, read_log
 from tuner.result import pretty
 from tuner.running import Progress, Run, recorded, trusted
+from tuner.solution import Solution
 from tuner.study import Plan, Study, find_study
 
 
@@ -53,23 +54,22 @@ def execute(request: Request) -> int:
     if log is not None:
         print("\n".join(describe(log)), file=sys.stderr)
     if request.dry_run:
-        plan = study.plan(settings, log, seed, "")
-        _say_plan(study, plan)
+        _say_plan(study, study.plan(settings, log, seed, ""))
         return 0
     folder = open_folder(request.out, study.name, force=request.force, resume=request.resume)
     storage = request.storage or f"sqlite:///{folder.path / 'trials.sqlite3'}"
     plan = study.plan(settings, log, seed, storage)
     values = settings.model_dump(mode="json")
-    _write_down(folder, study, request, values, plan)
+    recipe = _recipe(study, request, values, plan)
+    finished = _finished(folder, recipe) if request.resume else {}
+    _write_down(folder, recipe, plan)
     with _progress() as progress:
         run = Run(study, values, plan, seed, folder, progress)
-        finished = recorded(json.loads(_partial(folder))) if request.resume else {}
         try:
             solutions = run.solve(request.jobs, finished)
             result = run.finish(solutions, FORMATS, begun)
         except KeyboardInterrupt:
-            again = f"tuner run {folder.path / 'study.toml'} --out {folder.path} --resume"
-            raise KeyboardInterrupt(f"finished parts are saved; go on with: {again}") from None
+            raise KeyboardInterrupt(_how_to_go_on(request, folder)) from None
     if request.json:
         print(result.to_json(), end="")
     else:
@@ -83,45 +83,27 @@ def from_toml(request: Request) -> tuple[Request, dict[str, Any]]:
     """Fill a request from a study.toml where one was named; the command line wins.
 
     Raises:
-        ValueError: where the file is not one, or names what a study.toml does not have.
+        ValueError: where the file is not one, names what a study.toml does not have, or a log
+            that is not here.
     """
     path = Path(request.study)
     if path.suffix != ".toml":
         return request, {}
-    try:
-        found = tomllib.loads(path.read_text(encoding="utf-8"))
-        log = found.get("log", {})
-        strange = set(found) - {"study", "seed", "settings", "log"}
-        strange |= set(log) - {"file", "sha256", "map", "rate_hz", "time"}
-        if strange or "study" not in found:
-            raise ValueError(
-                f"unknown entries {', '.join(sorted(strange))}" if strange else "no study"
-            )
-    except FileNotFoundError:
-        raise ValueError(f"{path} is not there; name a study or a study.toml") from None
-    except (ValueError, AttributeError, TypeError) as error:
-        raise ValueError(f"{path.name} is no study.toml: {error}") from None
+    recipe = read_recipe(path)
     filled = replace(
         request,
-        study=str(found["study"]),
-        log=request.log or _beside(path, log),
-        maps=request.maps or tuple(log.get("map", ())),
-        rate=request.rate or log.get("rate_hz"),
-        time=request.time or log.get("time"),
-        seed=found.get("seed", 0) if request.seed is None else request.seed,
+        study=recipe.study,
+        seed=recipe.seed if request.seed is None else request.seed,
     )
-    return filled, dict(found.get("settings", {}))
-
-
-def _beside(path: Path, log: dict[str, Any]) -> Path | None:
-    """The log that a study.toml names: in this folder, or beside it."""
-    if "file" not in log:
-        return None
-    for folder in (Path(), path.parent):
-        file = folder / str(log["file"])
-        if file.is_file():
-            return file
-    raise ValueError(f"the log {log['file']} of {path} is not here; say where with --log FILE")
+    if recipe.log is not None:
+        filled = replace(
+            filled,
+            log=request.log or log_beside(path, recipe.log),
+            maps=request.maps or tuple(recipe.log.map),
+            rate=recipe.log.rate_hz if request.rate is None else request.rate,
+            time=recipe.log.time if request.time is None else request.time,
+        )
+    return filled, recipe.settings
 
 
 def load_log(study: Study, request: Request) -> Log | None:
@@ -131,7 +113,8 @@ def load_log(study: Study, request: Request) -> Log | None:
         ValueError: where the study takes none, or the request says how to read none.
     """
     if request.log is None:
-        stray = [n for n, given in (("--map", request.maps), ("--rate", request.rate)) if given]
+        told = {"--map": request.maps, "--rate": request.rate, "--time": request.time}
+        stray = [option for option, given in told.items() if given is not None and given != ()]
         if stray:
             raise ValueError(f"{stray[0]} says how to read a log, but there is no --log FILE")
         return None
@@ -144,30 +127,47 @@ def load_log(study: Study, request: Request) -> Log | None:
     return read_log(request.log, mappings, rate_hz=request.rate, time=request.time)
 
 
-def _write_down(
-    folder: RunFolder, study: Study, request: Request, settings: dict[str, Any], plan: Plan
-) -> None:
-    """The run as a file that can be run again, and the environment it ran in; no absolute path."""
-    import tomli_w
-
-    resolved: dict[str, Any] = {"study": study.name, "seed": request.seed or 0}
-    resolved["settings"] = {key: value for key, value in settings.items() if value is not None}
+def _recipe(study: Study, request: Request, settings: dict[str, Any], plan: Plan) -> Recipe:
+    """The run as it can be run again; no absolute path."""
+    log = None
     if request.log is not None:
-        log: dict[str, Any] = {
-            "file": plan.source.name,
-            "sha256": plan.source.sha256,
-            "map": list(request.maps),
-        }
-        log |= {"rate_hz": request.rate} if request.rate else {}
-        log |= {"time": request.time} if request.time else {}
-        resolved["log"] = log
-    folder.write("study.toml", tomli_w.dumps(resolved).encode())
-    known = environment() | {"seed": request.seed or 0, "log_sha256": plan.source.sha256}
+        log = LogEntries(
+            file=plan.source.name,
+            sha256=plan.source.sha256,
+            map=list(request.maps),
+            rate_hz=request.rate,
+            time=request.time,
+        )
+    given = {key: value for key, value in settings.items() if value is not None}
+    return Recipe(study=study.name, seed=request.seed or 0, settings=given, log=log)
+
+
+def _finished(folder: RunFolder, recipe: Recipe) -> dict[tuple[str, str], Solution]:
+    """What an interrupted run of this very recipe had finished.
+
+    Raises:
+        ValueError: where the folder holds another run.
+    """
+    if (folder.path / "study.toml").read_bytes() != recipe.to_toml():
+        raise ValueError(
+            f"--resume: {folder.path / 'study.toml'} has other settings, another seed or log; "
+            "run that file, or start anew in another folder"
+        )
+    return recorded((folder.path / "progress.json").read_bytes())
+
+
+def _write_down(folder: RunFolder, recipe: Recipe, plan: Plan) -> None:
+    """The recipe, and the environment it ran in."""
+    folder.write("study.toml", recipe.to_toml())
+    known = environment() | {"seed": recipe.seed, "log_sha256": plan.source.sha256}
     folder.write("environment.json", pretty(known))
 
 
-def _partial(folder: RunFolder) -> str:
-    return (folder.path / "progress.json").read_text(encoding="utf-8")
+def _how_to_go_on(request: Request, folder: RunFolder) -> str:
+    words = ["tuner", "run", str(folder.path / "study.toml"), "--out", str(folder.path)]
+    words += [] if request.log is None else ["--log", str(request.log)]
+    again = f"finished parts are saved; go on with: {shlex.join([*words, '--resume'])}"
+    return again + (" and the same --storage" if request.storage else "")
 
 
 def _say_plan(study: Study, plan: Plan) -> None:

@@ -6,7 +6,6 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from tuner.cli.compare import number_text
 from tuner.result import ParameterRecord, Result, SolutionRecord
 
 _COLOURS = {
@@ -24,6 +23,11 @@ def console() -> Console:
     """Standard output; 150 columns where it is no terminal."""
     plain = Console()
     return plain if plain.is_terminal else Console(width=150)
+
+
+def number_text(value: float | None) -> str:
+    """A number in six digits, a dash for none."""
+    return "-" if value is None else f"{value:.6g}"
 
 
 def show_grid(title: str, lines: list[list[str]]) -> None:

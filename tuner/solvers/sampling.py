@@ -4,7 +4,7 @@ import time
 import warnings
 from dataclasses import dataclass
 from threading import Lock
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from tuner.solvers.multistart import Minimum, conclude, refuse_idle
 if TYPE_CHECKING:
     import optuna
 
-_Name = Literal["cma-es", "tpe"]
+_Name: TypeAlias = Literal["cma-es", "tpe"]
 _OPENING = Lock()  # two threads that open one new database would both create its tables
 
 
@@ -104,9 +104,15 @@ def _keys(problem: Problem) -> list[str]:
 def _storage(url: str) -> "optuna.storages.BaseStorage":
     """The database, or memory for ""."""
     import optuna
+    from sqlalchemy.exc import SQLAlchemyError
 
     if not url:
         return optuna.storages.InMemoryStorage()
-    with warnings.catch_warnings():  # the heartbeat is an experimental option
-        warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
-        return optuna.storages.RDBStorage(url, heartbeat_interval=60)
+    try:
+        with warnings.catch_warnings():  # the heartbeat is an experimental option
+            warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
+            return optuna.storages.RDBStorage(url, heartbeat_interval=60)
+    except (ImportError, SQLAlchemyError) as error:
+        # The URL may hold a password, and so may what follows the first line.
+        reason = str(error).partition("\n")[0]
+        raise ValueError(f"the database of --storage cannot be used: {reason}") from None

@@ -1,0 +1,88 @@
+"""The study.toml of a run: what was asked for, so that it can be run again."""
+
+import hashlib
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from tuner.names import unknown
+
+LARGEST_SEED = 2**31 - 1
+
+
+class _Entries(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
+class LogEntries(_Entries):
+    """Which log, and how it is read; no folder, for a recipe may be passed on."""
+
+    file: str
+    sha256: str
+    map: list[str]
+    rate_hz: float | None = None
+    time: str | None = None
+
+
+class Recipe(_Entries):
+    """A study with its settings, seed and log."""
+
+    study: str
+    seed: int = Field(0, ge=0, le=LARGEST_SEED)
+    settings: dict[str, Any] = {}
+    log: LogEntries | None = None
+
+    def to_toml(self) -> bytes:
+        """The text of a study.toml."""
+        import tomli_w
+
+        return tomli_w.dumps(self.model_dump(exclude_none=True)).encode()
+
+
+def read_recipe(path: Path) -> Recipe:
+    """Read a study.toml.
+
+    Raises:
+        ValueError: where the file is not one, or names what a study.toml does not have.
+    """
+    try:
+        return Recipe.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
+    except FileNotFoundError:
+        raise ValueError(f"{path} is not there; name a study or a study.toml") from None
+    except OSError as error:
+        raise ValueError(f"{path} cannot be read: {error.strerror}") from None
+    except ValidationError as error:
+        raise ValueError(f"{path.name} is no study.toml: {_first(error)}") from None
+    except ValueError as error:
+        raise ValueError(f"{path.name} is no study.toml: {error}") from None
+
+
+def _first(error: ValidationError) -> str:
+    first = error.errors()[0]
+    *outer, name = (str(part) for part in first["loc"])
+    if first["type"] == "extra_forbidden":
+        known = LogEntries.model_fields if outer else Recipe.model_fields
+        return str(unknown("entry", name, known))
+    return f"{'.'.join([*outer, name])}: {first['msg']}"
+
+
+def log_beside(path: Path, log: LogEntries) -> Path:
+    """The log that a study.toml names: in this folder, or beside it.
+
+    Raises:
+        ValueError: where it is in neither, or another file has its name.
+    """
+    for folder in (Path(), path.parent):
+        file = folder / log.file
+        if file.is_file():
+            with file.open("rb") as stream:
+                digest = hashlib.file_digest(stream, "sha256").hexdigest()
+            if digest != log.sha256:
+                raise ValueError(
+                    f"{file} is not the log of {path.name}: its SHA-256 differs; "
+                    "to run it all the same, name it with --log"
+                )
+            return file
+    raise ValueError(f"the log {log.file} of {path} is not here; say where with --log FILE")
