@@ -93,7 +93,8 @@ def flat_in_words(labels: list[str], direction: np.ndarray) -> str:
     ]
     sentence = f"{' with '.join(steps)} changes nothing"
     if len(moved) == 1:
-        return f"{sentence}: {moved[0][0].removeprefix('ln ')} is not determined"
+        name = moved[0][0].removeprefix("ln ").removeprefix("logit ")
+        return f"{sentence}: {name} is not determined"
     if len(moved) > 2 or not all(label.startswith("ln ") for label, _ in moved):
         return f"{sentence}: these are determined up to that"
     (first, d1), (second, d2) = ((label[3:], d) for label, d in moved)

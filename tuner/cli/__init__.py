@@ -147,8 +147,8 @@ def invoke(arguments: list[str]) -> int:
     except TyperException as error:
         words = error.format_message()
         return _refuse(f"{words.rstrip('.')}; see tuner --help")
-    except (KeyboardInterrupt, typer.Abort) as error:
-        print(f"tuner: interrupted{': ' if str(error) else ''}{error}", file=sys.stderr)
+    except (KeyboardInterrupt, typer.Abort):
+        print("tuner: interrupted", file=sys.stderr)
         return 130
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

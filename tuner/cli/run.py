@@ -69,7 +69,8 @@ def execute(request: Request) -> int:
             solutions = run.solve(request.jobs, finished)
             result = run.finish(solutions, FORMATS, begun)
         except KeyboardInterrupt:
-            raise KeyboardInterrupt(_how_to_go_on(request, folder)) from None
+            print(f"tuner: {_how_to_go_on(request, folder)}", file=sys.stderr)
+            return 130
     if request.json:
         print(result.to_json(), end="")
     else:

@@ -1,0 +1,65 @@
+import os
+from importlib.metadata import EntryPoint
+
+import pytest
+
+import tuner.study
+from tests.tuner.helpers import toy_study
+from tuner.cli import invoke
+
+
+@pytest.fixture(scope="session")
+def cache(tmp_path_factory):
+    """A compilation cache of this session's own, for this process and those it starts."""
+    folder = tmp_path_factory.mktemp("cache")
+    before = os.environ.get("TUNER_CACHE")
+    os.environ["TUNER_CACHE"] = str(folder)
+    yield folder
+    if before is None:
+        del os.environ["TUNER_CACHE"]
+    else:
+        os.environ["TUNER_CACHE"] = before
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty folder to work in."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def cli(cache, here, capfdbinary):
+    """Run the command line in an empty folder: exit code, stdout and stderr."""
+
+    def run(*arguments):
+        capfdbinary.readouterr()
+        code = invoke([str(argument) for argument in arguments])
+        out, err = capfdbinary.readouterr()
+        return code, out.decode(), err.decode()
+
+    return run
+
+
+@pytest.fixture
+def offer(monkeypatch):
+    """Make a study known under the name toy, beside the installed ones."""
+
+    class Offered(EntryPoint):
+        def load(self):
+            return self.value
+
+    def offered(study):
+        points = [*tuner.study.entry_points(group=tuner.study.GROUP)]
+        points = [point for point in points if point.name != study.name]
+        new = Offered(study.name, study, tuner.study.GROUP)
+        monkeypatch.setattr(tuner.study, "entry_points", lambda group: [*points, new])
+        return study
+
+    return offered
+
+
+@pytest.fixture
+def toy(offer):
+    """The study of :mod:`tests.tuner.helpers`."""
+    return offer(toy_study())

@@ -1,0 +1,186 @@
+"""Small problems with known optima, and a study of them for the engine and the command line."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import jax.numpy as jnp
+import numpy as np
+from pydantic import BaseModel, ConfigDict
+
+from objectives import Data
+from tuner.comparison import claim, number
+from tuner.export.tuned import Quantity
+from tuner.figure import Chart, Line
+from tuner.problem import Problem
+from tuner.single import SinglePrecision
+from tuner.solvers import make_solver
+from tuner.space import Positive, Space
+from tuner.study import Plan, Source, Study, Target, Task
+
+
+@dataclass(frozen=True)
+class Echo:
+    """A filter that puts out its parameters, whatever goes in."""
+
+    def init(self, params):
+        return ()
+
+    def step(self, params, state, inputs):
+        return state, params
+
+
+# Objectives of z = (ln a, ln b); all but the first have their lowest value, 1, at a known point.
+
+
+def hollow(outputs, truth):
+    """Not a number anywhere."""
+    return jnp.nan * outputs[-1].sum()
+
+
+def bowl(outputs, truth):
+    """A quadratic: lowest at (1, -1), with the Hessian [2, 0.6; 0.6, 1]."""
+    x, y = outputs[-1] - jnp.array([1.0, -1.0])
+    return 1.0 + x**2 + 0.5 * y**2 + 0.6 * x * y
+
+
+def valley(outputs, truth):
+    """Rosenbrock's function: lowest at (1, 1)."""
+    x, y = outputs[-1]
+    return 1.0 + (1 - x) ** 2 + 100 * (y - x**2) ** 2
+
+
+def slope(outputs, truth):
+    """Falls towards the lower bound of ln a, which is -3: lowest at (-3, -1)."""
+    x, y = outputs[-1]
+    return 1.0 + 0.3 * (x + 3) + (y + 1) ** 2
+
+
+def kink(outputs, truth):
+    """Lowest at (1, -1), where it has no gradient."""
+    x, y = outputs[-1] - jnp.array([1.0, -1.0])
+    return 1.0 + jnp.abs(x) + jnp.abs(y)
+
+
+def crater(outputs, truth):
+    """The bowl, but not a number near the initial point (0, 0)."""
+    return jnp.where(jnp.abs(outputs[-1]).max() < 0.5, jnp.nan, bowl(outputs, truth))
+
+
+def trench(outputs, truth):
+    """Depends on ln b - 2 ln a alone."""
+    x, y = outputs[-1]
+    return 1.0 + (y - 2 * x - 1.0) ** 2
+
+
+def plain(outputs, truth):
+    """The same everywhere."""
+    return 1.0 + 0.0 * outputs[-1].sum()
+
+
+def logarithms(values):
+    """The outputs of Echo: (ln a, ln b)."""
+    return jnp.log(jnp.stack([values["a"], values["b"]]))
+
+
+SQUARE = Space.of(
+    a=Positive(1.0, low=np.exp(-3), high=np.exp(3), unit="m"),
+    b=Positive(1.0, low=np.exp(-3), high=np.exp(3)),
+)
+ANY = Data(np.zeros(2), np.zeros(2))
+
+
+def problem(objective: Callable, *, name: str = "", space: Space = SQUARE) -> Problem:
+    """An objective of (ln a, ln b), -3 to 3 each, from (0, 0)."""
+    return Problem(name or objective.__name__, space, Echo(), logarithms, objective, ANY, ratio)
+
+
+def ratio(values):
+    return {"b_over_a": values["b"] / values["a"]}
+
+
+# A study of the bowl that is solved in milliseconds.
+
+
+class ToySettings(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    solvers: tuple[str, ...] = ("nelder-mead", "l-bfgs-b")
+    starts: int = 2
+    objective: str = "bowl"
+    note: str | None = None
+
+
+def toy_plan(settings, log, seed, storage, *, solver=make_solver):
+    objective = {"bowl": bowl, "slope": slope, "hollow": hollow}[settings.objective]
+    target = problem(objective, name="toy")
+    side = problem(trench, name="side")
+    tasks = tuple(
+        Task(posed, solver(name, seed=seed, starts=settings.starts, storage=storage), name)
+        for posed in (target, side)
+        for name in settings.solvers
+    )
+    if log is None:
+        source = Source("nothing", "0" * 64, 2, 100.0)
+    else:
+        source = Source(log.name, log.sha256, log.findings.samples, log.rate_hz)
+    return Plan(
+        source=source,
+        tasks=tasks,
+        targets=(Target(target, "Echo", ("x",), 0.01, toy_quantities, toy_single),),
+        compare=toy_rows,
+        figures=toy_figures,
+    )
+
+
+def toy_quantities(solution):
+    return (Quantity("gain", np.array(solution.derived["b_over_a"]), "1", "b over a"),)
+
+
+def toy_single(solution):
+    return (SinglePrecision("full", 0.5, 0.25, 7, 0.1, "the full form strays"),)
+
+
+def toy_rows(solutions):
+    found = min((s for (name, _), s in solutions.items() if name == "toy"), key=lambda s: s.value)
+    ours = found.derived["b_over_a"]
+    return [
+        number("toy.b_over_a", "Table 1", np.exp(-2.0), ours, tolerance=0.05),
+        number("toy.lowest", "equation (1)", 1.25, found.value, tolerance=0.05, unit="m"),
+        claim("toy.known", "section 2", True, ours=None, note="a row | in words"),
+    ]
+
+
+def toy_figures(solutions):
+    x = np.arange(3.0)
+    yield Chart("curve", "A curve", "x", "y", (Line("line", x, x**2),))
+
+
+def toy_study(**changed):
+    """The study; ``solver`` makes its solvers in place of make_solver."""
+    return Study(
+        name="toy",
+        title="A bowl",
+        paper="none",
+        settings=ToySettings,
+        channels={"x": "anything"},
+        plan=partial(toy_plan, **changed),
+    )
+
+
+# Files.
+
+
+def snapshot(folder: Path) -> dict[str, bytes | None]:
+    """Every file below a folder with its bytes, and every folder."""
+    return {
+        str(path.relative_to(folder)): path.read_bytes() if path.is_file() else None
+        for path in sorted(folder.rglob("*"))
+    }
+
+
+def write_csv(path: Path, time, values, *, header: str = "t,g") -> Path:
+    rows = [f"{t!r},{v!r}" for t, v in zip(list(time), list(values), strict=True)]
+    path.write_text("\n".join([header, *rows]) + "\n")
+    return path

@@ -1,0 +1,338 @@
+"""Parameters and their unconstrained vector: round trips, boxes, starts and refusals."""
+
+import dataclasses
+import re
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.strategies import seeds
+from tuner.space import Bounded, Covariance, Fixed, Positive, Space, covariance
+
+EYE = ((1.0, 0.0), (0.0, 1.0))
+MIXED = Space.of(
+    R=Positive(1e-4, low=1e-8, high=1.0, unit="(rad/s)^2"),
+    T=Fixed(0.01, unit="s"),
+    b=Bounded(0.3, low=-1.0, high=2.0),
+    P=Covariance(((2.0, -0.5), (-0.5, 1.0)), low=1e-3, high=1e3),
+    M=Fixed(((1.0, 2.0), (3.0, 4.0))),
+)
+
+
+def exactly(sentence):
+    return f"^{re.escape(sentence)}$"
+
+
+def constrained(parameter, z):
+    return np.asarray(parameter.constrain(jnp.asarray(z)))
+
+
+# Round trips. exp and log lose a few units in the last place of z, which for |z| <= 700 are
+# 1e-13 each; a value is then off by |z| eps relative, 2e-13 at most.
+
+
+@given(st.floats(1e-300, 1e300))
+def test_positive_round_trip(value):
+    parameter = Positive(1.0, low=1e-3, high=1e3)
+    z = parameter.unconstrain(np.asarray(value))
+    assert z.shape == (1,)
+    assert float(constrained(parameter, z)) == pytest.approx(value, rel=1e-12)
+
+
+@given(st.floats(-700, 700))
+def test_any_z_is_a_positive_number(z):
+    parameter = Positive(1.0, low=1e-3, high=1e3)
+    value = constrained(parameter, [z])
+    assert value > 0
+    assert parameter.unconstrain(value) == pytest.approx(z, abs=1e-12)
+
+
+@given(st.floats(-1e6, 1e6), st.floats(1e-3, 1e6), st.floats(1e-6, 1 - 1e-6))
+def test_bounded_round_trip(low, width, share):
+    high = low + width
+    value = low + share * (high - low)
+    parameter = Bounded((low + high) / 2, low=low, high=high)
+    z = parameter.unconstrain(np.asarray(value))
+    # Bounds of 1e6 leave 1e-10 of absolute rounding, whatever the width.
+    assert float(constrained(parameter, z)) == pytest.approx(value, rel=1e-12, abs=1e-9)
+    assert z.shape == (1,)
+
+
+@given(st.floats(-30, 30))
+def test_any_z_lies_between_the_bounds(z):
+    parameter = Bounded(0.3, low=-1.0, high=2.0)
+    assert -1.0 < constrained(parameter, [z]) < 2.0  # a logit of 30 is 1e-13 from the bound
+
+
+@given(seeds(), st.integers(1, 4))
+def test_covariance_round_trip(rng, n):
+    root = rng.normal(size=(n, n))
+    matrix = root @ root.T + 0.1 * np.eye(n)
+    init = tuple(map(tuple, np.eye(n).tolist()))
+    parameter = Covariance(init, low=1e-3, high=1e3)
+    z = parameter.unconstrain(matrix)
+    assert z.shape == (parameter.size,) == (n * (n + 1) // 2,)
+    # Cholesky and L L' are backward stable: a few eps times the matrix' norm, order 10.
+    np.testing.assert_allclose(constrained(parameter, z), matrix, rtol=1e-12, atol=1e-13)
+
+
+@given(seeds())
+def test_any_z_is_a_covariance(rng):
+    parameter = Covariance(EYE, low=1e-3, high=1e3)
+    matrix = constrained(parameter, rng.uniform(-3, 3, 3))
+    covariance(matrix, definite=True)
+
+
+def test_fixed_takes_no_place_and_keeps_its_value():
+    for value in (0.01, ((1.0, 2.0), (3.0, 4.0))):
+        fixed = Fixed(value)
+        assert fixed.size == 0
+        assert fixed.unconstrain(np.asarray(value)).shape == (0,)
+        assert constrained(fixed, []).tolist() == np.asarray(value).tolist()
+        assert constrained(fixed, []).dtype == np.float64
+
+
+def test_space_round_trip_by_name():
+    given = {"R": 0.5, "b": -0.9, "P": np.array([[3.0, 1.0], [1.0, 2.0]])}
+    found = MIXED.constrain(jnp.asarray(MIXED.unconstrain(given)))
+    assert list(found) == ["R", "T", "b", "P", "M"]
+    assert float(found["R"]) == pytest.approx(0.5, rel=1e-15)
+    assert float(found["b"]) == pytest.approx(-0.9, rel=1e-15)
+    np.testing.assert_allclose(found["P"], given["P"], rtol=1e-15)
+    assert float(found["T"]) == 0.01
+    assert found["M"].tolist() == [[1.0, 2.0], [3.0, 4.0]]
+
+
+def test_what_is_left_out_keeps_its_initial_value():
+    np.testing.assert_array_equal(MIXED.unconstrain({}), MIXED.start())
+    np.testing.assert_array_equal(MIXED.unconstrain({"R": 0.5})[1:], MIXED.start()[1:])
+    initial = MIXED.constrain(jnp.asarray(MIXED.start()))
+    assert float(initial["R"]) == pytest.approx(1e-4, rel=1e-14)  # |z| = 9 times eps
+    assert float(initial["b"]) == pytest.approx(0.3, rel=1e-15)
+
+
+def test_names_size_and_coordinates():
+    assert MIXED.names == ("R", "T", "b", "P", "M")
+    assert MIXED.size == 5
+    assert MIXED.coordinates == ["ln R", "logit b", "ln L11 of P", "L21 of P", "ln L22 of P"]
+
+
+def test_equal_spaces_are_interchangeable():
+    assert hash(MIXED) == hash(Space(MIXED.parameters))
+    assert Space.of(R=Fixed(1.0)) == Space.of(R=Fixed(1.0)) != Space.of(R=Fixed(2.0))
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        MIXED.parameters = ()
+
+
+@jax.jit
+@jax.grad
+def gradient_of_total(z):
+    return sum(jnp.sum(value) for value in MIXED.constrain(z).values())
+
+
+@given(st.lists(st.floats(-6, 6), min_size=5, max_size=5))
+def test_gradient_of_constrain_is_finite_and_right(z):
+    gradient = np.asarray(gradient_of_total(jnp.array(z)))
+    r, b, l11, l21, l22 = z
+    share = 1 / (1 + np.exp(-b))
+    # Sum of L L': (L11)^2 + 2 L11 L21 + L21^2 + L22^2.
+    L11, L22 = np.exp(l11), np.exp(l22)
+    expected = [
+        np.exp(r),
+        3 * share * (1 - share),
+        2 * L11**2 + 2 * L11 * l21,
+        2 * L11 + 2 * l21,
+        2 * L22**2,
+    ]
+    np.testing.assert_allclose(gradient, expected, rtol=1e-11, atol=1e-9)  # terms up to 1e5
+
+
+# Boxes and starts.
+
+
+def test_box_of_every_kind():
+    low, high = MIXED.box()
+    np.testing.assert_allclose(low, [np.log(1e-8), -6.9, np.log(1e-3), -1e3, np.log(1e-3)])
+    np.testing.assert_allclose(high, [0.0, 6.9, np.log(1e3), 1e3, np.log(1e3)])
+    share = (constrained(Bounded(0.3, low=-1.0, high=2.0), [6.9]) + 1.0) / 3.0
+    assert 1 - share == pytest.approx(1e-3, rel=0.01)  # "a thousandth of the range"
+
+
+@pytest.mark.parametrize("share", [1e-9, 1e-4, 0.5, 1 - 1e-4, 1 - 1e-9])
+def test_box_of_a_bounded_parameter_holds_its_init(share):
+    parameter = Bounded(share, low=0.0, high=1.0)
+    low, high = parameter.box()
+    assert low <= parameter.start() <= high
+    assert low <= -6.9 < 6.9 <= high
+
+
+def test_first_start_is_the_initial_point_and_all_lie_in_the_box():
+    starts = MIXED.starts(50, seed=3)
+    low, high = MIXED.box()
+    assert starts.shape == (50, 5)
+    np.testing.assert_array_equal(starts[0], MIXED.start())
+    assert ((low <= starts) & (starts <= high)).all()
+    # Random points all over the box: none in the same place, both halves of every axis.
+    assert len(np.unique(starts, axis=0)) == 50
+    middle = (low + high) / 2
+    assert ((starts[1:] < middle).any(axis=0) & (starts[1:] > middle).any(axis=0)).all()
+
+
+def test_starts_are_those_of_their_seed():
+    np.testing.assert_array_equal(MIXED.starts(4, seed=7), MIXED.starts(4, seed=7))
+    assert (MIXED.starts(4, seed=7)[1:] != MIXED.starts(4, seed=8)[1:]).all()
+    # Fewer starts are the first of more.
+    np.testing.assert_array_equal(MIXED.starts(2, seed=7), MIXED.starts(4, seed=7)[:2])
+    assert MIXED.starts(1, seed=7).shape == (1, 5)
+    assert MIXED.starts(0, seed=7).shape == (0, 5)
+
+
+# Refusals.
+
+
+def test_unknown_names_list_the_near_ones():
+    space = Space.of(noise=Fixed(1.0), voice=Fixed(1.0), R=Fixed(1.0))
+    with pytest.raises(ValueError, match="unknown parameter 'nois'; did you mean noise") as raised:
+        space.unconstrain({"nois": 1.0})
+    assert str(raised.value).endswith("There are: R, noise, voice")
+
+
+@pytest.mark.parametrize(
+    ("low", "init", "high"),
+    [
+        (1e-3, -1.0, 1e3),
+        (1e-3, 0.0, 1e3),
+        (1e-3, 1e-4, 1e3),
+        (1e-3, 1e4, 1e3),
+        (1e3, 1.0, 1e-3),
+        (0.0, 1.0, 1e3),
+        (-1.0, 1.0, 1e3),
+        (1e-3, np.nan, 1e3),
+        (np.nan, 1.0, 1e3),
+        (1e-3, 1.0, np.nan),
+        (1e-3, 1.0, np.inf),
+        (1e-3, np.inf, np.inf),
+    ],
+)
+def test_positive_refuses(low, init, high):
+    with pytest.raises(ValueError, match="^a positive parameter needs 0 < low <= init <= high"):
+        Positive(init, low=low, high=high)
+
+
+def test_positive_may_start_on_a_bound():
+    assert Positive(1.0, low=1.0, high=1.0).start() == 0.0
+
+
+@pytest.mark.parametrize(
+    ("low", "init", "high"),
+    [
+        (0.0, 0.0, 1.0),
+        (0.0, 1.0, 1.0),
+        (0.0, 2.0, 1.0),
+        (1.0, 0.5, 0.0),
+        (0.0, np.nan, 1.0),
+        (-np.inf, 0.5, 1.0),
+        (0.0, 0.5, np.inf),
+    ],
+)
+def test_bounded_refuses(low, init, high):
+    with pytest.raises(ValueError, match="^a bounded parameter needs finite low < init < high"):
+        Bounded(init, low=low, high=high)
+
+
+@pytest.mark.parametrize(
+    ("init", "sentence"),
+    [
+        (((1.0, 2.0), (2.0, 1.0)), "must be positive definite, but has the eigenvalue -1"),
+        (((1.0, 1.0), (1.0, 1.0)), "must be positive definite, but has the eigenvalue"),
+        (((0.0, 0.0), (0.0, 0.0)), "must be positive definite, but has the eigenvalue 0"),
+        (((1.0, 0.5), (0.4, 1.0)), "must be symmetric"),
+        (((1.0, np.nan), (np.nan, 1.0)), "must be finite"),
+        (((np.inf, 0.0), (0.0, 1.0)), "must be finite"),
+        (((1.0, 0.0),), "must be a square matrix, got the shape (1, 2)"),
+        ((1.0, 2.0), "must be a square matrix, got the shape (2,)"),
+        ((), "must be a square matrix, got the shape (0,)"),
+    ],
+)
+def test_covariance_refuses(init, sentence):
+    with pytest.raises(ValueError, match=f"^{re.escape(sentence)}"):
+        Covariance(init, low=1e-3, high=1e3)
+
+
+@pytest.mark.parametrize(
+    ("low", "high"), [(0.0, 1.0), (-1.0, 1.0), (1.0, 1.0), (2.0, 1.0), (1.0, np.inf), (np.nan, 1.0)]
+)
+def test_covariance_refuses_bounds(low, high):
+    with pytest.raises(ValueError, match="^a covariance needs 0 < low < high"):
+        Covariance(EYE, low=low, high=high)
+
+
+@pytest.mark.parametrize(
+    "init",
+    [
+        ((1e-8, 0.0), (0.0, 1.0)),  # a standard deviation of 1e-4
+        ((1e8, 0.0), (0.0, 1.0)),
+        ((1.0, 1.0), (1.0, 1.0 + 1e-8)),  # L22 = 1e-4
+    ],
+)
+def test_covariance_must_start_in_its_box(init):
+    with pytest.raises(ValueError, match="^a covariance needs an init whose Cholesky factor"):
+        Covariance(init, low=1e-3, high=1e3)
+
+
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        ({"R": 0.0}, "R must be positive and finite, got 0"),
+        ({"R": -1.0}, "R must be positive and finite, got -1"),
+        ({"R": np.nan}, "R must be positive and finite, got nan"),
+        ({"R": np.inf}, "R must be positive and finite, got inf"),
+        ({"R": [1.0, 2.0]}, "R must be one number, got the shape (2,)"),
+        ({"R": [-1.0, 2.0]}, "R must be one number, got the shape (2,)"),
+        ({"R": []}, "R must be one number, got the shape (0,)"),
+        ({"b": -1.0}, "b must lie strictly between -1 and 2, got -1"),
+        ({"b": 2.5}, "b must lie strictly between -1 and 2, got 2.5"),
+        ({"b": np.nan}, "b must lie strictly between -1 and 2, got nan"),
+        ({"b": [[0.0, 1.0]]}, "b must be one number, got the shape (1, 2)"),
+        ({"P": np.ones((2, 2))}, "P must be positive definite, but has the eigenvalue 0"),
+        ({"P": np.eye(3)}, "P must have the shape (2, 2), got (3, 3)"),
+        ({"P": 1.0}, "P must be a square matrix, got the shape ()"),
+        ({"T": 0.02}, "T is fixed at 0.01, got 0.02"),
+    ],
+)
+def test_values_outside_a_constraint(values, sentence):
+    with pytest.raises(ValueError, match=exactly(sentence)):
+        MIXED.unconstrain(values)
+
+
+# The helper that checks covariances.
+
+
+def test_semi_definite_matrices_are_allowed_unless_definite_ones_are_asked_for():
+    for matrix in (np.zeros((2, 2)), np.ones((2, 2)), np.outer([1e-3, 1e3], [1e-3, 1e3])):
+        np.testing.assert_array_equal(covariance(matrix), matrix)
+        with pytest.raises(ValueError, match="must be positive definite, but has the eigenvalue"):
+            covariance(matrix, definite=True)
+    np.testing.assert_array_equal(covariance([[2, 1], [1, 2]], definite=True), [[2, 1], [1, 2]])
+    assert covariance([[2, 1], [1, 2]]).dtype == np.float64
+
+
+@given(seeds(), st.integers(2, 5), st.integers(-12, 12))
+def test_rounding_of_a_rank_one_matrix_is_no_negative_eigenvalue(rng, n, exponent):
+    vector = rng.normal(size=n)
+    covariance(10.0**exponent * np.outer(vector, vector))
+
+
+def test_the_copy_that_is_returned_is_its_own():
+    given = np.eye(2)
+    covariance(given)[0, 0] = 5.0
+    assert given[0, 0] == 1.0
+
+
+def test_an_empty_matrix_is_refused():
+    with pytest.raises(ValueError, match="must be a square matrix"):
+        covariance(np.zeros((0, 0)))
