@@ -1,6 +1,15 @@
+import os
+
+import pytest
 from hypothesis import settings
 
 # No deadline: the first example compiles. The same examples in every run: a failure in CI is one
 # at home; the number of examples is what 100 s on two cores allow.
 settings.register_profile("tests", deadline=None, derandomize=True, max_examples=25)
 settings.load_profile("tests")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def own_cache(tmp_path_factory):
+    """No test touches the user's cache of compiled code."""
+    os.environ.setdefault("TUNER_CACHE", str(tmp_path_factory.mktemp("compiled")))

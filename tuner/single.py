@@ -54,7 +54,8 @@ def single_precision(
     rounded = _outputs(filter, *halved)
     if rounded.dtype != jnp.float32:
         raise TypeError(f"{type(filter).__name__} puts out {rounded.dtype} for float32 inputs")
-    deviation = np.nan_to_num(np.abs(np.asarray(rounded, float) - exact), nan=np.inf)
+    deviation = np.abs(np.asarray(rounded, float) - exact)
+    deviation[np.isnan(deviation)] = np.inf
     sample = int(np.unravel_index(np.argmax(deviation), deviation.shape)[0])
     largest = float(deviation.max())
     share = largest / scale

@@ -41,9 +41,10 @@ class Case:
     near: dict[str, float]
 
 
-# Gradients end at 1e-8 of the value, a simplex at 1e-5 in z; 150 samples in a square of side 6
-# come within a tenth by chance alone once in 30 draws, and the samplers learn where to draw.
-SMOOTH = {name: 1e-5 for name in GRADIENT} | {"nelder-mead": 1e-4, "cma-es": 0.1, "tpe": 0.1}
+# L-BFGS-B ends at 1e-8 of the value, trust-constr where the last weight of its barrier lets it, a
+# simplex at 1e-5 in z. Of 150 samples in a square of side 6, one comes within 0.25 by chance; the
+# samplers learn where to draw.
+SMOOTH = {"l-bfgs-b": 1e-6, "trust-constr": 1e-4, "nelder-mead": 1e-4, "cma-es": 0.1, "tpe": 0.1}
 CASES = [
     Case(bowl, (1.0, -1.0), 1.0, SMOOTH),
     Case(crater, (1.0, -1.0), 1.0, SMOOTH),
@@ -57,9 +58,17 @@ CASES = [
 every_case = pytest.mark.parametrize("case", CASES, ids=lambda case: case.objective.__name__)
 
 
+def make(solver, seed=0, starts=3, trials=25):
+    """A solver; samplers make few trials where nothing depends on how good they are."""
+    if solver in SAMPLERS:
+        return Sampler(solver, seed=seed, trials=trials)
+    return make_solver(solver, seed=seed, starts=starts, storage="")
+
+
 @cache
 def solved(objective, solver, seed=0):
-    return make_solver(solver, seed=seed, starts=3, storage="")(problem(objective))
+    searching = objective in {case.objective for case in CASES}
+    return make(solver, seed, trials=150 if searching else 25)(problem(objective))
 
 
 @every_solver
@@ -139,8 +148,9 @@ def test_starts_are_compared(solver):
     starts = solved(bowl, solver).certificate.starts
     assert (starts.count, starts.agreeing) == (3, 3)
     assert starts.worst == pytest.approx(1.0, abs=1e-6)
-    # One start of the crater lies in it: with gradients it gets nowhere.
-    assert solved(crater, solver).certificate.starts.agreeing == 2
+    # The first start of the crater lies in it: with gradients it gets nowhere.
+    found = 2 if solver in GRADIENT else 3
+    assert solved(crater, solver).certificate.starts.agreeing == found
 
 
 # Counting.
@@ -174,7 +184,7 @@ def counted(monkeypatch):
     "objective", [bowl, valley, slope, crater, hollow], ids=lambda objective: objective.__name__
 )
 def test_evaluations_are_counted_truly(solver, objective, counted):
-    solution = make_solver(solver, seed=1, starts=2, storage="")(problem(objective))
+    solution = make(solver, seed=1)(problem(objective))
     assert solution.evaluations == counted["solving"]
 
 
@@ -183,10 +193,9 @@ def test_evaluations_are_counted_truly(solver, objective, counted):
 
 @every_solver
 def test_equal_seeds_give_equal_solutions_to_the_bit(solver):
-    again = make_solver(solver, seed=0, starts=3, storage="")(problem(valley))
-    assert again.z.tobytes() == solved(valley, solver).z.tobytes()
-    assert again.value == solved(valley, solver).value
-    assert again.evaluations == solved(valley, solver).evaluations
+    one, other = (make(solver)(problem(bowl)) for _ in range(2))
+    assert one.z.tobytes() == other.z.tobytes()
+    assert (one.value, one.evaluations) == (other.value, other.evaluations)
 
 
 @every_solver
@@ -203,7 +212,7 @@ def test_other_seeds_find_the_optimum_in_another_way(solver):
 @pytest.mark.parametrize("starts", [0, -1])
 def test_fewer_than_one_start_is_refused(solver, starts):
     with pytest.raises(ValueError, match=f"^{solver} needs at least one start, got {starts}$"):
-        make_solver(solver, seed=0, starts=starts, storage="")(problem(bowl))
+        make(solver, starts=starts)(problem(bowl))
 
 
 @pytest.mark.parametrize("solver", SAMPLERS)
@@ -218,7 +227,7 @@ def test_nothing_to_tune_is_refused(solver):
     fixed = problem(bowl, space=Space.of(a=Fixed(1.0), b=Fixed(1.0)))
     sentence = "^every parameter of bowl is fixed: there is nothing to tune$"
     with pytest.raises(ValueError, match=sentence):
-        make_solver(solver, seed=0, starts=1, storage="")(fixed)
+        make(solver)(fixed)
 
 
 def test_unknown_solvers_list_the_near_ones():
@@ -259,7 +268,7 @@ def test_start_on_a_bound(solver):
         a=Positive(np.exp(3), low=np.exp(-3), high=np.exp(3)),
         b=Positive(np.exp(-3), low=np.exp(-3), high=np.exp(3)),
     )
-    solution = make_solver(solver, seed=0, starts=1, storage="")(problem(bowl, space=space))
+    solution = make(solver, starts=1)(problem(bowl, space=space))
     np.testing.assert_allclose(solution.z, (1.0, -1.0), rtol=0, atol=1e-3)
 
 
@@ -268,14 +277,14 @@ def test_start_that_nearly_touches_a_bounded_parameters_bound(solver):
     space = Space.of(
         a=Bounded(1e-7, low=0.0, high=6.0), b=Positive(1.0, low=np.exp(-3), high=np.exp(3))
     )
-    solution = make_solver(solver, seed=0, starts=2, storage="")(problem(bowl, space=space))
+    solution = make(solver)(problem(bowl, space=space))
     assert solution.value < problem(bowl, space=space).value(space.start())
 
 
 @every_solver
 def test_one_parameter(solver):
     space = Space.of(a=Positive(1.0, low=np.exp(-3), high=np.exp(3)), b=Fixed(np.exp(-1)))
-    solution = make_solver(solver, seed=0, starts=2, storage="")(problem(bowl, space=space))
+    solution = make(solver, trials=60)(problem(bowl, space=space))
     np.testing.assert_allclose(solution.z, [1.0], rtol=0, atol=SMOOTH[solver])
 
 
