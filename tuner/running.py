@@ -199,6 +199,7 @@ def _agreement(solutions: Solutions) -> dict[tuple[str, str], Solution]:
     agreed = {}
     for key, own in solutions.items():
         others = [s for s in solutions.values() if s.problem == own.problem and s is not own]
-        ratios = {s.solver: float(np.divide(s.value, own.value)) for s in others}
+        with np.errstate(divide="ignore", invalid="ignore"):  # values of zero, failed solutions
+            ratios = {s.solver: float(np.divide(s.value, own.value)) for s in others}
         agreed[key] = replace(own, certificate=replace(own.certificate, methods=ratios))
     return agreed

@@ -379,7 +379,7 @@ def test_bandwidth_of_the_gyroscope_filter(r, dt):
     F, H = np.array([[1.0, dt], [0.0, 1.0]]), np.array([1.0, 0.0])
     K = np.array([steady.gains.K1, steady.gains.K2])
     expected = crossing(lambda w: response(F, K, H, w)) / (2 * np.pi * dt)
-    # |H| is solved from a matrix near 1 - 1e-4: seven digits at the lowest bandwidth
+    # Near zero frequency 1 - |H| is what is left of a difference: seven digits at the lowest.
     assert float(steady.bandwidth_hz) == pytest.approx(expected, rel=1e-6)
 
 
@@ -390,7 +390,14 @@ def test_bandwidth_of_the_accelerometer_filter(r, dt):
     one = np.ones((1, 1))
     K = np.array([steady.gains.K1])
     expected = crossing(lambda w: response(one, K, one[0], w)) / (2 * np.pi * dt)
-    assert float(steady.bandwidth_hz) == pytest.approx(expected, rel=1e-6)
+    assert float(steady.bandwidth_hz) == pytest.approx(expected, rel=1e-6)  # as above
+
+
+def test_bandwidth_of_the_accelerometer_filter_ends_at_half_the_sample_rate():
+    """At rho = r T^2 = 4 the response falls by 3 dB at the last frequency there is."""
+    assert steady_accelerometer(4.01 / T**2, T).bandwidth_hz == np.inf
+    almost = float(steady_accelerometer(3.99 / T**2, T).bandwidth_hz)
+    assert 0.95 * 0.5 / T < almost < 0.5 / T
 
 
 @pytest.mark.parametrize("steady", [steady_accelerometer, steady_gyroscope], ids=["acc", "gyro"])

@@ -9,7 +9,7 @@ import pytest
 import tuner.surface
 from objectives import kept_bytes
 from studies.kownacki2010.bench import ACC, GYRO, Settings, benches
-from tests.tuner.helpers import bowl, crater, problem, ratio
+from tests.tuner.helpers import bowl, crater, problem
 from tuner.space import Fixed, Positive, Space
 from tuner.surface import MEMORY, _lanes, grid, values, values_and_gradients
 
@@ -151,7 +151,3 @@ def test_full_record_fits_the_memory_of_a_small_machine():
     threads = os.cpu_count() or 1
     assert MEMORY <= 256e6
     assert int(MEMORY / threads / 12 / 800_008) >= 1 or threads > 20
-
-
-def test_derived_quantities_do_not_matter():
-    assert problem(bowl).derive is ratio

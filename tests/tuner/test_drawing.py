@@ -1,0 +1,114 @@
+"""Figures: their data as CSV, to the digit, and a picture that is one."""
+
+import csv
+import io
+import struct
+import zlib
+
+import numpy as np
+import pytest
+
+from tuner.drawing import picture, table
+from tuner.figure import Chart, Line, Map
+
+NASTY = 'a "quoted", comma\nand line'
+CHART = Chart(
+    "chart",
+    "A title",
+    "time, s",
+    "output, rad/s",
+    (
+        Line("one", np.array([0.0, 1.0, 2.0]), np.array([1 / 3, -1e-20, 12345.678901234])),
+        Line("a point", np.array([1.5]), np.array([2.5])),
+        Line(NASTY, np.array([1e300, -2.0]), np.array([np.nan, np.inf])),
+        Line("empty", np.zeros(0), np.zeros(0)),
+    ),
+)
+MAP = Map(
+    "map",
+    "A plane",
+    "log10 R",
+    "log10 Q",
+    "log10 cost, dB",
+    np.array([1.0, 2.0]),
+    np.array([10.0, 20.0, 30.0]),
+    np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]),
+    (Line("best", np.array([1.5]), np.array([15.0])),),
+)
+
+
+def rows(figure):
+    return list(csv.reader(io.StringIO(table(figure).decode("utf-8"))))
+
+
+def test_chart_as_csv():
+    header, *points = rows(CHART)
+    assert header == ["label", "x", "y"]
+    labels, xs, ys = zip(*points, strict=True)
+    assert labels == ("one",) * 3 + ("a point",) + (NASTY,) * 2
+    assert [float(x) for x in xs] == [0.0, 1.0, 2.0, 1.5, 1e300, -2.0]
+    # Ten digits.
+    expected = [1 / 3, -1e-20, 12345.678901234, 2.5, np.nan, np.inf]
+    np.testing.assert_allclose([float(y) for y in ys], expected, rtol=1e-9)
+    assert table(CHART).endswith(b"\n")
+
+
+def test_map_as_csv():
+    header, *points = rows(MAP)
+    assert header == ["label", "x", "y", "z"]
+    assert points[:3] == [["log10 cost, dB", "1", str(y), str(z)] for y, z in zip((10, 20, 30), (1, 2, 3), strict=True)]
+    assert points[5] == ["log10 cost, dB", "2", "30", "6"]
+    assert points[6:] == [["best", "1.5", "15", ""]]
+
+
+def chunks(data):
+    """The chunks of a PNG, with their checksums verified."""
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    at, found = 8, []
+    while at < len(data):
+        (length,) = struct.unpack(">I", data[at : at + 4])
+        kind, body = data[at + 4 : at + 8], data[at + 8 : at + 8 + length]
+        (checksum,) = struct.unpack(">I", data[at + 8 + length : at + 12 + length])
+        assert zlib.crc32(kind + body) == checksum
+        found.append((kind, body))
+        at += 12 + length
+    return found
+
+
+def pixels(data):
+    return zlib.decompress(b"".join(body for kind, body in chunks(data) if kind == b"IDAT"))
+
+
+@pytest.mark.parametrize("log", ["", "x", "y", "xy"])
+def test_chart_as_picture(log):
+    line = Line("one", np.array([1.0, 2.0, 3.0]), np.array([1.0, 10.0, 5.0]))
+    data = picture(Chart("chart", "A title", "x", "y", (line,), log))
+    found = chunks(data)
+    assert found[0][0] == b"IHDR"
+    assert found[-1] == (b"IEND", b"")
+    width, height = struct.unpack(">II", found[0][1][:8])
+    assert (width, height) == (880, 550)
+    assert len(set(pixels(data))) > 10  # not one plain colour
+    assert not any(kind == b"tEXt" and b"Software" in body for kind, body in found)
+
+
+def test_map_as_picture_shows_its_quantity():
+    other = Map(**{**vars(MAP), "z": MAP.z[::-1]})
+    assert pixels(picture(MAP)) != pixels(picture(other))
+
+
+def test_equal_figures_give_equal_pictures():
+    assert picture(MAP) == picture(MAP)
+
+
+def test_nasty_curves_can_be_drawn():
+    labelled = Chart("c", "t", "x", "y", (CHART.lines[0], CHART.lines[1], CHART.lines[3]))
+    assert picture(labelled)[:4] == b"\x89PNG"
+
+
+def test_no_state_is_left_with_matplotlib():
+    from matplotlib import _pylab_helpers
+
+    before = len(_pylab_helpers.Gcf.figs)
+    picture(MAP)
+    assert len(_pylab_helpers.Gcf.figs) == before

@@ -1,0 +1,126 @@
+"""The package: light imports, its public names, its siblings."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import filters
+import objectives
+import studies
+import tuner
+
+HEAVY = {"jax", "jaxlib", "scipy", "cvxpy", "casadi", "matplotlib", "pydantic", "optuna", "numpy"}
+ROOT = Path(tuner.__file__).parents[1]
+LOADED = "import sys; print(' '.join(sorted(set(sys.modules))))"
+
+
+def python(*arguments, cwd=None):
+    return subprocess.run(
+        [sys.executable, *arguments], capture_output=True, text=True, check=False, cwd=cwd
+    )
+
+
+def loaded(code):
+    ran = python("-c", f"{code}\n{LOADED}")
+    assert ran.returncode == 0, ran.stderr
+    return set(ran.stdout.splitlines()[-1].split())
+
+
+def test_import_is_light():
+    assert not loaded("import tuner") & HEAVY
+
+
+def test_names_are_loaded_when_they_are_used():
+    modules = loaded("import tuner; tuner.parse_mapping; tuner.Verdict")
+    assert "tuner.logs" in modules
+    assert not modules & (HEAVY - {"numpy"})
+    assert "jax" in loaded("import tuner; tuner.Space")
+
+
+@pytest.mark.parametrize("arguments", [["--help"], [], ["run", "--help"], ["export", "--help"]])
+def test_help_is_light(arguments):
+    code = f"from tuner.cli import invoke\nassert invoke({arguments!r}) == 0"
+    assert not loaded(code) & HEAVY
+
+
+def test_every_public_name_is_there():
+    assert len(tuner.__all__) == len(set(tuner.__all__)) > 40
+    assert tuner.__all__ == sorted(tuner.__all__)
+    for name in tuner.__all__:
+        thing = getattr(tuner, name)
+        assert thing.__name__ == name
+        assert name in dir(tuner)
+
+
+def test_public_names_can_be_imported():
+    from tuner import Bounded, NelderMead, Problem, Space, find_study, read_log
+
+    assert Problem is tuner.problem.Problem
+    assert Space is tuner.space.Space
+    assert NelderMead is tuner.solvers.NelderMead
+    assert Bounded.__module__ == "tuner.space"
+    assert find_study("kownacki2010").name == "kownacki2010"
+    assert read_log.__module__ == "tuner.logs.log"
+
+
+def test_unknown_names_are_attribute_errors():
+    with pytest.raises(AttributeError, match="^module 'tuner' has no attribute 'Nonsense'$"):
+        _ = tuner.Nonsense
+    with pytest.raises(ImportError, match="cannot import name 'Nonsense'"):
+        from tuner import Nonsense  # noqa: F401
+    assert not hasattr(tuner, "__path_to_nowhere__")
+
+
+def test_siblings_are_the_ones_that_were_installed():
+    for package in (filters, objectives, studies):
+        assert Path(package.__file__).parent == ROOT / package.__name__
+
+
+@pytest.mark.parametrize("name", ["filters", "objectives", "studies"])
+@pytest.mark.parametrize("package", [False, True], ids=["module", "package"])
+def test_a_foreign_sibling_is_refused_with_both_paths(tmp_path, name, package):
+    foreign = tmp_path / name / "__init__.py" if package else tmp_path / f"{name}.py"
+    foreign.parent.mkdir(exist_ok=True)
+    foreign.write_text("raise SystemExit('the foreign module was run')\n")
+    ran = python("-c", "import tuner", cwd=tmp_path)
+    assert ran.returncode == 1
+    (last,) = ran.stderr.splitlines()[-1:]
+    assert last == (
+        f"ImportError: tuner needs its own package {name!r} in {ROOT / name}, but Python finds "
+        f"{foreign}; rename yours, or start Python with -P so that the current folder does not "
+        "come first"
+    )
+
+
+def test_the_way_out_works(tmp_path):
+    (tmp_path / "filters.py").write_text("")
+    assert python("-P", "-c", "import tuner", cwd=tmp_path).returncode == 0
+
+
+def test_a_folder_of_that_name_without_code_does_no_harm(tmp_path):
+    (tmp_path / "filters").mkdir()
+    (tmp_path / "studies").mkdir()
+    assert python("-c", "import tuner; tuner.run", cwd=tmp_path).returncode == 0
+
+
+def test_the_command_line_refuses_a_foreign_sibling_as_well(tmp_path):
+    (tmp_path / "filters.py").write_text("")
+    ran = python("-m", "tuner.cli", "--help", cwd=tmp_path)
+    assert ran.returncode == 1
+    assert "tuner needs its own package 'filters'" in ran.stderr
+
+
+def test_all_packages_are_typed():
+    for package in (filters, objectives, studies, tuner):
+        assert (Path(package.__file__).parent / "py.typed").is_file()
+
+
+def test_imports_go_one_way():
+    for code, foreign in (
+        ("import filters", {"objectives", "tuner", "studies"}),
+        ("import objectives", {"tuner", "studies"}),
+        ("import tuner; tuner.Problem; tuner.Sampler; tuner.grid", {"studies"}),
+    ):
+        assert not loaded(code) & foreign
