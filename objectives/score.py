@@ -104,7 +104,7 @@ def scores_and_gradients(
 
 def kept_bytes(filter: AnyFilter, objective: Objective, params: Any, data: Data) -> int:
     """How much memory one run keeps for after its time loop."""
-    _, kept = jax.eval_shape(lambda p: _collect(filter, objective, p, data), params)
+    _, kept = _collected.eval_shape(filter, objective, params, data)
     return sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(kept))
 
 
@@ -119,6 +119,9 @@ def _collect(filter: AnyFilter, objective: Objective, params: Any, data: Data) -
         (_, total), kept = run(Folded(filter, objective), params, data)
         return total, kept
     return None, run(filter, params, data.inputs)[1]
+
+
+_collected = jax.jit(_collect, static_argnums=(0, 1))  # remembers the shapes it has worked out
 
 
 def _judge(objective: Objective, data: Data, collected: tuple[Any, Any]) -> Array:

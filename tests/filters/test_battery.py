@@ -100,7 +100,7 @@ def test_vmap_over_parameters_equals_a_loop(case):
 
 
 @pytest.mark.parametrize(
-    "case", [c for c in CASES if c.measured.ndim < 3], ids=lambda case: case.name
+    "case", [c for c in CASES if "signals" not in c.name], ids=lambda case: case.name
 )
 def test_compiled_equals_uncompiled(case):
     inputs = jax.tree.map(lambda leaf: leaf[:3], case.inputs(case.measured))
@@ -113,17 +113,16 @@ def test_compiled_equals_uncompiled(case):
 
 @cache
 def gradients(case: Case):
-    """Value, gradient backwards and gradient forwards, compiled once for a case."""
+    """The value, its gradient backwards, and its slope along (1, 1, ...) forwards; one compilation."""
 
     def value(point, inputs):
         return loss(run(case.filter, case.build(point), inputs)[1])
 
-    return jax.jit(
-        lambda point, inputs: (
-            *jax.value_and_grad(value)(point, inputs),
-            jax.jacfwd(value)(point, inputs),
-        )
-    )
+    def both_ways(point, inputs):
+        ahead = jax.jvp(lambda p: value(p, inputs), (point,), (jnp.ones_like(point),))
+        return *jax.value_and_grad(value)(point, inputs), ahead[1]
+
+    return jax.jit(both_ways)
 
 
 @every_case
@@ -133,14 +132,14 @@ def test_gradient_equals_central_differences(case, record):
     difference = central_difference(
         lambda point: loss(compiled(case.filter, case.build(point), inputs)[1]), case.point, 1e-5
     )
-    value, backwards, forwards = gradients(case)(case.point, inputs)
+    value, backwards, forwards = gradients(case)(jnp.asarray(case.point), inputs)
     assert np.isfinite(value)
     # A step h = 1e-5 leaves h^2 = 1e-10 of truncation and eps/h = 2e-11 of rounding, each times
     # a factor of order ten.
     scale = np.abs(difference).max()
     np.testing.assert_allclose(backwards, difference, rtol=1e-7, atol=1e-7 * scale)
     # Forwards and backwards are the same sums in another order.
-    np.testing.assert_allclose(forwards, backwards, rtol=1e-11, atol=1e-12 * scale)
+    np.testing.assert_allclose(forwards, backwards.sum(), rtol=0, atol=1e-11 * scale)
 
 
 @every_case

@@ -136,7 +136,7 @@ def test_gradient_for_a_record_of_zeros_is_that_of_the_first_integral():
     np.testing.assert_allclose(gradient, expected[1], rtol=1e-12)
 
 
-@every_cost
+@pytest.mark.parametrize("cost", COSTS[1:], ids=["R2", "R6"])
 def test_many_points_at_once_are_each_alone(cost):
     points = POINT + np.array([[0.0, 0.0], [1.0, -1.0], [-2.0, 0.5]])
     together = jax.jit(scores_and_gradients, static_argnums=(0, 1, 2))
