@@ -1,6 +1,7 @@
 """The certificate of a point: gradient, bounds, curvature, and what is not determined."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,12 +20,33 @@ NEAR = 0.01
 """A coordinate this close to a bound lies on it: barriers and samplers never quite get there."""
 
 
-def certify(problem: Problem, z: np.ndarray, starts: Starts) -> Certificate:
+class Spectrum(NamedTuple):
+    """How an objective curves around a point, relative to its value there.
+
+    Attributes:
+        curvatures: eigenvalues of the Hessian over the value, ascending, ``(n,)``.
+        directions: their eigenvectors, one per column, ``(n, n)``.
+    """
+
+    curvatures: np.ndarray
+    directions: np.ndarray
+
+
+def spectrum(problem: Problem, z: np.ndarray) -> Spectrum:
+    """How a problem curves around a point ``(n,)``; NaN where the objective is not a number."""
+    hessian = problem.hessian(z) / (abs(problem.value(z)) or 1.0)
+    if not np.isfinite(hessian).all():
+        return Spectrum(np.full(len(z), np.nan), np.eye(len(z)))
+    return Spectrum(*np.linalg.eigh(hessian))
+
+
+def certify(problem: Problem, z: np.ndarray, curved: Spectrum, starts: Starts) -> Certificate:
     """Judge a point of a problem.
 
     Args:
         problem: the problem; its objective should be differentiable near z.
         z: the point, ``(n,)``.
+        curved: how the problem curves around it.
         starts: what the starts came to.
 
     Returns:
@@ -32,7 +54,7 @@ def certify(problem: Problem, z: np.ndarray, starts: Starts) -> Certificate:
     """
     value, gradient = problem.value_and_gradient(z)
     gradient = gradient / (abs(value) or 1.0)
-    curvatures, directions = _spectrum(problem, z, value)
+    curvatures, directions = curved
     labels = problem.space.coordinates
     low, high = problem.space.box()
     bound = (z <= low + NEAR) | (z >= high - NEAR)
@@ -48,15 +70,6 @@ def certify(problem: Problem, z: np.ndarray, starts: Starts) -> Certificate:
         starts=starts,
         methods={},
     )
-
-
-def _spectrum(problem: Problem, z: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues of the Hessian over the value, ``(n,)``, ascending, and their directions."""
-    hessian = problem.hessian(z) / (abs(value) or 1.0)
-    if not np.isfinite(hessian).all():
-        return np.full(len(z), np.nan), np.eye(len(z))
-    curvatures, directions = np.linalg.eigh(hessian)
-    return curvatures, directions
 
 
 def is_flat(slope: float, curvature: float) -> bool:
@@ -103,10 +116,10 @@ def flat_in_words(labels: list[str], direction: np.ndarray) -> str:
     return f"{sentence}: only {second}{'/' if power > 0 else '*'}{name} is determined"
 
 
-def estimates(problem: Problem, z: np.ndarray) -> dict[str, Parameter]:
-    """The parameters at z with their units and 1 % intervals."""
+def estimates(problem: Problem, z: np.ndarray, curved: Spectrum) -> dict[str, Parameter]:
+    """The parameters at z ``(n,)`` with their units and 1 % intervals."""
     values = problem.parameters(z)
-    spread = _spread(problem, z)
+    spread = _spread(curved)
     found, at = {}, 0
     for name, parameter in problem.space.parameters:
         interval = None
@@ -119,12 +132,10 @@ def estimates(problem: Problem, z: np.ndarray) -> dict[str, Parameter]:
     return found
 
 
-def _spread(problem: Problem, z: np.ndarray) -> np.ndarray:
+def _spread(curved: Spectrum) -> np.ndarray:
     """Half-widths in z, ``(n,)``, within which the value rises by 1 %; infinite along flat ones."""
-    curvatures, directions = _spectrum(problem, z, problem.value(z))
+    curvatures, directions = curved
     rising = curvatures * TENFOLD**2 / 2 >= FLAT
-    squared = np.zeros(len(z))
-    for curvature, direction in zip(curvatures[rising], directions.T[rising], strict=True):
-        squared += direction**2 / curvature
+    squared = (directions[:, rising] ** 2 / curvatures[rising]).sum(axis=1)
     squared[(np.abs(directions[:, ~rising]) > 0.02).any(axis=1)] = np.inf
     return np.sqrt(2 * FLAT * squared)

@@ -21,9 +21,10 @@ from filters import (
 from objectives import Crossing, Data, Reading, StepResponse, Welch
 from tuner.logs import Log
 from tuner.names import unknown
+from tuner.parameters import Fixed, Positive, covariance
 from tuner.problem import Problem
 from tuner.solvers import SOLVERS
-from tuner.space import Fixed, Positive, Space, covariance
+from tuner.space import Space
 from tuner.split import NoiseSplit, split_noise
 
 

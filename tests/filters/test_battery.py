@@ -113,7 +113,7 @@ def test_compiled_equals_uncompiled(case):
 
 @cache
 def gradients(case: Case):
-    """The value, its gradient backwards, and its slope along (1, 1, ...) forwards; one compilation."""
+    """The value, its gradient backwards and its slope along (1, 1, ...) forwards, compiled once."""
 
     def value(point, inputs):
         return loss(run(case.filter, case.build(point), inputs)[1])

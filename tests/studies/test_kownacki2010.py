@@ -12,7 +12,7 @@ from studies.kownacki2010.bench import ACC, GYRO, Settings, benches, synthetic
 from studies.kownacki2010.rows import compare
 from tuner.cli import invoke
 from tuner.comparison import Verdict
-from tuner.solvers import LBFGSB, NelderMead
+from tuner.solvers import Gradient, NelderMead
 from tuner.study import find_study
 
 REQUIRED = (
@@ -36,7 +36,7 @@ def rows():
     solutions = {}
     for bench in tested:
         for problem in (bench.problem(), bench.paper()):
-            solutions[problem.name, "l-bfgs-b"] = LBFGSB(seed=0, starts=1)(problem)
+            solutions[problem.name, "l-bfgs-b"] = Gradient("l-bfgs-b", seed=0, starts=1)(problem)
         literal = bench.literal()
         solutions[literal.name, "nelder-mead"] = NelderMead(seed=0, starts=1)(literal)
     return {row.quantity: row for row in compare(tested, True, solutions)}

@@ -13,10 +13,11 @@ from objectives import Data
 from tuner.comparison import claim, number
 from tuner.export.tuned import Quantity
 from tuner.figure import Chart, Line
+from tuner.parameters import Positive
 from tuner.problem import Problem
 from tuner.single import SinglePrecision
 from tuner.solvers import make_solver
-from tuner.space import Positive, Space
+from tuner.space import Space
 from tuner.study import Plan, Source, Study, Target, Task
 
 
@@ -181,6 +182,6 @@ def snapshot(folder: Path) -> dict[str, bytes | None]:
 
 
 def write_csv(path: Path, time, values, *, header: str = "t,g") -> Path:
-    rows = [f"{t!r},{v!r}" for t, v in zip(list(time), list(values), strict=True)]
+    rows = [f"{float(t)!r},{float(v)!r}" for t, v in zip(time, values, strict=True)]
     path.write_text("\n".join([header, *rows]) + "\n")
     return path

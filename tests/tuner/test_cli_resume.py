@@ -65,7 +65,8 @@ def test_the_printed_command_resumes_to_the_same_result(cli, here, interrupted):
     (line,) = err.splitlines()
     assert line.startswith(GO_ON)
     assert set(snapshot(here / "a run's")) == {"study.toml", "environment.json", "progress.json"}
-    assert solver.solved == [("toy", "nelder-mead"), ("toy", "l-bfgs-b")]
+    # The one worker may have begun the next task by the time it is called off.
+    assert solver.solved[:2] == [("toy", "nelder-mead"), ("toy", "l-bfgs-b")]
     solver.at, solver.solved = None, []
     words = shlex.split(line.removeprefix(GO_ON))
     assert words == ["run", "a run's/study.toml", "--out", "a run's", "--resume"]
@@ -117,7 +118,7 @@ def test_the_same_words_with_resume_go_on_as_well(cli, here, interrupted):
 
 
 @pytest.mark.parametrize(
-    "words", [("--set", "starts=4"), ("--seed", 1), ("--set", "solvers=tpe")], ids=str
+    "words", [("--set", "starts=4"), ("--seed", 1), ("--set", 'solvers=["tpe"]')], ids=str
 )
 def test_other_settings_cannot_be_mixed_into_a_run(cli, here, interrupted, words):
     solver = interrupted("side", "l-bfgs-b")

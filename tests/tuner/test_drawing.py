@@ -56,7 +56,10 @@ def test_chart_as_csv():
 def test_map_as_csv():
     header, *points = rows(MAP)
     assert header == ["label", "x", "y", "z"]
-    assert points[:3] == [["log10 cost, dB", "1", str(y), str(z)] for y, z in zip((10, 20, 30), (1, 2, 3), strict=True)]
+    assert points[:3] == [
+        ["log10 cost, dB", "1", str(y), str(z)]
+        for y, z in zip((10, 20, 30), (1, 2, 3), strict=True)
+    ]
     assert points[5] == ["log10 cost, dB", "2", "30", "6"]
     assert points[6:] == [["best", "1.5", "15", ""]]
 

@@ -92,18 +92,18 @@ def test_infinite_numbers_are_null_and_come_back():
 
 
 def test_failed_solutions_can_be_written_and_read():
-    from tuner.solvers import LBFGSB
+    from tuner.solvers import Gradient
 
-    failed = LBFGSB(seed=0, starts=2)(problem(hollow))
+    failed = Gradient("l-bfgs-b", seed=0, starts=2)(problem(hollow))
     back = through_json(failed)
     assert back.status is Status.FAILED
     assert back.value == math.inf
 
 
 def test_solved_problems_come_back_to_the_bit():
-    from tuner.solvers import LBFGSB
+    from tuner.solvers import Gradient
 
-    solution = LBFGSB(seed=0, starts=2)(problem(bowl))
+    solution = Gradient("l-bfgs-b", seed=0, starts=2)(problem(bowl))
     same(through_json(solution), solution)
 
 

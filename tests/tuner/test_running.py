@@ -18,12 +18,13 @@ from tests.tuner.helpers import (
 from tuner import export
 from tuner.export import FORMATS
 from tuner.folder import RunFolder
+from tuner.parameters import Positive
 from tuner.problem import Problem
 from tuner.result import read_result
 from tuner.running import Run, recorded, score_export, trusted
 from tuner.solution import Status
 from tuner.solvers import make_solver
-from tuner.space import Positive, Space
+from tuner.space import Space
 from tuner.study import best
 
 
@@ -231,7 +232,9 @@ def test_a_file_that_was_changed_scores_differently():
     record = score_export(posed, 1.0, tuned, "csv", "toy.csv")
     assert (record.problem, record.format, record.file) == ("toy", "csv", "toy.csv")
     assert record.score == pytest.approx(1.0, rel=1e-14)
-    changed = replace(tuned, quantities=(export.Quantity("a", np.array(1.0), ""), *tuned.quantities[1:]))
+    changed = replace(
+        tuned, quantities=(export.Quantity("a", np.array(1.0), ""), *tuned.quantities[1:])
+    )
     record = score_export(posed, 1.0, changed, "csv", "toy.csv")
     assert record.score == pytest.approx(2.0, rel=1e-14)
     assert record.relative_change == pytest.approx(1.0, rel=1e-14)

@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.strategies import seeds
-from tuner.space import Bounded, Covariance, Fixed, Positive, Space, covariance
+from tuner.parameters import Bounded, Covariance, Fixed, Positive, covariance
+from tuner.space import Space
 
 EYE = ((1.0, 0.0), (0.0, 1.0))
 MIXED = Space.of(

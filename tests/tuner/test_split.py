@@ -19,7 +19,7 @@ def test_ideal_parts_add_up_to_the_variance(rng, n, rate, share, offset):
     record = offset + rng.normal(size=n)
     R, Q = split_noise(record, rate, cutoff)
     # Parseval; a transform of 501 samples rounds to some 1e-15 of an offset of 9 squared.
-    assert R + Q == pytest.approx(np.var(record), rel=1e-10)
+    assert pytest.approx(np.var(record), rel=1e-10) == R + Q
     assert R >= 0
     assert Q >= 0
 
@@ -44,8 +44,8 @@ def test_the_highest_line_counts_once():
 def test_the_line_at_the_cutoff_is_fast():
     n = 100
     record = np.sin(2 * np.pi * 5 * np.arange(n) / n)
-    assert split_noise(record, float(n), 5.0).R == pytest.approx(0.5)
-    assert split_noise(record, float(n), 5.0 + 1e-9).Q == pytest.approx(0.5)
+    assert pytest.approx(0.5) == split_noise(record, float(n), 5.0).R
+    assert pytest.approx(0.5) == split_noise(record, float(n), 5.0 + 1e-9).Q
 
 
 def test_scaling_and_offset():
@@ -62,8 +62,8 @@ def test_white_noise_splits_by_bandwidth():
     record = np.random.default_rng(2).normal(size=100_000)
     R, Q = split_noise(record, 1000.0, cutoff_hz=50.0)
     # A tenth of the band holds a tenth of the variance, from 10 000 draws: 1.4 % standard error.
-    assert Q == pytest.approx(0.1, rel=0.05)
-    assert R == pytest.approx(0.9, rel=0.02)
+    assert pytest.approx(0.1, rel=0.05) == Q
+    assert pytest.approx(0.9, rel=0.02) == R
 
 
 def test_butterworth_is_near_the_ideal_split():
@@ -74,8 +74,8 @@ def test_butterworth_is_near_the_ideal_split():
     smooth = split_noise(record, 1000.0, 10.0, "butterworth")
     # Both let a little of the other side through: of white noise 10 Hz are 2 %, and the filters'
     # slopes make a quarter more or less of that.
-    assert smooth.R == pytest.approx(ideal.R, rel=0.02)
-    assert smooth.Q == pytest.approx(ideal.Q, rel=0.02)
+    assert pytest.approx(ideal.R, rel=0.02) == smooth.R
+    assert pytest.approx(ideal.Q, rel=0.02) == smooth.Q
     assert smooth != ideal
 
 

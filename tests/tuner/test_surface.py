@@ -10,7 +10,8 @@ import tuner.surface
 from objectives import kept_bytes
 from studies.kownacki2010.bench import ACC, GYRO, Settings, benches
 from tests.tuner.helpers import bowl, crater, problem
-from tuner.space import Fixed, Positive, Space
+from tuner.parameters import Fixed, Positive
+from tuner.space import Space
 from tuner.surface import MEMORY, _lanes, grid, values, values_and_gradients
 
 

@@ -64,7 +64,7 @@ def show_result(result: Result, folder: Path) -> None:
     )
     out = console()
     for export in result.exports:
-        if abs(export.relative_change) > 1e-12:
+        if abs(export.relative_change or 0.0) > 1e-12:
             out.print(f"{export.file}: read back and scored, cost {export.relative_change:+.1e}")
     if result.exports:
         out.print(f"{len(result.exports)} exports, each read back and scored again")

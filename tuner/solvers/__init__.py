@@ -5,7 +5,7 @@ from collections.abc import Callable
 from tuner.names import unknown
 from tuner.problem import Problem
 from tuner.solution import Solution
-from tuner.solvers.gradient import LBFGSB, TrustConstr
+from tuner.solvers.gradient import Gradient
 from tuner.solvers.nelder_mead import NelderMead, fminsearch, nelder_mead
 from tuner.solvers.sampling import Sampler
 
@@ -36,21 +36,18 @@ def make_solver(
     match name:
         case "nelder-mead":
             return NelderMead(seed=seed, starts=starts)
-        case "l-bfgs-b":
-            return LBFGSB(seed=seed, starts=starts)
-        case "trust-constr":
-            return TrustConstr(seed=seed, starts=starts)
+        case "l-bfgs-b" | "trust-constr":
+            return Gradient(name, seed=seed, starts=starts)
         case "cma-es" | "tpe":
             return Sampler(name, seed=seed, storage=storage)
     raise unknown("solver", name, SOLVERS)
 
 
 __all__ = [
-    "LBFGSB",
     "SOLVERS",
+    "Gradient",
     "NelderMead",
     "Sampler",
-    "TrustConstr",
     "fminsearch",
     "make_solver",
     "nelder_mead",

@@ -1,69 +1,51 @@
 """Gradient methods of scipy on exact JAX gradients: L-BFGS-B and trust-constr."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
+from tuner.names import unknown
 from tuner.problem import Problem
 from tuner.solution import Solution
 from tuner.solvers.multistart import Minimum, from_several
 
 
 @dataclass(frozen=True)
-class LBFGSB:
-    """Quasi-Newton with bounds (Byrd, Lu, Nocedal, Zhu 1995), from several starts.
+class Gradient:
+    """A gradient method with bounds, from several starts.
 
     Attributes:
+        name: l-bfgs-b (quasi-Newton; Byrd, Lu, Nocedal, Zhu 1995) or trust-constr (Newton in a
+            trust region, bounds as a barrier; its Hessian is the certificate's, central
+            differences of the exact gradient).
         seed: where the random starts come from.
         starts: how many starts.
         gradient: largest component of the gradient of ln value at the end.
         iterations: limit for each start.
     """
 
+    name: Literal["l-bfgs-b", "trust-constr"]
     seed: int
     starts: int = 4
     gradient: float = 1e-8
     iterations: int = 200
 
-    name: str = "l-bfgs-b"
+    def __post_init__(self) -> None:
+        if self.name not in _TOLERANCE:
+            raise unknown("gradient method", self.name, _TOLERANCE)
 
     def __call__(self, problem: Problem) -> Solution:
         """Solve a problem."""
         return from_several(problem, self.name, self._descend, starts=self.starts, seed=self.seed)
 
     def _descend(self, problem: Problem, z: np.ndarray) -> Minimum:
-        options = {"gtol": self.gradient, "ftol": 1e-15, "maxiter": self.iterations}
-        return _minimise(problem, z, "L-BFGS-B", options)
+        limits = {"gtol": self.gradient, "maxiter": self.iterations}
+        return _minimise(problem, z, self.name, limits | _TOLERANCE[self.name])
 
 
-@dataclass(frozen=True)
-class TrustConstr:
-    """Newton steps in a trust region with bounds as a barrier, from several starts.
-
-    The Hessian is that of the certificate: central differences of the exact gradient.
-
-    Attributes:
-        seed: where the random starts come from.
-        starts: how many starts.
-        gradient: largest component of the gradient of ln value at the end.
-        iterations: limit for each start.
-    """
-
-    seed: int
-    starts: int = 4
-    gradient: float = 1e-8
-    iterations: int = 200
-
-    name: str = "trust-constr"
-
-    def __call__(self, problem: Problem) -> Solution:
-        """Solve a problem."""
-        return from_several(problem, self.name, self._descend, starts=self.starts, seed=self.seed)
-
-    def _descend(self, problem: Problem, z: np.ndarray) -> Minimum:
-        options = {"gtol": self.gradient, "xtol": 1e-9, "maxiter": self.iterations}
-        return _minimise(problem, z, "trust-constr", options)
+_TOLERANCE = {"l-bfgs-b": {"ftol": 1e-15}, "trust-constr": {"xtol": 1e-9}}
+"""What each method calls the least progress worth going on for."""
 
 
 def _minimise(problem: Problem, z: np.ndarray, method: str, options: dict[str, Any]) -> Minimum:

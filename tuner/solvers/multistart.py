@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from tuner.certify import certify, estimates, is_stationary
+from tuner.certify import certify, estimates, is_stationary, spectrum
 from tuner.problem import Problem
 from tuner.solution import Certificate, Solution, Starts, Status
 
@@ -71,7 +71,8 @@ def refuse_idle(problem: Problem, solver: str, count: int, what: str) -> None:
 def conclude(problem: Problem, solver: str, ends: list[Minimum], seconds: float) -> Solution:
     """The solution that the best of several ends amounts to."""
     best = min(ends, key=lambda end: end.value)
-    certificate = certify(problem, best.z, _agreement(ends, best))
+    curved = spectrum(problem, best.z)
+    certificate = certify(problem, best.z, curved, _agreement(ends, best))
     status = _status(problem, best, certificate)
     return Solution(
         problem=problem.name,
@@ -80,7 +81,7 @@ def conclude(problem: Problem, solver: str, ends: list[Minimum], seconds: float)
         message=f"{status.sentence} ({best.message})",
         value=best.value,
         z=best.z,
-        parameters=estimates(problem, best.z),
+        parameters=estimates(problem, best.z, curved),
         derived=problem.derived(best.z),
         evaluations=sum(end.evaluations for end in ends),
         seconds=seconds,

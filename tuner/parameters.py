@@ -1,0 +1,274 @@
+"""The kinds of parameters that can be tuned, each as unconstrained numbers z.
+
+Positive numbers are tuned as their logarithm, bounded ones through a logistic curve, and
+covariances through the logarithms of their Cholesky diagonal, so that no solver can leave the
+allowed set. A fixed parameter takes no place in z.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+
+class Parameter(Protocol):
+    """One named parameter: ``size`` numbers of z, and the value they stand for."""
+
+    @property
+    def size(self) -> int:
+        """How many entries of z it takes."""
+        ...
+
+    @property
+    def unit(self) -> str:
+        """The value's unit, "" for none."""
+        ...
+
+    def constrain(self, z: Array) -> Array:
+        """The value that ``(size,)`` entries of z stand for."""
+        ...
+
+    def unconstrain(self, value: np.ndarray) -> np.ndarray:
+        """The entries of z that stand for a value, ``(size,)``."""
+        ...
+
+    def start(self) -> np.ndarray:
+        """The entries of z that stand for the initial value, ``(size,)``."""
+        ...
+
+    def box(self) -> tuple[np.ndarray, np.ndarray]:
+        """The lowest and highest z, ``(size,)`` each."""
+        ...
+
+    def coordinates(self, name: str) -> list[str]:
+        """What each entry of z is called, in words."""
+        ...
+
+
+@dataclass(frozen=True)
+class Positive:
+    """A positive number between ``low`` and ``high``, tuned as its natural logarithm."""
+
+    init: float
+    low: float
+    high: float
+    unit: str = ""
+    size: int = 1
+
+    def __post_init__(self) -> None:
+        if not 0 < self.low <= self.init <= self.high < np.inf:
+            raise ValueError(
+                f"a positive parameter needs 0 < low <= init <= high, got low {self.low:g}, "
+                f"init {self.init:g}, high {self.high:g}"
+            )
+
+    def constrain(self, z: Array) -> Array:
+        """exp z."""
+        return jnp.exp(z[0])
+
+    def unconstrain(self, value: np.ndarray) -> np.ndarray:
+        """Ln value."""
+        number = _number(value)
+        if not 0 < number < np.inf:
+            raise ValueError(f"must be positive and finite, got {number:g}")
+        return np.log([number])
+
+    def start(self) -> np.ndarray:
+        """Ln init."""
+        return self.unconstrain(np.asarray(self.init))
+
+    def box(self) -> tuple[np.ndarray, np.ndarray]:
+        """Ln low and ln high."""
+        return np.log([self.low]), np.log([self.high])
+
+    def coordinates(self, name: str) -> list[str]:
+        """Ln of the name."""
+        return [f"ln {name}"]
+
+
+@dataclass(frozen=True)
+class Bounded:
+    """A number strictly between ``low`` and ``high``, tuned through the logistic curve."""
+
+    init: float
+    low: float
+    high: float
+    unit: str = ""
+    size: int = 1
+
+    def __post_init__(self) -> None:
+        if not -np.inf < self.low < self.init < self.high < np.inf:
+            raise ValueError(
+                f"a bounded parameter needs finite low < init < high, got low {self.low:g}, "
+                f"init {self.init:g}, high {self.high:g}"
+            )
+
+    def constrain(self, z: Array) -> Array:
+        """Low + (high - low) / (1 + exp -z)."""
+        return self.low + (self.high - self.low) * jax.nn.sigmoid(z[0])
+
+    def unconstrain(self, value: np.ndarray) -> np.ndarray:
+        """The logit of the value's place between the bounds."""
+        number = _number(value)
+        share = (number - self.low) / (self.high - self.low)
+        if not 0 < share < 1:
+            raise ValueError(
+                f"must lie strictly between {self.low:g} and {self.high:g}, got {number:g}"
+            )
+        return np.array([np.log(share) - np.log1p(-share)])
+
+    def start(self) -> np.ndarray:
+        """The logit of init."""
+        return self.unconstrain(np.asarray(self.init))
+
+    def box(self) -> tuple[np.ndarray, np.ndarray]:
+        """A thousandth of the range from either bound, where the curve is nearly flat; or init."""
+        start = self.start()
+        return np.minimum(-6.9, start), np.maximum(6.9, start)
+
+    def coordinates(self, name: str) -> list[str]:
+        """Logit of the name."""
+        return [f"logit {name}"]
+
+
+@dataclass(frozen=True)
+class Covariance:
+    """A covariance matrix ``(n, n)``, tuned as its Cholesky factor with logarithmic diagonal.
+
+    Attributes:
+        init: the initial matrix as nested tuples, symmetric positive definite.
+        low, high: bounds of the factor's diagonal, that is of standard deviations.
+        unit: unit of the entries.
+    """
+
+    init: tuple[tuple[float, ...], ...]
+    low: float
+    high: float
+    unit: str = ""
+
+    def __post_init__(self) -> None:
+        if not 0 < self.low < self.high < np.inf:
+            raise ValueError(
+                f"a covariance needs 0 < low < high, got low {self.low:g}, high {self.high:g}"
+            )
+        (low, high), start = self.box(), self.start()
+        if not ((low <= start) & (start <= high)).all():
+            raise ValueError(
+                "a covariance needs an init whose Cholesky factor has its diagonal between low and "
+                f"high and no entry above high, got low {self.low:g}, high {self.high:g} and "
+                f"the factor {np.linalg.cholesky(np.asarray(self.init)).tolist()}"
+            )
+
+    @property
+    def size(self) -> int:
+        """n (n + 1) / 2."""
+        return len(self.init) * (len(self.init) + 1) // 2
+
+    def constrain(self, z: Array) -> Array:
+        """L L' with L's diagonal exp z."""
+        n = len(self.init)
+        L = jnp.zeros((n, n)).at[np.tril_indices(n)].set(z)
+        L = L.at[np.diag_indices(n)].set(jnp.exp(jnp.diagonal(L)))
+        return L @ L.T
+
+    def unconstrain(self, value: np.ndarray) -> np.ndarray:
+        """The lower triangle of the Cholesky factor, its diagonal as logarithms, row by row."""
+        matrix, n = covariance(value, definite=True), len(self.init)
+        if len(matrix) != n:
+            raise ValueError(f"must have the shape {(n, n)}, got {matrix.shape}")
+        L = np.linalg.cholesky(matrix)
+        diagonal = np.diag_indices(n)
+        L[diagonal] = np.log(L[diagonal])
+        lower: np.ndarray = L[np.tril_indices(n)]
+        return lower
+
+    def start(self) -> np.ndarray:
+        """The factor of init."""
+        return self.unconstrain(np.asarray(self.init))
+
+    def box(self) -> tuple[np.ndarray, np.ndarray]:
+        """Ln low and ln high on the diagonal, +-high below it."""
+        rows, columns = np.tril_indices(len(self.init))
+        on = rows == columns
+        return np.where(on, np.log(self.low), -self.high), np.where(
+            on, np.log(self.high), self.high
+        )
+
+    def coordinates(self, name: str) -> list[str]:
+        """Entries of the factor L."""
+        pairs = zip(*np.tril_indices(len(self.init)), strict=True)
+        return [f"{'ln ' if i == j else ''}L{i + 1}{j + 1} of {name}" for i, j in pairs]
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """A parameter that is not tuned: a number, or a matrix as nested tuples."""
+
+    value: float | tuple[tuple[float, ...], ...]
+    unit: str = ""
+    size: int = 0
+
+    def constrain(self, z: Array) -> Array:
+        """The value itself."""
+        return jnp.asarray(self.value, dtype=float)
+
+    def unconstrain(self, value: np.ndarray) -> np.ndarray:
+        """Nothing; any other value than the fixed one is an error."""
+        if not np.array_equal(value, np.asarray(self.value)):
+            raise ValueError(f"is fixed at {self.value}, got {value}")
+        return np.zeros(0)
+
+    def start(self) -> np.ndarray:
+        """Nothing."""
+        return np.zeros(0)
+
+    def box(self) -> tuple[np.ndarray, np.ndarray]:
+        """Nothing."""
+        return np.zeros(0), np.zeros(0)
+
+    def coordinates(self, name: str) -> list[str]:
+        """Nothing."""
+        return []
+
+
+def _number(value: np.ndarray) -> float:
+    """The only number of an array."""
+    if np.size(value) != 1:
+        raise ValueError(f"must be one number, got the shape {np.shape(value)}")
+    return float(np.reshape(value, ()))
+
+
+def covariance(value: object, *, definite: bool = False) -> np.ndarray:
+    """Check a covariance matrix: square, symmetric and positive (semi-)definite.
+
+    Args:
+        value: nested sequences or an array, ``(n, n)``.
+        definite: whether zero eigenvalues are refused as well.
+
+    Returns:
+        The matrix as float64.
+
+    Raises:
+        ValueError: says what is wrong, with the shape or the eigenvalue.
+
+    >>> covariance([[1.0, 2.0], [2.0, 1.0]])
+    Traceback (most recent call last):
+    ValueError: must be positive semi-definite, but has the eigenvalue -1
+    """
+    matrix = np.array(value, dtype=float)
+    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.size:
+        raise ValueError(f"must be a square matrix, got the shape {matrix.shape}")
+    if not np.isfinite(matrix).all():
+        raise ValueError("must be finite")
+    if not np.allclose(matrix, matrix.T, rtol=1e-12, atol=0):
+        raise ValueError("must be symmetric")
+    eigenvalues = np.linalg.eigvalsh(matrix)
+    lowest = eigenvalues[0]
+    rounding = 1e-12 * np.abs(eigenvalues).max()
+    if lowest < -rounding or (definite and lowest <= rounding):
+        kind = "definite" if definite else "semi-definite"
+        raise ValueError(f"must be positive {kind}, but has the eigenvalue {lowest:g}")
+    return matrix
