@@ -138,4 +138,4 @@ def _spread(curved: Spectrum) -> np.ndarray:
     rising = curvatures * TENFOLD**2 / 2 >= FLAT
     squared = (directions[:, rising] ** 2 / curvatures[rising]).sum(axis=1)
     squared[(np.abs(directions[:, ~rising]) > 0.02).any(axis=1)] = np.inf
-    return np.sqrt(2 * FLAT * squared)
+    return np.asarray(np.sqrt(2 * FLAT * squared))

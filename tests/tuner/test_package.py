@@ -61,7 +61,7 @@ def test_public_names_can_be_imported():
     assert Problem is tuner.problem.Problem
     assert Space is tuner.space.Space
     assert NelderMead is tuner.solvers.NelderMead
-    assert Bounded.__module__ == "tuner.space"
+    assert Bounded.__module__ == "tuner.parameters"
     assert find_study("kownacki2010").name == "kownacki2010"
     assert read_log.__module__ == "tuner.logs.log"
 
