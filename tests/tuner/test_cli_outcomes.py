@@ -10,6 +10,7 @@ import pytest
 from tests.tuner.helpers import snapshot, toy_study
 from tuner.cli import invoke
 from tuner.result import read_result
+from tuner.solvers import Sampler
 
 
 def process(cache, *arguments):
@@ -148,12 +149,12 @@ def test_a_study_that_takes_no_log(cli, here, offer):
 def test_an_error_while_solving_is_told_in_one_line(cli, here, offer):
     def failing(name, **options):
         def solve(problem):
-            raise ValueError(f"{problem.name} cannot\nbe solved")
+            raise ValueError("this cannot\nbe solved")
 
         return solve
 
     offer(toy_study(solver=failing))
-    assert cli("run", "toy") == (2, "", "tuner: toy cannot be solved\n")
+    assert cli("run", "toy") == (2, "", "tuner: this cannot be solved\n")
 
 
 def test_debugging_shows_the_traceback(here, toy, monkeypatch):
@@ -162,11 +163,16 @@ def test_debugging_shows_the_traceback(here, toy, monkeypatch):
         invoke(["run", "toy", "--log", "nowhere.csv", "--map", "x=g"])
 
 
-def test_samplers_of_one_run_share_its_database(cli, here, toy):
-    words = ("--set", 'solvers=["cma-es"]', "--jobs", 2, "--out", "out")
-    code, _, err = cli("run", "toy", *words, "--set", "objective=hollow")
+def test_samplers_of_one_run_share_its_database(cli, here, offer):
+    def few(name, *, seed, starts, storage):
+        return Sampler(name, seed=seed, storage=storage, trials=2)
+
+    offer(toy_study(solver=few))
+    words = ("--set", 'solvers=["cma-es", "tpe"]', "--jobs", 4, "--out", "out")
+    code, _, err = cli("run", "toy", *words)
     assert (code, err) == (1, "")
     assert (here / "out" / "trials.sqlite3").is_file()
+    assert [s.evaluations for s in read_result(here / "out").solutions] == [2] * 4
 
 
 def test_a_database_that_cannot_be_used(cli, here, toy):

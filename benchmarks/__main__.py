@@ -1,0 +1,85 @@
+"""``python -m benchmarks``: measure everything and print the table."""
+
+import argparse
+import json
+import sys
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+
+from rich.console import Console
+
+from benchmarks import accuracy, batch, cliff, others, single, startup
+from benchmarks.baseline import Baseline, NoCompilerError, baseline
+from benchmarks.machine import machine
+from benchmarks.page import page
+from benchmarks.single import passes
+from benchmarks.table import Row, as_json, show
+from benchmarks.timing import interleave
+from benchmarks.work import Q, R, Work
+
+FULL, QUICK = Work(100_000, 15), Work(20_000, 5)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Measure, print the table, and write what was asked for."""
+    asked = _parser().parse_args(arguments)
+    work, said = QUICK if asked.quick else FULL, Console(stderr=True)
+    limit = _limit(said)
+    before = _noise(work, limit)
+    rows = _measure(work, limit, said)
+    noise = max(before, _noise(work, limit))
+    here = machine(limit)
+    if asked.json:
+        summary = {"schema": "benchmarks/1", "samples": work.samples, "noise": noise}
+        print(json.dumps(summary | {"machine": asdict(here), "rows": as_json(rows)}, indent=2))
+    else:
+        show(rows, Console(width=None if sys.stdout.isatty() else 160))
+        print(f"{here.words}; the time of one pass varied by {noise:.0%}")
+    if asked.write:
+        asked.write.write_text(page(rows, here, work.samples, noise), encoding="utf-8")
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="a fifth of the record, fewer rounds")
+    parser.add_argument("--json", action="store_true", help="print JSON instead of the table")
+    parser.add_argument("--write", type=Path, metavar="FILE", help="write the page in Markdown")
+    return parser
+
+
+def _limit(said: Console) -> Baseline | None:
+    try:
+        return baseline()
+    except NoCompilerError as error:
+        said.print(f"{error}; so ratios are to a NumPy loop", markup=False)
+        return None
+
+
+def _measure(work: Work, limit: Baseline | None, said: Console) -> list[Row]:
+    sections: dict[str, Callable[[], list[Row]]] = {
+        "passes, costs and gradients": lambda: single.rows(work, limit),
+        "batches": lambda: batch.rows(work, limit),
+        "accuracy": lambda: accuracy.rows(work, limit),
+        "compilation and start": lambda: startup.rows(work),
+        "the loop option": lambda: cliff.rows(work),
+        "other libraries": lambda: others.rows(work, limit),
+    }
+    rows: list[Row] = []
+    for name, section in sections.items():
+        said.print(f"measuring {name} ...", highlight=False)
+        rows += section()
+    return rows
+
+
+def _noise(work: Work, limit: Baseline | None) -> float:
+    calls = passes(work)
+    if limit is not None:
+        calls["C"] = lambda: limit.forward(work.signal, R, Q)
+    times = interleave(calls, 25)
+    return max(map(times.noise, calls))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,69 @@
+"""The performance guard for CI: ``python -m benchmarks.guard``.
+
+The worst slowdown is silent: without one option XLA interprets a time loop operation by operation,
+10 to 100 times slower, and nothing fails. Here the same code runs in two processes, with the option
+and without. Only ratios are judged, with wide margins, so a busy machine does not matter.
+"""
+
+import sys
+from collections.abc import Mapping
+
+from benchmarks.processes import measure
+
+SAMPLES = 20_000
+LEAST_EFFECT = 3.0  # 10 to 70 is usual
+MOST_GRADIENT = 12.0  # times the forward pass; 2 to 4 is usual
+LEAST_SPEED = 3.0  # times a plain Python loop; 10 to 40 is usual
+GRADIENTS = {"cost + gradient": "gyroscope filter", "generic gradient": "generic LinearKalman"}
+
+
+def verdict(on: Mapping[str, float], off: Mapping[str, float]) -> list[str]:
+    """What is wrong, one sentence each.
+
+    Args:
+        on: seconds by name, measured with the loop option.
+        off: the same without it.
+    """
+    wrong = []
+    for name, forward in GRADIENTS.items():
+        cost = on[name] / on[forward]
+        if cost > MOST_GRADIENT:
+            wrong.append(
+                f"{name} takes {cost:.0f} times as long as one pass of the {forward} (2 to 4 is "
+                "usual): its time loop is not compiled as a whole"
+            )
+        speed = on["Python loop"] / on[forward]
+        if speed < LEAST_SPEED:
+            wrong.append(
+                f"the {forward} is only {speed:.1f} times as fast as a plain Python loop (10 to 40 "
+                "is usual): its time loop is not compiled as a whole"
+            )
+    effect = max(off[name] / on[name] for name in GRADIENTS)
+    if effect < LEAST_EFFECT:
+        wrong.append(_no_effect(effect, slow=bool(wrong)))
+    return wrong
+
+
+def main() -> int:
+    """Measure, say what was found, and return the exit code."""
+    on = measure("gradient", samples=SAMPLES)
+    off = measure("gradient", whole=False, samples=SAMPLES)
+    for name in on:
+        print(f"{name:22} {1e3 * on[name]:8.2f} ms, without the option {1e3 * off[name]:8.2f} ms")
+    wrong = verdict(on, off)
+    for sentence in wrong:
+        print(sentence, file=sys.stderr)
+    return int(bool(wrong))
+
+
+def _no_effect(effect: float, *, slow: bool) -> str:
+    reason = (
+        "XLA no longer understands it"
+        if slow
+        else "XLA compiles whole loops without it; filters/backend.py may not need it any more"
+    )
+    return f"the loop option has no effect ({effect:.1f} times, 10 to 70 is usual): {reason}"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

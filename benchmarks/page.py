@@ -1,0 +1,77 @@
+"""The page docs/performance.md: the table, how to read it, and what is missing."""
+
+from collections.abc import Sequence
+
+from benchmarks.machine import Machine
+from benchmarks.table import Row, markdown
+
+_TEXT = """\
+# Performance
+
+Made by `python -m benchmarks --write docs/performance.md`; the numbers below are one run's.
+
+- Work: Kownacki's gyroscope filter, {samples} samples, 2 states, a scalar measurement, float64.
+- Machine: {machine}.
+- Noise: the time of one and the same pass varied by {noise:.0%} (distance of the quartiles).
+
+## How to read it
+
+The **C limit** is the same recursion in C (`benchmarks/baseline.c`), compiled for the very machine
+when the benchmark starts. A sequential filter cannot be faster than the chain of operations from
+one sample to the next; C spends its time waiting for that chain.
+
+- All calls that are compared run in one process and take turns, A B C A B C. **figure** is the
+  median over the rounds of each call's time over that of its neighbours; **at best** is the ratio
+  of the shortest times, which is nearer to what an idle machine shows.
+- **target** is what the project set out to reach; **reached** is judged by the figure alone.
+- Trust ratios; milliseconds depend on the machine and on what else it does. Ratios between code
+  that waits (C, one sequence) and code that is busy (gradients, batches) still move by a third from
+  one processor to another.
+- A pass is `filters.run`; cost and gradient are what `Problem.value` and
+  `Problem.value_and_gradient` evaluate; batches are `tuner.values` and
+  `tuner.values_and_gradients`, with C in as many threads. R1 and R6 are the readings of the cost
+  that docs/kownacki2010.md explains: R1 needs a pass over the data, R6 the spectrum as well, so it
+  is held against C's pass plus `numpy.fft.rfft` of the same segments.
+- Every output was compared with C's or, for the small R, with a loop that carries 40 digits.
+
+## Results
+
+{table}
+
+## What was not reached
+
+{missed}
+
+## The guard
+
+`python -m benchmarks.guard` runs in CI. It fails where the loop option has no effect, where a
+gradient costs far more than a pass, or where a pass is hardly faster than a loop in Python: the
+ways in which speed is lost without an error. It judges ratios, not milliseconds.
+"""
+
+
+def page(rows: Sequence[Row], machine: Machine, samples: int, noise: float) -> str:
+    """The whole page in Markdown."""
+    return _TEXT.format(
+        samples=f"{samples:,}".replace(",", " "),
+        machine=machine.words,
+        noise=noise,
+        table=markdown(rows),
+        missed=_missed(rows),
+    )
+
+
+def _missed(rows: Sequence[Row]) -> str:
+    lines = [_reason(row) for row in rows if row.reached is False]
+    lines += [
+        f"- {row.what}: not measured; {row.note}."
+        for row in rows
+        if row.target is not None and row.reached is None
+    ]
+    return "\n".join(lines) or "Every target was reached in this run."
+
+
+def _reason(row: Row) -> str:
+    best = "" if row.best is None else f" ({row.with_unit(row.best)} at best)"
+    where = f"- {row.part}, {row.what}: {row.with_unit(row.figure)}{best}"
+    return f"{where}, not {row.with_unit(row.target)}" + (f": {row.why}." if row.why else ".")

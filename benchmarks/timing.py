@@ -1,0 +1,78 @@
+"""Times that survive a busy machine: calls take turns, and each is held against its neighbour."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import jax
+import numpy as np
+
+Call = Callable[[], object]
+
+
+@dataclass(frozen=True, eq=False)
+class Times:
+    """How long each call took in each round, s.
+
+    Attributes:
+        seconds: by name, ``(rounds,)`` each; entries of one index were measured one after another.
+    """
+
+    seconds: Mapping[str, np.ndarray]
+
+    def median(self, name: str) -> float:
+        """The median time, s."""
+        return float(np.median(self.seconds[name]))
+
+    def best(self, name: str) -> float:
+        """The shortest time, s."""
+        return float(self.seconds[name].min())
+
+    def ratio(self, name: str, *limits: str) -> "Ratio":
+        """How many times as long as the limits together."""
+        ours = self.seconds[name]
+        limit = np.sum([self.seconds[one] for one in limits], axis=0)
+        best = sum(self.best(one) for one in limits)
+        return Ratio(float(np.median(ours / limit)), float(ours.min() / best))
+
+    def noise(self, name: str) -> float:
+        """The quartiles' distance over the median: how far to trust one number."""
+        low, high = np.quantile(self.seconds[name], [0.25, 0.75])
+        return float((high - low) / self.median(name))
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """A ratio of times.
+
+    Attributes:
+        median: over the rounds, each call against its neighbours.
+        best: of the shortest times: what a quiet machine would show.
+    """
+
+    median: float
+    best: float
+
+
+def interleave(
+    calls: Mapping[str, Call], rounds: int, repeats: Mapping[str, int] | None = None
+) -> Times:
+    """Time calls in turns: A B C A B C, after one round that compiles and warms up.
+
+    Args:
+        calls: by name.
+        rounds: how often each takes its turn.
+        repeats: how many calls make a turn, whose mean is kept; 1 where nothing is said. A call of
+            milliseconds needs a few beside one of seconds, which leaves it a cold processor.
+    """
+    seconds: dict[str, list[float]] = {name: [] for name in calls}
+    for call in calls.values():
+        jax.block_until_ready(call())
+    for _ in range(rounds):
+        for name, call in calls.items():
+            times = (repeats or {}).get(name, 1)
+            start = time.perf_counter()
+            for _ in range(times):
+                jax.block_until_ready(call())
+            seconds[name].append((time.perf_counter() - start) / times)
+    return Times({name: np.array(taken) for name, taken in seconds.items()})
