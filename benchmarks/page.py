@@ -3,12 +3,13 @@
 from collections.abc import Sequence
 
 from benchmarks.machine import Machine
-from benchmarks.table import Row, markdown
+from benchmarks.table import NARROW, Row, markdown
 
 _TEXT = """\
 # Performance
 
-Made by `python -m benchmarks --write docs/performance.md`; the numbers below are one run's.
+Made by `python -m benchmarks --write docs/performance.md`; the numbers below are one run's,
+and worth publishing only where the noise is below 10 %.
 
 - Work: Kownacki's gyroscope filter, {samples} samples, 2 states, a scalar measurement, float64.
 - Machine: {machine}.
@@ -23,7 +24,8 @@ one sample to the next; C spends its time waiting for that chain.
 - All calls that are compared run in one process and take turns, A B C A B C. **figure** is the
   median over the rounds of each call's time over that of its neighbours; **at best** is the ratio
   of the shortest times, which is nearer to what an idle machine shows.
-- **target** is what the project set out to reach; **reached** is judged by the figure alone.
+- **target** is what the project set out to reach; **reached** is judged by the figure alone, and
+  *narrowly* where it is within {narrow:.0%} of the target: another run may fall on the other side.
 - Trust ratios; milliseconds depend on the machine and on what else it does. Ratios between code
   that waits (C, one sequence) and code that is busy (gradients, batches) still move by a third from
   one processor to another.
@@ -56,6 +58,7 @@ def page(rows: Sequence[Row], machine: Machine, samples: int, noise: float) -> s
         samples=f"{samples:,}".replace(",", " "),
         machine=machine.words,
         noise=noise,
+        narrow=NARROW,
         table=markdown(rows),
         missed=_missed(rows),
     )

@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 HEADER = ("what", "ours", "against", "figure", "at best", "target", "reached")
+NARROW = 0.15  # what a figure moves from run to run on a machine with other work
 
 
 @dataclass(frozen=True)
@@ -49,13 +50,22 @@ class Row:
         return self.figure <= self.target if most else self.figure >= self.target
 
     @property
+    def narrow(self) -> bool:
+        """Whether another run may well fall on the other side of the target."""
+        timed = self.unit in ("x", "ns", "ms", "s")
+        if not timed or self.figure is None or self.target is None:
+            return False
+        return abs(self.figure / self.target - 1) < NARROW
+
+    @property
     def cells(self) -> tuple[str, ...]:
         """The row as text."""
         sign = "<=" if self.sense == "most" else ">="
         target = "" if self.target is None else f"{sign} {self.with_unit(self.target)}"
         said = {True: "yes", False: "no", None: "" if self.target is None else "not measured"}
+        judged = said[self.reached] + (", narrowly" if self.narrow else "")
         figure, best = (self.with_unit(value) for value in (self.figure, self.best))
-        return self.what, self.ours, self.against, figure, best, target, said[self.reached]
+        return self.what, self.ours, self.against, figure, best, target, judged
 
     def with_unit(self, value: float | None) -> str:
         """A number of the figure's kind as text; nothing for None."""

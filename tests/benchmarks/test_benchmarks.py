@@ -126,7 +126,7 @@ def test_markdown_table():
     assert lines[0] == "### One"
     assert lines[4] == "| a / b | 1 ms | C: 2 ms | 0.5 x | 0.4 x | <= 1 x | yes |"
     assert "- a | b: said" in lines
-    assert "| peer |  |  | 80 x |  | >= 75 x | yes |" in lines
+    assert "| peer |  |  | 80 x |  | >= 75 x | yes, narrowly |" in lines
     assert "| absent |  |  |  |  | >= 75 x | not measured |" in lines
 
 
