@@ -90,11 +90,9 @@ _POINT = np.log([0.3, 2.0, 1.5])
 
 CASES = [
     Case("accelerometer", AccelerometerFilter(0.1), _noise, _POINT, _ONE),
-    Case("accelerometer, two signals", AccelerometerFilter(0.1, (2,)), _noise, _POINT, _TWO),
     Case("gyroscope", GyroscopeFilter(0.1), _noise, _POINT, _ONE),
     Case("gyroscope, two signals", GyroscopeFilter(0.1, (2,)), _noise, _POINT, _TWO),
     Case("fixed gains", FixedGainFilter(0.1), _gains, np.log([0.4, 0.7]), _ONE),
-    Case("fixed gains, two signals", FixedGainFilter(0.1, (2,)), _gains, np.log([0.4, 0.7]), _TWO),
     Case(
         "linear, diagonal R, control, three signals",
         LinearKalman(),

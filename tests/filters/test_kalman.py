@@ -41,7 +41,7 @@ def all_at_once(estimate, H, R, z):
     return estimate, innovations
 
 
-@pytest.mark.parametrize("n", [1, 2, 5, 8, 9, 12])  # matmul changes its way above 8
+@pytest.mark.parametrize("n", [1, 3, 8, 9])  # matmul changes its way above 8
 def test_predict_is_the_textbook_formula(n):
     rng = np.random.default_rng(n)
     x, P = rng.normal(size=n), covariance(rng, n, n)

@@ -6,10 +6,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+import scipy.linalg
 from hypothesis import given
 from jax.flatten_util import ravel_pytree
 
-from filters import LinearKalman, LinearModel, Sample, Transition, run, transitions
+from filters import LinearKalman, LinearModel, Sample, Transition, run
 from tests.oracles import Model, central_difference, conditional_mean, exact_inertial, linear_kalman
 from tests.strategies import covariance, stable_models
 
@@ -145,9 +146,11 @@ def test_a_sample_may_bring_its_own_transition():
     model, z = example()
     dt = np.random.default_rng(11).choice([0.1, 0.25, 1.0], len(z))
     A = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -0.5]])
-    steps = transitions(jnp.asarray(A), jnp.eye(3), 0.2 * jnp.eye(3), dt)
+    F = np.array([scipy.linalg.expm(A * t) for t in dt])
+    G, Q = np.tile(np.eye(3)[:, :2], (len(dt), 1, 1)), dt[:, None, None] * np.diag([0.2, 0.7])
+    steps = Transition(*(jnp.asarray(part) for part in (F, G, Q)))
     actual = filtered(built(model), z, transition=steps)
-    varying = model._replace(F=np.asarray(steps.F), W=np.asarray(steps.Q))
+    varying = model._replace(F=F, W=G @ Q @ G.swapaxes(1, 2))
     close(actual.x, linear_kalman(varying, z).x)
     close(actual.P, linear_kalman(varying, z).P)
 

@@ -57,7 +57,7 @@ def welches(draw):
     )
 
 
-@settings(max_examples=25)  # of 5 x 2 x 3 x 2 x 2 options and 12 lengths; each is compiled
+@settings(max_examples=16)  # of 5 x 2 x 3 x 2 x 2 options and 12 lengths; each is compiled
 @given(welch=welches(), samples=st.sampled_from([32, 61]), rng=seeds())
 @example(Welch(1, 0, 1, detrend="linear"), 32, np.random.default_rng(1))
 @example(Welch(2, 1, 2, detrend="linear"), 32, np.random.default_rng(1))

@@ -60,7 +60,7 @@ def test_two_sensors_with_records_of_their_own():
     for bench in (gyro, acc):
         assert bench.record.shape == (2001,)
         assert bench.record.mean() == pytest.approx(0.0, abs=1e-15)
-        assert bench.noise.R + bench.noise.Q == pytest.approx(bench.record.var(), rel=1e-10)
+        assert pytest.approx(bench.record.var(), rel=1e-10) == bench.noise.R + bench.noise.Q
         assert (bench.step[:1000] == 0).all()
         assert (bench.step[1000:] == 0.2).all()
         np.testing.assert_array_equal(bench.signals, np.stack([bench.step, bench.record], axis=1))
@@ -85,7 +85,9 @@ def test_channels_of_a_log(tmp_path):
     assert (acc.sensor.name, acc.dt, len(acc.record)) == ("acc", 0.01, 900)
     source = plan(SHORT, only, 0, "").source
     assert (source.name, source.sha256, source.samples) == ("rest.npz", only.sha256, 900)
-    units = {p.name: dict(p.space.parameters) for p in (b.problem() for b in benches(SHORT, both, 0))}
+    units = {
+        p.name: dict(p.space.parameters) for p in (b.problem() for b in benches(SHORT, both, 0))
+    }
     assert units["gyro"]["R"].unit == "(deg/s)^2"
     assert units["acc"]["Q"].unit == "(m/s^2)^2/s^2"
 
@@ -234,7 +236,9 @@ def test_figures_of_both_sensors():
     # R = 0 is no filter at all; R = 1 and Q = 0 are both the line fit that P0 and R leave.
     bench = short()[0]
     shown = np.unique(np.linspace(0, 2000, 1000).astype(int))
-    np.testing.assert_allclose(lines["R = 1e-30, as good as 0"], bench.signals.sum(axis=1)[shown], atol=1e-9)
+    np.testing.assert_allclose(
+        lines["R = 1e-30, as good as 0"], bench.signals.sum(axis=1)[shown], atol=1e-9
+    )
     trade = drawn["tradeoff_gyro"].lines[0]
     # More noise buys less inertia, all along the front.
     order = np.argsort(trade.x)

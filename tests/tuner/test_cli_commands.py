@@ -41,6 +41,15 @@ def test_json_is_one_object_and_the_run_again_gives_the_same(cli, run):
         assert result[key] == before[key], key
 
 
+def test_required_rows_are_there_for_both_sensors(run):
+    required = """q_over_r k1 bandwidth_hz R Q cost_at_paper_over_optimum q_over_r_literal table1_R
+    table1_Q nelder_mead_linear_evaluations"""
+    rows = json.loads((run / "result.json").read_text())["comparisons"]
+    found = {row["quantity"] for row in rows}
+    assert {f"{sensor}.{name}" for sensor in ("gyro", "acc") for name in required.split()} <= found
+    assert len(found) == len(rows)
+
+
 def test_people_get_tables(cli, run):
     code, out, _ = cli("run", "run/study.toml", "--out", "again")
     assert code == 0
@@ -54,13 +63,10 @@ def test_no_file_knows_where_it_was_made(run, finished):
         assert file.is_dir() or str(finished.parent).encode() not in file.read_bytes(), file
 
 
-def test_runs_are_numbered_and_never_overwritten(cli, here):
+def test_runs_are_numbered_and_never_overwritten(cli, here, toy):
     for _ in range(2):
-        assert cli("run", "kownacki2010", *SETTINGS)[0] == 0
-    assert sorted(p.name for p in Path("runs").iterdir()) == [
-        "kownacki2010-001",
-        "kownacki2010-002",
-    ]
+        assert cli("run", "toy")[0] == 0
+    assert sorted(p.name for p in Path("runs").iterdir()) == ["toy-001", "toy-002"]
 
 
 def test_dry_run_writes_nothing(cli, here):

@@ -113,8 +113,9 @@ def test_comparison_judges_by_the_tolerance_that_was_given(cli, here, toy):
     assert [row["verdict"] for row in rows] == ["match", "differs", "claim holds"]
     rows = json.loads(cli("compare", "out", "--json")[1])["runs"][0]["rows"]
     assert [row["within"] for row in rows] == [True, False, True]
-    assert "| toy.lowest | equation (1) | m | 1.25 | 1 | match |" in (
-        cli("compare", "out", "--tol", "25%", "--md")[1]
+    assert (
+        "| toy.lowest | equation (1) | m | 1.25 | 1 | match |"
+        in (cli("compare", "out", "--tol", "25%", "--md")[1])
     )
 
 
@@ -228,10 +229,8 @@ def test_process_refuses_in_one_line(cache, here):
 
 def test_process_survives_a_closed_pipe(cache, here):
     code = "import sys; from tuner.cli import main; sys.argv[0] = 'tuner'; main()"
-    shell = f"{sys.executable!r} -c {code!r} list solvers --json | true"
+    shell = f"{sys.executable!r} -c {code!r} list formats --json | true"
     ran = subprocess.run(
         ["sh", "-c", shell], capture_output=True, text=True, check=False, env={**os.environ}
     )
     assert "Traceback" not in ran.stderr
-
-

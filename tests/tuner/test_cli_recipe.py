@@ -57,7 +57,11 @@ def test_a_file_that_is_not_there_or_a_folder(cli, here, toy):
     assert cli("run", "no.toml")[2] == (
         "tuner: no.toml is not there; name a study or a study.toml\n"
     )
-    assert cli("run", "folder.toml") == (2, "", "tuner: folder.toml cannot be read: Is a directory\n")
+    assert cli("run", "folder.toml") == (
+        2,
+        "",
+        "tuner: folder.toml cannot be read: Is a directory\n",
+    )
 
 
 def test_settings_of_the_file_are_checked_like_those_of_the_command_line(cli, here, toy):
@@ -128,7 +132,9 @@ def test_another_log_of_the_same_name_is_refused_unless_it_is_named(cli, here, t
     assert cli("run", "out/study.toml", "--out", "again", "--log", "rest.csv")[0] == 0
 
 
-@pytest.mark.parametrize("words", [("--map", "x=g"), ("--rate", 10), ("--rate", 0), ("--time", "t")])
+@pytest.mark.parametrize(
+    "words", [("--map", "x=g"), ("--rate", 10), ("--rate", 0), ("--time", "t")]
+)
 def test_how_to_read_a_log_that_is_not_named(cli, here, toy, words):
     code, _, err = cli("run", "toy", *words)
     assert code == 2

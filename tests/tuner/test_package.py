@@ -36,7 +36,6 @@ def test_names_are_loaded_when_they_are_used():
     modules = loaded("import tuner; tuner.parse_mapping; tuner.Verdict")
     assert "tuner.logs" in modules
     assert not modules & (HEAVY - {"numpy"})
-    assert "jax" in loaded("import tuner; tuner.Space")
 
 
 # Typer itself checks a command's options by pydantic.
@@ -85,13 +84,15 @@ def test_a_foreign_sibling_is_refused_with_both_paths(tmp_path, name, package):
     foreign = tmp_path / name / "__init__.py" if package else tmp_path / f"{name}.py"
     foreign.parent.mkdir(exist_ok=True)
     foreign.write_text("raise SystemExit('the foreign module was run')\n")
+    # Where another process finds the package: not in this folder where it was installed as a wheel.
+    own = python("-P", "-c", "import tuner; print(tuner.__file__)", cwd=tmp_path).stdout.strip()
     ran = python("-c", "import tuner", cwd=tmp_path)
     assert ran.returncode == 1
     (last,) = ran.stderr.splitlines()[-1:]
     assert last == (
-        f"ImportError: tuner needs its own package {name!r} in {ROOT / name}, but Python finds "
-        f"{foreign}; rename yours, or start Python with -P so that the current folder does not "
-        "come first"
+        f"ImportError: tuner needs its own package {name!r} in {Path(own).parents[1] / name}, "
+        f"but Python finds {foreign}; rename yours, or start Python with -P so that the current "
+        "folder does not come first"
     )
 
 
@@ -103,7 +104,7 @@ def test_the_way_out_works(tmp_path):
 def test_a_folder_of_that_name_without_code_does_no_harm(tmp_path):
     (tmp_path / "filters").mkdir()
     (tmp_path / "studies").mkdir()
-    assert python("-c", "import tuner; tuner.run", cwd=tmp_path).returncode == 0
+    assert python("-c", "import tuner", cwd=tmp_path).returncode == 0
 
 
 def test_the_command_line_refuses_a_foreign_sibling_as_well(tmp_path):
@@ -118,12 +119,11 @@ def test_all_packages_are_typed():
         assert (Path(package.__file__).parent / "py.typed").is_file()
 
 
-@pytest.mark.parametrize(
-    ("code", "foreign"),
-    [
-        ("import objectives", {"tuner", "studies"}),
-        ("import tuner; tuner.Problem; tuner.Sampler; tuner.grid", {"studies"}),
-    ],
-)
-def test_imports_go_one_way(code, foreign):
-    assert not loaded(code) & foreign
+def test_imports_go_one_way():
+    use = "import tuner; tuner.Problem, tuner.Sampler, tuner.grid"
+    ran = python("-c", f"import objectives\n{LOADED}\n{use}\n{LOADED}")
+    lower, upper = (set(line.split()) for line in ran.stdout.splitlines())
+    assert "filters" in lower
+    assert not lower & {"tuner", "studies"}
+    assert "tuner.surface" in upper
+    assert "studies" not in upper

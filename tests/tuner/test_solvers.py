@@ -235,6 +235,8 @@ def test_unknown_solvers_list_the_near_ones():
         make_solver("neldermead", seed=0, starts=1, storage="")
     with pytest.raises(ValueError, match=r"^unknown sampler 'cma'; .*There are: cma-es, tpe$"):
         Sampler("cma", seed=0)
+    with pytest.raises(ValueError, match=r"^unknown gradient method 'lbfgsb'; did you mean l-bfgs"):
+        Gradient("lbfgsb", seed=0)
 
 
 def test_every_name_is_that_of_its_solver():
