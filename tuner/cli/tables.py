@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -30,15 +31,31 @@ def number_text(value: float | None) -> str:
     return "-" if value is None else f"{value:.6g}"
 
 
+WIDE = 120
+"""Columns of a terminal that hold everything; below, the explanations are left out."""
+_EXPLANATIONS = {"where", "note", "what it means", "evaluations", "s"}
+
+
 def show_grid(title: str, lines: list[list[str]]) -> None:
-    """Print a table: the first line heads it, verdicts are coloured."""
-    table = Table(title=title, title_justify="left", header_style="bold", pad_edge=False)
-    for head in lines[0]:
-        wide = head in {"note", "where", "what it means"}
-        table.add_column(head, overflow="fold", ratio=None, no_wrap=not wide)
+    """Print a table: the first line heads it, verdicts are coloured, no number is ever cut."""
+    out = console()
+    wide = out.width >= WIDE
+    shown = [i for i, head in enumerate(lines[0]) if wide or head not in _EXPLANATIONS]
+    table = Table(
+        title=title,
+        title_justify="left",
+        header_style="bold",
+        box=box.SQUARE if wide else None,
+        pad_edge=False,
+    )
+    for i in shown:
+        folds = lines[0][i] in _EXPLANATIONS or lines[0][i] == "parameters"
+        table.add_column(lines[0][i], overflow="fold", no_wrap=not folds)
     for line in lines[1:]:
-        table.add_row(*(Text(cell, style=_COLOURS.get(cell, "")) for cell in line))
-    console().print(table)
+        table.add_row(*(Text(line[i], style=_COLOURS.get(line[i], "")) for i in shown))
+    out.print(table)
+    if len(shown) < len(lines[0]):
+        out.print(f"(sources and notes from {WIDE} columns on, or by tuner compare RUN --md)\n")
 
 
 def show_result(result: Result, folder: Path) -> None:
@@ -75,24 +92,32 @@ def show_result(result: Result, folder: Path) -> None:
 
 
 def _solution(solution: SolutionRecord) -> list[str]:
-    free = {n: p for n, p in solution.parameters.items() if isinstance(p.value, float)}
+    tuned = {label.split()[-1] for label in solution.certificate["gradient"]}
+    shown = [
+        f"{name} = {_parameter(p, tuned=name in tuned)}"
+        for name, p in solution.parameters.items()
+        if isinstance(p.value, float)
+    ]
     return [
         solution.problem,
         solution.solver,
         solution.status.value,
         number_text(solution.value),
-        "\n".join(f"{name} = {_parameter(p)}" for name, p in free.items()),
+        "\n".join(shown),
         str(solution.evaluations),
         f"{solution.seconds:.1f}",
         "; ".join([*solution.certificate["flat_directions"], *_starts(solution)]),
     ]
 
 
-def _parameter(parameter: ParameterRecord) -> str:
-    between = ""
+def _parameter(parameter: ParameterRecord, *, tuned: bool) -> str:
+    """A parameter with its range; what was tuned and has none is not determined."""
+    told = f"{parameter.value:.5g}"
     if parameter.interval:
-        between = f" [{parameter.interval[0]:.3g}, {parameter.interval[1]:.3g}]"
-    return f"{parameter.value:.5g}{between} {parameter.unit}"
+        told += f" [{parameter.interval[0]:.3g}, {parameter.interval[1]:.3g}]"
+    return f"{told} {parameter.unit}" + (
+        " (not determined)" if tuned and not parameter.interval else ""
+    )
 
 
 def _starts(solution: SolutionRecord) -> list[str]:
