@@ -86,8 +86,11 @@ def show_result(result: Result, folder: Path) -> None:
     if result.exports:
         out.print(f"{len(result.exports)} exports, each read back and scored again")
     for check in result.single_precision:
-        if check.warning:
-            out.print(f"[yellow]{check.problem}: {check.warning}[/]")
+        share = "without bound" if check.share is None else f"by {100 * check.share:.2g} %"
+        told = f"in single precision the {check.form} form strays {share} of the signal"
+        out.print(
+            f"{check.problem}: {check.warning or told}", style="yellow" if check.warning else ""
+        )
     out.print(f"{result.seconds:.1f} s; results, exports and figures in {folder}", soft_wrap=True)
 
 
