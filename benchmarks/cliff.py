@@ -9,8 +9,8 @@ from benchmarks.work import Work
 PART = "Without the loop option"
 LATE = (
     "XLA's default compiles only loops that touch less than 1 kB a turn as a whole; the tangents "
-    "of two parameters touch 2 kB. It happens only where JAX's backend ran before `tuner` was "
-    "imported, and a warning says so"
+    "of two parameters touch more than 2 kB. It happens only where JAX's backend ran "
+    "before `tuner` was imported, and a warning says so"
 )
 WHAT = {
     "cost": "cost, R1",
