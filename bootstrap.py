@@ -24,7 +24,9 @@ def main(arguments: list[str]) -> int:
     testing = arguments[:1] == ["test"]
     install("constraints-dev.txt" if testing else "constraints.txt")
     if testing:
-        return call(PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadfile", *arguments[1:], folder=ROOT)
+        # One process per file: what its tests share is computed once.
+        pytest = (PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadfile")
+        return call(*pytest, *arguments[1:], folder=ROOT)
     return call(BIN / "tuner", *(arguments or ["--help"]), folder=Path.cwd())
 
 
