@@ -133,7 +133,7 @@ REAL = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "static_
 
 
 @pytest.mark.skipif(not REAL.is_dir(), reason="the recording of an ADIS16405 is not here")
-def test_real_gyroscope_gives_a_filter_that_converged(tmp_path, capsys):
+def test_real_gyroscope_is_read_and_planned(tmp_path, capsys):
     log = REAL / "adis_16405_imu1.npz"
     out = tmp_path / "run"
     words = ["run", "kownacki2010", "--log", str(log), "--map", "omega=gyr_degs[0]*gyr_lsb:deg/s"]
