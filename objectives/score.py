@@ -29,7 +29,11 @@ class Fold(Protocol):
 
 Measure: TypeAlias = Callable[[Any, Any], Array]
 Objective: TypeAlias = Fold | Measure
-"""A :class:`Fold`, or a plain function of a filter's stacked outputs and the truth: one number."""
+"""A :class:`Fold`, or a plain function of a filter's stacked outputs and the truth: one number.
+
+Where no filter is run, the function takes the parameters themselves in place of the outputs: it
+judges a design.
+"""
 
 
 Build: TypeAlias = Callable[[Array], Any]
@@ -68,13 +72,16 @@ class Folded:
         return (inner, total), kept
 
 
-def score(filter: AnyFilter, objective: Objective, params: Any, data: Data) -> Array:
-    """Run a filter over the data and score it: one number, differentiable in ``params``."""
+def score(filter: AnyFilter | None, objective: Objective, params: Any, data: Data) -> Array:
+    """Run a filter over the data and score it: one number, differentiable in ``params``.
+
+    Without a filter nothing is run, and the objective judges ``params`` themselves.
+    """
     return _judge(objective, data, _collect(filter, objective, params, data))
 
 
 def score_and_gradient(
-    filter: AnyFilter, objective: Objective, build: Build, z: Array, data: Data
+    filter: AnyFilter | None, objective: Objective, build: Build, z: Array, data: Data
 ) -> tuple[Array, Array]:
     """The score and its gradient in z ``(n,)``, where ``build(z)`` gives the filter's parameters.
 
@@ -88,7 +95,7 @@ def score_and_gradient(
 
 
 def scores_and_gradients(
-    filter: AnyFilter, objective: Objective, build: Build, Z: Array, data: Data
+    filter: AnyFilter | None, objective: Objective, build: Build, Z: Array, data: Data
 ) -> tuple[Array, Array]:
     """The same at many points Z ``(B, n)`` in one time loop: scores ``(B,)``, gradients ``(B, n)``.
 
@@ -102,7 +109,7 @@ def scores_and_gradients(
     return values, jax.vmap(_chain, in_axes=(0, 1))(weights, tangents)
 
 
-def kept_bytes(filter: AnyFilter, objective: Objective, params: Any, data: Data) -> int:
+def kept_bytes(filter: AnyFilter | None, objective: Objective, params: Any, data: Data) -> int:
     """How much memory one run keeps for after its time loop."""
     _, kept = _collected.eval_shape(filter, objective, params, data)
     return sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(kept))
@@ -113,8 +120,12 @@ def is_fold(objective: Objective) -> TypeGuard[Fold]:
     return hasattr(objective, "update")
 
 
-def _collect(filter: AnyFilter, objective: Objective, params: Any, data: Data) -> tuple[Any, Any]:
+def _collect(
+    filter: AnyFilter | None, objective: Objective, params: Any, data: Data
+) -> tuple[Any, Any]:
     """The loop's part: the objective's sum and what was kept, or all outputs."""
+    if filter is None:
+        return None, params
     if is_fold(objective):
         (_, total), kept = run(Folded(filter, objective), params, data)
         return total, kept

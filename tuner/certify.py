@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tuner.multipliers import NEAR, Held
 from tuner.problem import Problem
 from tuner.solution import Certificate, Parameter, Starts
 
@@ -16,59 +17,67 @@ The intervals of :func:`estimates` are drawn where the value has risen by as muc
 """
 STATIONARY = 1e-3
 """A point is stationary if a change by a factor e would, to first order, cost less than this."""
-NEAR = 0.01
-"""A coordinate this close to a bound lies on it: barriers and samplers never quite get there."""
 
 
 class Spectrum(NamedTuple):
     """How an objective curves around a point, relative to its value there.
 
     Attributes:
-        curvatures: eigenvalues of the Hessian over the value, ascending, ``(n,)``.
-        directions: their eigenvectors, one per column, ``(n, n)``.
+        curvatures: eigenvalues of the Hessian over the value, ascending, ``(k,)``.
+        directions: their eigenvectors, one per column, ``(n, k)``; k < n where constraints hold.
     """
 
     curvatures: np.ndarray
     directions: np.ndarray
 
 
-def spectrum(problem: Problem, z: np.ndarray) -> Spectrum:
-    """How a problem curves around a point ``(n,)``; NaN where the objective is not a number."""
+def spectrum(problem: Problem, z: np.ndarray, held: Held) -> Spectrum:
+    """How a problem curves around a point ``(n,)`` along what keeps its active constraints.
+
+    With constraints it is the Lagrangian that curves. NaN where the objective is not a number.
+    """
+    if not held.tangent.size:
+        return Spectrum(np.zeros(0), held.tangent)
     hessian = problem.hessian(z) / (abs(problem.value(z)) or 1.0)
+    if held.weights.any():
+        hessian = hessian + problem.constraint_hessian(z, held.weights)
     if not np.isfinite(hessian).all():
         return Spectrum(np.full(len(z), np.nan), np.eye(len(z)))
-    return Spectrum(*np.linalg.eigh(hessian))
+    curvatures, directions = np.linalg.eigh(held.tangent.T @ hessian @ held.tangent)
+    return Spectrum(curvatures, held.tangent @ directions)
 
 
-def certify(problem: Problem, z: np.ndarray, curved: Spectrum, starts: Starts) -> Certificate:
+def certify(
+    problem: Problem, z: np.ndarray, held: Held, curved: Spectrum, starts: Starts
+) -> Certificate:
     """Judge a point of a problem.
 
     Args:
         problem: the problem; its objective should be differentiable near z.
         z: the point, ``(n,)``.
+        held: which constraints hold it.
         curved: how the problem curves around it.
         starts: what the starts came to.
 
     Returns:
         The certificate, without any word from other methods.
     """
-    value, gradient = problem.value_and_gradient(z)
-    gradient = gradient / (abs(value) or 1.0)
-    curvatures, directions = curved
     labels = problem.space.coordinates
     low, high = problem.space.box()
-    bound = (z <= low + NEAR) | (z >= high - NEAR)
+    bound = ((z <= low + NEAR) | (z >= high - NEAR)) & ~problem.space.limited()
+    names = [constraint.name for constraint in problem.constraints]
     return Certificate(
-        gradient={label: float(g) for label, g in zip(labels, gradient, strict=True)},
+        gradient={label: float(g) for label, g in zip(labels, held.gradient, strict=True)},
         active_bounds=tuple(label for label, at in zip(labels, bound, strict=True) if at),
-        curvatures=tuple(float(c) for c in curvatures),
+        curvatures=tuple(float(c) for c in curved.curvatures),
         flat_directions=tuple(
             flat_in_words(labels, direction)
-            for curvature, direction in zip(curvatures, directions.T, strict=True)
-            if is_flat(float(gradient @ direction), float(curvature))
+            for curvature, direction in zip(curved.curvatures, curved.directions.T, strict=True)
+            if is_flat(float(held.gradient @ direction), float(curvature))
         ),
         starts=starts,
         methods={},
+        multipliers=dict(zip(names, held.weights.tolist(), strict=True)) | held.limits,
     )
 
 
@@ -123,7 +132,7 @@ def estimates(problem: Problem, z: np.ndarray, curved: Spectrum) -> dict[str, Pa
     found, at = {}, 0
     for name, parameter in problem.space.parameters:
         interval = None
-        if parameter.size == 1 and np.isfinite(spread[at]):
+        if parameter.size == 1 and 0 < spread[at] < np.inf:
             reach = np.where(np.arange(len(z)) == at, spread, 0.0)
             low, high = problem.parameters(z - reach)[name], problem.parameters(z + reach)[name]
             interval = float(low), float(high)

@@ -27,6 +27,11 @@ class Parameter(Protocol):
         """The value's unit, "" for none."""
         ...
 
+    @property
+    def limited(self) -> bool:
+        """Whether the ends of its box are limits of the problem, not of the search alone."""
+        ...
+
     def constrain(self, z: Array) -> Array:
         """The value that ``(size,)`` entries of z stand for."""
         ...
@@ -57,6 +62,7 @@ class Positive:
     high: float
     unit: str = ""
     size: int = 1
+    limited: bool = False
 
     def __post_init__(self) -> None:
         if not 0 < self.low <= self.init <= self.high < np.inf:
@@ -98,6 +104,7 @@ class Bounded:
     high: float
     unit: str = ""
     size: int = 1
+    limited: bool = False
 
     def __post_init__(self) -> None:
         if not -np.inf < self.low < self.init < self.high < np.inf:
@@ -135,6 +142,52 @@ class Bounded:
 
 
 @dataclass(frozen=True)
+class Limited:
+    """A number that is tuned as it is, between limits that belong to the problem.
+
+    At a limit the optimum may rest: it counts as converged there, with a multiplier, while a
+    parameter of another kind that ends at its bound says that the box was too small.
+    """
+
+    init: float
+    low: float
+    high: float
+    unit: str = ""
+    size: int = 1
+    limited: bool = True
+
+    def __post_init__(self) -> None:
+        if not -np.inf < self.low <= self.init <= self.high < np.inf or self.low == self.high:
+            raise ValueError(
+                f"a limited parameter needs finite low <= init <= high and low < high, got low "
+                f"{self.low:g}, init {self.init:g}, high {self.high:g}"
+            )
+
+    def constrain(self, z: Array) -> Array:
+        """The number itself."""
+        return z[0]
+
+    def unconstrain(self, value: np.ndarray) -> np.ndarray:
+        """The number itself."""
+        number = _number(value)
+        if not self.low <= number <= self.high:
+            raise ValueError(f"must lie between {self.low:g} and {self.high:g}, got {number:g}")
+        return np.array([number])
+
+    def start(self) -> np.ndarray:
+        """Init."""
+        return np.array([self.init])
+
+    def box(self) -> tuple[np.ndarray, np.ndarray]:
+        """Low and high."""
+        return np.array([self.low]), np.array([self.high])
+
+    def coordinates(self, name: str) -> list[str]:
+        """The name."""
+        return [name]
+
+
+@dataclass(frozen=True)
 class Covariance:
     """A covariance matrix ``(n, n)``, tuned as its Cholesky factor with logarithmic diagonal.
 
@@ -148,6 +201,7 @@ class Covariance:
     low: float
     high: float
     unit: str = ""
+    limited: bool = False
 
     def __post_init__(self) -> None:
         if not 0 < self.low < self.high < np.inf:
@@ -210,6 +264,7 @@ class Fixed:
     value: float | tuple[tuple[float, ...], ...]
     unit: str = ""
     size: int = 0
+    limited: bool = False
 
     def constrain(self, z: Array) -> Array:
         """The value itself."""

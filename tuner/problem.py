@@ -11,25 +11,30 @@ from jax import Array
 
 from filters import AnyFilter
 from objectives import Data, Objective, score, score_and_gradient
+from tuner.constraint import Constraint
 from tuner.space import Space
 
 Build: TypeAlias = Callable[[dict[str, Array]], Any]
 """From parameters by name to what the filter takes."""
+NO_DATA = Data(None, None)
+"""The data of a design, which is judged without any."""
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A filter, its free parameters, an objective and data.
+    """A filter, its free parameters, an objective and data; or a design that needs no data.
 
     Attributes:
         name: what the problem is called in results and files.
         space: the parameters.
-        filter: the filter that is tuned.
+        filter: the filter that is tuned; None where nothing is run: the objective and the
+            constraints then judge what ``build`` makes.
         build: makes the filter's parameters from the space's, by name. A module-level function
             is compiled once; a new lambda is compiled anew.
         objective: what is minimised.
         data: the filter's inputs and the truth, float64 throughout; NaN means missing.
         derive: quantities of interest that follow from the parameters, by name.
+        constraints: what a solution has to keep; not every solver takes them.
 
     Raises:
         ValueError: where the data holds single precision, infinite values or unequal lengths.
@@ -37,11 +42,12 @@ class Problem:
 
     name: str
     space: Space
-    filter: AnyFilter
+    filter: AnyFilter | None
     build: Build
     objective: Objective
-    data: Data
+    data: Data = NO_DATA
     derive: Callable[[dict[str, Array]], dict[str, Array]] | None = None
+    constraints: tuple[Constraint, ...] = ()
 
     def __post_init__(self) -> None:
         for path, leaf in jax.tree_util.tree_leaves_with_path(self.data):
@@ -65,11 +71,28 @@ class Problem:
         A step of 1e-3 (a thousandth of a logarithm) leaves an error of about 1e-6 and keeps
         clear of the rounding noise that a step of 1e-5 meets in filters with slow gains.
         """
-        rows = [
-            (self.value_and_gradient(z + h)[1] - self.value_and_gradient(z - h)[1]) / (2 * step)
-            for h in step * np.eye(self.space.size)
-        ]
-        matrix = np.reshape(rows, (self.space.size, self.space.size))
+        return self._differences(lambda at: self.value_and_gradient(at)[1], z, step)
+
+    def excesses(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """How far each constraint is exceeded at z, relative ``(m,)``, and its Jacobian ``(m, n)``.
+
+        Negative where there is room.
+        """
+        excess, slopes = _excesses(self.static, jnp.asarray(z), self.data)
+        return np.asarray(excess), np.asarray(slopes)
+
+    def constraint_hessian(
+        self, z: np.ndarray, weights: np.ndarray, step: float = 1e-3
+    ) -> np.ndarray:
+        """The weighted sum of the constraints' Hessians, relative as in :meth:`excesses`."""
+        return self._differences(lambda at: weights @ self.excesses(at)[1], z, step)
+
+    def _differences(
+        self, gradient: Callable[[np.ndarray], np.ndarray], z: np.ndarray, step: float
+    ) -> np.ndarray:
+        size = self.space.size
+        rows = [(gradient(z + h) - gradient(z - h)) / (2 * step) for h in step * np.eye(size)]
+        matrix = np.reshape(rows, (size, size))
         return (matrix + matrix.T) / 2
 
     def score(self, parameters: Mapping[str, Any]) -> float:
@@ -99,20 +122,31 @@ class Problem:
     @property
     def static(self) -> "Static":
         """What is compiled for: everything but the numbers."""
-        return Static(self.space, self.filter, self.objective, self.build)
+        return Static(self.space, self.filter, self.objective, self.build, self.constraints)
 
 
 class Static(NamedTuple):
     """The hashable part of a problem; equal ones share one compilation."""
 
     space: Space
-    filter: AnyFilter
+    filter: AnyFilter | None
     objective: Objective
     build: Build
+    constraints: tuple[Constraint, ...]
+
+    def built(self, z: Array) -> Any:
+        """What z stands for, as the filter takes it."""
+        return self.build(self.space.constrain(z))
 
     def score(self, z: Array, data: Data) -> Array:
         """The objective at z, inside ``jax.jit``."""
-        return score(self.filter, self.objective, self.build(self.space.constrain(z)), data)
+        return score(self.filter, self.objective, self.built(z), data)
+
+    def excesses(self, z: Array, data: Data) -> Array:
+        """How far each constraint is exceeded at z, ``(m,)``, inside ``jax.jit``."""
+        params = self.built(z)
+        found = [c.excess(score(self.filter, c.measure, params, data)) for c in self.constraints]
+        return jnp.stack(found) if found else jnp.zeros(0)
 
 
 @jax.jit(static_argnums=0)
@@ -122,8 +156,12 @@ def _value(static: Static, z: Array, data: Data) -> Array:
 
 @jax.jit(static_argnums=0)
 def _value_and_gradient(static: Static, z: Array, data: Data) -> tuple[Array, Array]:
-    space, filter, objective, build = static
-    return score_and_gradient(filter, objective, lambda p: build(space.constrain(p)), z, data)
+    return score_and_gradient(static.filter, static.objective, static.built, z, data)
+
+
+@jax.jit(static_argnums=0)
+def _excesses(static: Static, z: Array, data: Data) -> tuple[Array, Array]:
+    return static.excesses(z, data), jax.jacfwd(lambda at: static.excesses(at, data))(z)
 
 
 @jax.jit(static_argnums=0)

@@ -64,6 +64,7 @@ class SolutionRecord(_Record):
         fields = _infinite(self.certificate)
         for name in ("active_bounds", "curvatures", "flat_directions"):
             fields[name] = tuple(fields[name])
+        fields["lower_bound"] = self.certificate.get("lower_bound")  # null: nothing is proved
         return Solution(
             problem=self.problem,
             solver=self.solver,

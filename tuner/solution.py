@@ -1,6 +1,6 @@
 """What a solver returns: the best point, how it ended, and what speaks for it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 import numpy as np
@@ -13,6 +13,9 @@ class Status(Enum):
     STALLED = "stalled"
     LIMIT = "limit"
     AT_BOUND = "at bound"
+    INFEASIBLE = "infeasible"
+    UNBOUNDED = "unbounded"
+    UNATTAINED = "unattained"
     FAILED = "failed"
 
     @property
@@ -31,6 +34,9 @@ _SENTENCES = {
     Status.STALLED: "the method stopped by its own tolerance, but the gradient does not vanish",
     Status.LIMIT: "the allowed number of evaluations was used up before the gradient vanished",
     Status.AT_BOUND: "a bound of the search box holds the solution; the optimum lies beyond it",
+    Status.INFEASIBLE: "no point was found that keeps every constraint",
+    Status.UNBOUNDED: "the objective falls without limit",
+    Status.UNATTAINED: "the objective falls towards a limit that no point reaches",
     Status.FAILED: "the objective is not a number at the start, or the method broke off",
 }
 
@@ -78,6 +84,10 @@ class Certificate:
         flat_directions: a sentence for each direction in which nothing is determined.
         starts: agreement of the starts.
         methods: best value of every other solver on the same problem over this one's value.
+        multipliers: by constraint, by how many per cent the value falls where the bound is 1 %
+            wider; the gradient is then what is left of it after the constraints' share.
+        lower_bound: no admissible point has a lower value: a dual solution proves it. None where
+            nothing is proved.
     """
 
     gradient: dict[str, float]
@@ -86,6 +96,8 @@ class Certificate:
     flat_directions: tuple[str, ...]
     starts: Starts
     methods: dict[str, float]
+    multipliers: dict[str, float] = field(default_factory=dict)
+    lower_bound: float | None = None
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,13 @@
 """What is tuned: named parameters in a fixed order, as one unconstrained vector z."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jax import Array
 
 from tuner.names import unknown
-from tuner.parameters import Parameter
+from tuner.parameters import Parameter, Positive
 
 
 @dataclass(frozen=True)
@@ -77,6 +77,24 @@ class Space:
         """The lowest and highest z, ``(size,)`` each."""
         boxes = [parameter.box() for _, parameter in self.parameters]
         return np.concatenate([low for low, _ in boxes]), np.concatenate([h for _, h in boxes])
+
+    def limited(self) -> np.ndarray:
+        """Which entries of z have limits that belong to the problem, ``(size,)`` of bool."""
+        kinds = [np.full(parameter.size, parameter.limited) for _, parameter in self.parameters]
+        return np.concatenate(kinds)
+
+    def widened(self, factor: float) -> "Space":
+        """The same parameters in a wider box: positive ones up and down by a factor.
+
+        What bounds the problem itself (bounded and limited parameters) stays as it is.
+        """
+        wider = (
+            (name, replace(p, low=p.low / factor, high=p.high * factor))
+            if isinstance(p, Positive)
+            else (name, p)
+            for name, p in self.parameters
+        )
+        return Space(tuple(wider))
 
     def starts(self, count: int, seed: int) -> np.ndarray:
         """Where to begin, ``(count, size)``: the initial values, then random points of the box."""

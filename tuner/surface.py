@@ -71,9 +71,7 @@ def _batches(problem: Problem, Z: np.ndarray, evaluate: Callable[..., T]) -> lis
 
 
 def _lanes(problem: Problem, threads: int, points: int) -> int:
-    params = jax.eval_shape(
-        lambda z: problem.build(problem.space.constrain(z)), jnp.asarray(problem.space.start())
-    )
+    params = jax.eval_shape(problem.static.built, jnp.asarray(problem.space.start()))
     kept = kept_bytes(problem.filter, problem.objective, params, problem.data)
     affordable = int(MEMORY / threads / _TRANSFORMS / kept) if kept else _LANES
     return max(1, min(_LANES, affordable, -(-points // threads)))
@@ -90,5 +88,4 @@ def _values(static: Static, Z: Array, data: Data) -> Array:
 
 @jax.jit(static_argnums=0, compiler_options=_WIDE)
 def _values_and_gradients(static: Static, Z: Array, data: Data) -> tuple[Array, Array]:
-    space, filter, objective, build = static
-    return scores_and_gradients(filter, objective, lambda z: build(space.constrain(z)), Z, data)
+    return scores_and_gradients(static.filter, static.objective, static.built, Z, data)

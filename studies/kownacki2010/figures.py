@@ -144,13 +144,13 @@ def _tradeoff(bench: Bench, ratio: float) -> Figure:
 def _parts(problem: Problem, Q: np.ndarray) -> StepCost:
     """Both terms of (10) at each Q, one after another to save memory."""
     fixed = problem.parameters(problem.space.start())
-    objective = problem.objective
-    if not isinstance(objective, StepResponse):
+    filter, objective = problem.filter, problem.objective
+    if filter is None or not isinstance(objective, StepResponse):
         raise TypeError(f"{problem.name} is not judged by a step response")
 
     def both(q: jax.Array) -> StepCost:
         params = Noise(fixed["R"], q, fixed["P0"])
-        (_, total), kept = run(Folded(problem.filter, objective), params, problem.data)
+        (_, total), kept = run(Folded(filter, objective), params, problem.data)
         return objective.parts(total, kept)
 
     return StepCost(*jax.jit(lambda qs: jax.lax.map(both, qs))(jnp.asarray(Q)))

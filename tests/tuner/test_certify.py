@@ -22,6 +22,7 @@ from tests.tuner.helpers import (
     trench,
 )
 from tuner.certify import flat_in_words, is_flat, is_stationary, spectrum
+from tuner.multipliers import hold
 from tuner.parameters import Bounded, Covariance, Positive
 from tuner.problem import Problem
 from tuner.solution import Starts
@@ -32,11 +33,12 @@ ONE = Starts(1, 1, 1.0)
 
 
 def certify(posed, z, starts):
-    return judged.certify(posed, z, spectrum(posed, z), starts)
+    held = hold(posed, z)
+    return judged.certify(posed, z, held, spectrum(posed, z, held), starts)
 
 
 def estimates(posed, z):
-    return judged.estimates(posed, z, spectrum(posed, z))
+    return judged.estimates(posed, z, spectrum(posed, z, hold(posed, z)))
 
 
 @cache

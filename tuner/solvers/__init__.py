@@ -6,6 +6,7 @@ from tuner.names import unknown
 from tuner.problem import Problem
 from tuner.solution import Solution
 from tuner.solvers.gradient import Gradient
+from tuner.solvers.ipopt import Ipopt
 from tuner.solvers.nelder_mead import NelderMead, fminsearch, nelder_mead
 from tuner.solvers.sampling import Sampler
 
@@ -13,6 +14,7 @@ SOLVERS = {
     "nelder-mead": "simplex search, no gradient; fminsearch's moves, tolerances made for z",
     "l-bfgs-b": "quasi-Newton with bounds on exact gradients (scipy)",
     "trust-constr": "Newton in a trust region on exact gradients (scipy)",
+    "ipopt": "interior point with constraints (CasADi): symbolic, or calling back into JAX",
     "cma-es": "covariance matrix adaptation (Optuna), trials kept in a database",
     "tpe": "tree-structured Parzen estimator (Optuna), trials kept in a database",
 }
@@ -38,6 +40,8 @@ def make_solver(
             return NelderMead(seed=seed, starts=starts)
         case "l-bfgs-b" | "trust-constr":
             return Gradient(name, seed=seed, starts=starts)
+        case "ipopt":
+            return Ipopt(seed=seed, starts=starts)
         case "cma-es" | "tpe":
             return Sampler(name, seed=seed, storage=storage)
     raise unknown("solver", name, SOLVERS)
@@ -46,6 +50,7 @@ def make_solver(
 __all__ = [
     "SOLVERS",
     "Gradient",
+    "Ipopt",
     "NelderMead",
     "Sampler",
     "fminsearch",

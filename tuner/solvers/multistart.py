@@ -8,6 +8,8 @@ from typing import TypeAlias
 import numpy as np
 
 from tuner.certify import certify, estimates, is_stationary, spectrum
+from tuner.constraint import ALLOWED
+from tuner.multipliers import hold
 from tuner.problem import Problem
 from tuner.solution import Certificate, Solution, Starts, Status
 
@@ -22,6 +24,7 @@ class Minimum:
         evaluations: how often it was evaluated.
         finished: whether the method's own tolerance ended it, not a limit.
         message: the method's own words.
+        excess: how far the worst constraint is exceeded, as a share of its bound.
     """
 
     z: np.ndarray
@@ -29,6 +32,12 @@ class Minimum:
     evaluations: int
     finished: bool
     message: str
+    excess: float = -np.inf
+
+    @property
+    def allowed(self) -> bool:
+        """Whether it keeps every constraint."""
+        return self.excess <= ALLOWED
 
 
 Descent: TypeAlias = Callable[[Problem, np.ndarray], Minimum]
@@ -36,7 +45,13 @@ Descent: TypeAlias = Callable[[Problem, np.ndarray], Minimum]
 
 
 def from_several(
-    problem: Problem, solver: str, descend: Descent, *, starts: int, seed: int
+    problem: Problem,
+    solver: str,
+    descend: Descent,
+    *,
+    starts: int,
+    seed: int,
+    constrained: bool = False,
 ) -> Solution:
     """Descend from the initial point and from random points of the box; certify the best end.
 
@@ -46,33 +61,43 @@ def from_several(
         descend: one descent from one start.
         starts: how many starts, the initial point among them.
         seed: where the random starts come from.
+        constrained: whether the method keeps constraints.
 
     Raises:
-        ValueError: for fewer than one start, or where nothing is free.
+        ValueError: for fewer than one start, where nothing is free, or where there are constraints
+            and the solver takes none.
     """
-    refuse_idle(problem, solver, starts, "start")
+    refuse(problem, solver, starts, "start", constrained=constrained)
     begun = time.perf_counter()
     ends = [descend(problem, z) for z in problem.space.starts(starts, seed)]
     return conclude(problem, solver, ends, time.perf_counter() - begun)
 
 
-def refuse_idle(problem: Problem, solver: str, count: int, what: str) -> None:
-    """Refuse to begin without a start or trial, or where nothing is free.
+def refuse(
+    problem: Problem, solver: str, count: int, what: str, *, constrained: bool = False
+) -> None:
+    """Refuse what cannot begin: no start or trial, nothing free, constraints nobody would keep.
 
     Raises:
-        ValueError: says which of the two.
+        ValueError: says which of the three.
     """
     if count < 1:
         raise ValueError(f"{solver} needs at least one {what}, got {count}")
     if problem.space.size == 0:
         raise ValueError(f"every parameter of {problem.name} is fixed: there is nothing to tune")
+    if problem.constraints and not constrained:
+        names = ", ".join(constraint.name for constraint in problem.constraints)
+        raise ValueError(
+            f"{solver} keeps no constraints, and {problem.name} has {names}: solve it by ipopt"
+        )
 
 
 def conclude(problem: Problem, solver: str, ends: list[Minimum], seconds: float) -> Solution:
     """The solution that the best of several ends amounts to."""
-    best = min(ends, key=lambda end: end.value)
-    curved = spectrum(problem, best.z)
-    certificate = certify(problem, best.z, curved, _agreement(ends, best))
+    best = best_of(ends)
+    held = hold(problem, best.z)
+    curved = spectrum(problem, best.z, held)
+    certificate = certify(problem, best.z, held, curved, _agreement(ends, best))
     status = _status(problem, best, certificate)
     return Solution(
         problem=problem.name,
@@ -89,15 +114,22 @@ def conclude(problem: Problem, solver: str, ends: list[Minimum], seconds: float)
     )
 
 
+def best_of(ends: list[Minimum]) -> Minimum:
+    """The end with the lowest value among those that keep every constraint, if any do."""
+    return min(ends, key=lambda end: (not end.allowed, end.value))
+
+
 def _agreement(ends: list[Minimum], best: Minimum) -> Starts:
     scale = abs(best.value) or 1.0
-    excess = [(end.value - best.value) / scale for end in ends]
+    excess = [(end.value - best.value) / scale if end.allowed else np.inf for end in ends]
     return Starts(len(ends), sum(e < 1e-3 for e in excess), 1 + max(excess))
 
 
 def _status(problem: Problem, best: Minimum, certificate: Certificate) -> Status:
     if not np.isfinite(best.value):
         return Status.FAILED
+    if not best.allowed:
+        return Status.INFEASIBLE
     free, bounded = is_stationary(problem, best.z, certificate.gradient)
     if free:
         return Status.CONVERGED

@@ -11,7 +11,7 @@ import numpy as np
 from tuner.names import unknown
 from tuner.problem import Problem
 from tuner.solution import Solution
-from tuner.solvers.multistart import Minimum, conclude, refuse_idle
+from tuner.solvers.multistart import Minimum, conclude, refuse
 
 if TYPE_CHECKING:
     import optuna
@@ -49,7 +49,7 @@ class Sampler:
         """Solve a problem."""
         import optuna
 
-        refuse_idle(problem, self.name, self.trials, "trial")
+        refuse(problem, self.name, self.trials, "trial")
         begun = time.perf_counter()
         study = self._study(problem)
         done = len(study.get_trials(deepcopy=False, states=(optuna.trial.TrialState.COMPLETE,)))

@@ -1,0 +1,208 @@
+"""IPOPT through CasADi: smooth problems with constraints, to the last digits."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+import jax.numpy as jnp
+import numpy as np
+
+from tuner.names import unknown
+from tuner.problem import Problem
+from tuner.solution import Solution
+from tuner.solvers.foreign import python_function
+from tuner.solvers.multistart import Minimum, best_of, from_several
+from tuner.solvers.symbolic import NoCounterpartError, expressions
+from tuner.solvers.widening import widen
+
+if TYPE_CHECKING:
+    import casadi
+
+Model = Literal["either", "symbolic", "callback"]
+
+
+@dataclass(frozen=True)
+class Ipopt:
+    """Interior point method for problems with constraints, from several starts.
+
+    Source: Wachter and Biegler, Mathematical Programming 106, 2006. Where a solution is held by
+    its search box, the box is widened to find out whether there is an optimum at all.
+
+    Attributes:
+        seed: where the random starts come from.
+        starts: how many starts.
+        model: symbolic (the problem translated to CasADi, with exact second derivatives),
+            callback (values and gradients from JAX, second derivatives learnt on the way), or
+            either: symbolic wherever every operation has its counterpart.
+        tolerance: of IPOPT's own test, on the problem scaled to 1 at the start.
+        iterations: limit for each start.
+    """
+
+    seed: int
+    starts: int = 4
+    model: Model = "either"
+    tolerance: float = 1e-10
+    iterations: int = 500
+
+    name: str = "ipopt"
+
+    def __post_init__(self) -> None:
+        if self.model not in get_args(Model):
+            raise unknown("model", self.model, get_args(Model))
+
+    def __call__(self, problem: Problem) -> Solution:
+        """Solve a problem."""
+        return widen(problem, self._solve)
+
+    def _solve(self, problem: Problem) -> Solution:
+        statement = _statement(problem, self.model)
+
+        def descend(problem: Problem, z: np.ndarray) -> Minimum:
+            return _descend(problem, z, statement, self.tolerance, self.iterations)
+
+        return from_several(
+            problem, self.name, descend, starts=self.starts, seed=self.seed, constrained=True
+        )
+
+
+@dataclass(frozen=True)
+class _Statement:
+    """A problem as CasADi takes it.
+
+    Attributes:
+        x, f, g: the point, and value and excesses as expressions of it.
+        hessian: of the Lagrangian, where CasADi does not work it out itself.
+        keep: what must live as long as the expressions.
+    """
+
+    x: "casadi.SX | casadi.MX"
+    f: "casadi.SX | casadi.MX"
+    g: "casadi.SX | casadi.MX"
+    hessian: "Callable[[float], casadi.Function] | None" = None
+    keep: tuple[Any, ...] = ()
+
+
+def _statement(problem: Problem, model: Model) -> _Statement:
+    if model != "callback":
+        try:
+            return _symbolic(problem)
+        except NoCounterpartError as error:
+            if model == "symbolic":
+                raise ValueError(
+                    f"{problem.name} cannot be written symbolically: {error}; use model='callback'"
+                ) from None
+    return _callback(problem)
+
+
+def _symbolic(problem: Problem) -> _Statement:
+    import casadi
+
+    symbols = [casadi.SX.sym(f"z{i}") for i in range(problem.space.size)]
+    static, data = problem.static, problem.data
+    found = expressions(
+        lambda z: jnp.append(static.score(z, data), static.excesses(z, data)), symbols
+    )
+    return _Statement(casadi.vertcat(*symbols), found[0], casadi.vertcat(*found[1:]))
+
+
+def _callback(problem: Problem) -> _Statement:
+    import casadi
+
+    size, count = problem.space.size, len(problem.constraints)
+    x = casadi.MX.sym("z", size)
+
+    def curvature(scale: float) -> "casadi.Function":
+        def evaluate(z: np.ndarray, _: np.ndarray, f: np.ndarray, g: np.ndarray) -> np.ndarray:
+            hessian = f[0] / scale * problem.hessian(z)
+            return np.triu(hessian + problem.constraint_hessian(z, g) if count else hessian)
+
+        upper = casadi.Sparsity.upper(size)
+        return python_function("hessian", [size, 0, 1, count], upper, evaluate)
+
+    value = python_function(
+        "value",
+        [size],
+        casadi.Sparsity.dense(1, 1),
+        problem.value,
+        lambda z, _: problem.value_and_gradient(z)[1][None],
+    )
+    if not count:
+        return _Statement(x, value(x), casadi.MX(0, 1), curvature, (value,))
+    excess = python_function(
+        "excess",
+        [size],
+        casadi.Sparsity.dense(count, 1),
+        lambda z: problem.excesses(z)[0],
+        lambda z, _: problem.excesses(z)[1],
+    )
+    return _Statement(x, value(x), excess(x), curvature, (value, excess))
+
+
+def _descend(
+    problem: Problem, z: np.ndarray, statement: _Statement, tolerance: float, iterations: int
+) -> Minimum:
+    """IPOPT on value / |value at the start|, and again where that has changed by much.
+
+    Its tolerances suit values near 1; a start far away leaves digits to be found.
+    """
+    begin = abs(problem.value(z))
+    if not 0 < begin < np.inf:
+        return Minimum(z, begin, 1, False, "the objective at the start is not usable")
+    ends = [_once(problem, z, begin, statement, tolerance, iterations)]
+    reached = abs(ends[0].value)
+    if ends[0].allowed and 0 < reached < REFINED * begin:
+        ends.append(_once(problem, ends[0].z, reached, statement, tolerance, iterations))
+    evaluations = 1 + sum(end.evaluations for end in ends)
+    return replace(best_of(ends), evaluations=evaluations)
+
+
+REFINED = 0.1
+"""A value below this share of that at the start is worth a second run with its own scale."""
+
+
+def _once(
+    problem: Problem,
+    z: np.ndarray,
+    scale: float,
+    statement: _Statement,
+    tolerance: float,
+    iterations: int,
+) -> Minimum:
+    import casadi
+
+    options: dict[str, Any] = {
+        "print_time": False,
+        "show_eval_warnings": False,  # a point where the objective is not a number is stepped over
+        "ipopt": {
+            "tol": tolerance,
+            "max_iter": iterations,
+            "print_level": 0,
+            "sb": "yes",
+            "bound_relax_factor": 0.0,
+        },
+    }
+    if statement.hessian is not None:
+        options["hess_lag"] = statement.hessian(scale)
+    stated: dict[str, Any] = {"x": statement.x, "f": statement.f / scale, "g": statement.g}
+    solver = casadi.nlpsol("tuner", "ipopt", stated, options)
+    low, high = problem.space.box()
+    found = solver(x0=z, lbx=low, ubx=high, lbg=-np.inf, ubg=0.0)
+    point = np.clip(found["x"].full().ravel(), low, high)
+    said = solver.stats()
+    return Minimum(
+        z=point,
+        value=problem.value(point),
+        evaluations=_evaluations(said, problem, numeric=statement.hessian is not None),
+        finished=bool(said["success"]),
+        message=f"ipopt: {said['return_status'].replace('_', ' ').lower()}",
+        excess=float(problem.excesses(point)[0].max(initial=-np.inf)),
+    )
+
+
+def _evaluations(said: dict[str, Any], problem: Problem, *, numeric: bool) -> int:
+    """How often values and gradients were asked for; second derivatives by differences count."""
+    values, gradients, hessians = (
+        int(said.get(f"n_call_nlp_{name}", 0)) for name in ("f", "grad_f", "hess_l")
+    )
+    # CasADi's gradient brings the value along; the last value is looked at once more.
+    return values + 2 * gradients + (2 * problem.space.size * hessians if numeric else 0) + 1
