@@ -4,6 +4,16 @@ from filters.backend import LoopOption, loop_option
 
 loop_option()  # before anything below starts JAX's backend
 
+from filters.covariance import (  # noqa: E402
+    Flow,
+    GainCovariance,
+    GainTable,
+    KalmanCovariance,
+    RiccatiCovariance,
+    TableCovariance,
+    Uncertainty,
+    riccati_flow,
+)
 from filters.discretise import transitions, van_loan  # noqa: E402
 from filters.inertial import (  # noqa: E402
     AccelerometerFilter,
@@ -24,31 +34,61 @@ from filters.linear import (  # noqa: E402
     Transition,
 )
 from filters.protocol import AnyFilter, Filter, run  # noqa: E402
+from filters.vertical import (  # noqa: E402
+    GRAVITY_GRADIENT,
+    ConventionalLoop,
+    GainedSample,
+    LoopGains,
+    LoopStep,
+    Plant,
+    StoredGains,
+    loop_error,
+    loop_step,
+    vertical_channel,
+)
 
 __all__ = [
+    "GRAVITY_GRADIENT",
     "AccelerometerFilter",
     "AnyFilter",
+    "ConventionalLoop",
     "Estimate",
     "Filter",
     "FixedGainFilter",
+    "Flow",
+    "GainCovariance",
+    "GainTable",
+    "GainedSample",
     "Gains",
     "GyroscopeFilter",
     "Innovation",
+    "KalmanCovariance",
     "LinearKalman",
     "LinearModel",
     "LinearOutputs",
+    "LoopGains",
     "LoopOption",
+    "LoopStep",
     "Noise",
+    "Plant",
+    "RiccatiCovariance",
     "Sample",
     "SteadyState",
+    "StoredGains",
+    "TableCovariance",
     "Transition",
+    "Uncertainty",
     "accelerometer_steady",
     "decorrelate",
     "gyroscope_steady",
+    "loop_error",
     "loop_option",
+    "loop_step",
     "predict",
+    "riccati_flow",
     "run",
     "transitions",
     "update",
     "van_loan",
+    "vertical_channel",
 ]

@@ -1,5 +1,26 @@
-"""Objectives: how good a filter's run is, as one differentiable number."""
+"""Objectives: how good a filter's run or a design is, as one differentiable number."""
 
+from objectives.design import (
+    decay_rate,
+    ise,
+    settling_time,
+    spectral_radius,
+    steady_variance,
+)
+from objectives.history import VarianceRatio
+from objectives.lyapunov import lyapunov, stein
+from objectives.modes import (
+    Mode,
+    Reduction,
+    SteadyKalman,
+    steady_kalman,
+    undriven_modes,
+    unseen_modes,
+    without_undriven,
+    without_unseen,
+)
+from objectives.placement import Factors, placing
+from objectives.riccati import bucy_gain, care, dare, steady_gain, updated
 from objectives.score import (
     Data,
     Fold,
@@ -24,19 +45,42 @@ from objectives.welch import Welch, window
 __all__ = [
     "Crossing",
     "Data",
+    "Factors",
     "Fold",
     "Folded",
+    "Mode",
     "Objective",
     "Reading",
+    "Reduction",
+    "SteadyKalman",
     "StepCost",
     "StepResponse",
     "StepSum",
     "StepTruth",
+    "VarianceRatio",
     "Welch",
+    "bucy_gain",
+    "care",
+    "dare",
+    "decay_rate",
     "is_fold",
+    "ise",
     "kept_bytes",
+    "lyapunov",
+    "placing",
     "score",
     "score_and_gradient",
     "scores_and_gradients",
+    "settling_time",
+    "spectral_radius",
+    "steady_gain",
+    "steady_kalman",
+    "steady_variance",
+    "stein",
+    "undriven_modes",
+    "unseen_modes",
+    "updated",
     "window",
+    "without_undriven",
+    "without_unseen",
 ]

@@ -1,0 +1,152 @@
+"""The vertical channel of an inertial navigation system that is aligned at rest.
+
+Source: Ha, Kim and Choi, Kalman Filter Method and the Conventional Method for the Bias Error
+Reduction of INS Vertical Channel, 1981; equation numbers are theirs. The state is
+(A_B, dV, dh): the bias of the vertical acceleration, velocity error, altitude error. Left alone,
+the channel diverges (by a factor e in 571 s), so errors are propagated, never the channel itself.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+from jax.typing import ArrayLike
+
+from filters.kalman import matmul
+from filters.linear import LinearModel
+
+GRAVITY_GRADIENT = 3.07e-6
+"""Kgh in 1/s^2: how gravity falls with altitude, to which the channel owes its divergence."""
+
+
+class Plant(NamedTuple):
+    """A continuous linear model, dx = A x dt + G dw, measured as C x.
+
+    Attributes:
+        A: dynamics, ``(n, n)``, 1/s.
+        G: where the noise enters, ``(n, p)``.
+        C: measurement matrix, ``(m, n)``.
+    """
+
+    A: Array
+    G: Array
+    C: Array
+
+
+def vertical_channel(k_gh: ArrayLike = GRAVITY_GRADIENT) -> Plant:
+    """Model (11): A_B' = 0, dV' = A_B + Kgh dh + W_a, dh' = dV; dh is measured.
+
+    >>> vertical_channel().A[1].tolist()
+    [1.0, 0.0, 3.07e-06]
+    """
+    k = jnp.asarray(k_gh, dtype=float)
+    A = jnp.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).at[1, 2].set(k)
+    return Plant(A, jnp.array([[0.0], [1.0], [0.0]]), jnp.array([[0.0, 0.0, 1.0]]))
+
+
+class LoopGains(NamedTuple):
+    """Gains of the conventional scheme.
+
+    Attributes:
+        K1: on the altitude, 1/s.
+        K2: on the velocity, 1/s^2; the paper's K2, which compensates Kgh: K2' = K2 - Kgh.
+        K3: on the estimated bias, 1/s^3.
+    """
+
+    K1: ArrayLike
+    K2: ArrayLike
+    K3: ArrayLike
+
+
+def loop_error(gains: LoopGains, k_gh: ArrayLike = GRAVITY_GRADIENT) -> Array:
+    """The conventional scheme in error coordinates, ``(4, 4)``, 1/s; W_a enters the third.
+
+    The state is (epsilon, e, dV, dh_r): error of the estimated bias, what the loop feeds back,
+    velocity error, and the constant error of the altitude it is given. With K2' = K2 - Kgh
+    (8): epsilon' = K3 e, e' = dV - K1 e, dV' = -epsilon - K2' e + Kgh dh_r + W_a. The matrix
+    printed in (4) never feeds the estimated bias back; this is Fig. 2.
+    """
+    K1, K2, K3, k = (jnp.asarray(g, dtype=float) for g in (*gains, k_gh))
+    zero, one = jnp.zeros(()), jnp.ones(())
+    rows = (
+        (zero, K3, zero, zero),
+        (zero, -K1, one, zero),
+        (-one, k - K2, zero, k),
+        (zero, zero, zero, zero),
+    )
+    return jnp.stack([jnp.stack(row) for row in rows])
+
+
+class LoopStep(NamedTuple):
+    """The conventional scheme over one sample, x' = F x + B z.
+
+    Attributes:
+        F: ``(3, 3)``.
+        B: ``(3,)``.
+    """
+
+    F: Array
+    B: Array
+
+
+def loop_step(gains: LoopGains, dt: float, k_gh: ArrayLike = GRAVITY_GRADIENT) -> LoopStep:
+    """The scheme's exact answer to an altitude difference that is held for dt seconds."""
+    A, _, C = vertical_channel(k_gh)
+    K1, K2, K3 = (jnp.asarray(gain, dtype=float) for gain in gains)
+    L = jnp.stack([K3, K2, K1])
+    held = jnp.zeros((4, 4)).at[:3, :3].set(A - L[:, None] * C).at[:3, 3].set(L)
+    over = jax.scipy.linalg.expm(held * dt)
+    return LoopStep(over[:3, :3], over[:3, 3])
+
+
+@dataclass(frozen=True)
+class ConventionalLoop:
+    """The conventional scheme as it runs: three numbers, three gains, no covariance.
+
+    Inputs are altitude differences z (inertial, uncorrected, minus given), ``()``; put out is
+    (A_B, dV, dh) as estimated. In error coordinates it is :func:`loop_error`.
+    """
+
+    def init(self, params: LoopStep) -> Array:
+        """At zero."""
+        return jnp.zeros_like(params.B)
+
+    def step(self, params: LoopStep, state: Array, inputs: Array) -> tuple[Array, Array]:
+        """Follow one sample; a missing one (NaN) is taken for what was expected."""
+        z = jnp.where(jnp.isnan(inputs), state[2], inputs)
+        state = matmul(params.F, state) + params.B * z
+        return state, state
+
+
+class GainedSample(NamedTuple):
+    """A measurement with the gain that is to be applied to it.
+
+    Attributes:
+        z: measurements, ``(m,)``; NaN means missing.
+        K: gain, ``(n, m)``.
+    """
+
+    z: Array
+    K: Array
+
+
+@dataclass(frozen=True)
+class StoredGains:
+    """A linear filter whose gains were worked out before: measure, put out, predict.
+
+    The first measurement is taken at once, on x0, as by :class:`filters.KalmanCovariance`, whose
+    gains it takes; one gain for all samples makes a fixed-gain filter. Source: Ha, Kim and Choi
+    1981, (13); their (18) has the innovation's sign wrong.
+    """
+
+    def init(self, params: LinearModel) -> Array:
+        """The start, x0."""
+        return params.x0
+
+    def step(self, params: LinearModel, state: Array, inputs: GainedSample) -> tuple[Array, Array]:
+        """Correct, put out x(+), and predict to the next sample."""
+        y = inputs.z - matmul(params.H, state)
+        x = state + matmul(inputs.K, jnp.where(jnp.isnan(y), 0.0, y))
+        return matmul(params.transition.F, x), x

@@ -1,0 +1,144 @@
+"""Poles as coordinates: gains that put an observer's poles where factors of a polynomial say.
+
+Every polynomial whose roots all decay at least as fast as a given rate is a product of the factors
+below with coordinates inside simple limits, and every such product is one. So the slowest pole,
+which has no gradient where poles meet, becomes a smooth coordinate of its own.
+"""
+
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+
+@dataclass(frozen=True)
+class Factors:
+    """A monic polynomial of given degree by its factors.
+
+    Continuous, with a = ``rate``: (s + a (1 + r)) for an odd degree and, for each pair,
+    (s + a)^2 + d a (s + a) + f a^2, with r, d, f >= 0: no root decays slower than e^(-a t).
+
+    Discrete, with a = ``rate`` the radius and t = (1 - a) / (1 + a): (z - a) + t r (z + a) and
+    (z - a)^2 + t d (z - a) (z + a) + t^2 f (z + a)^2, made monic: no root lies outside abs(z) = a.
+    That is the bilinear map of the disc to the half plane; for slow roots r, d and f are those of
+    the continuous polynomial.
+
+    Attributes:
+        degree: of the polynomial.
+        discrete: which of the two.
+    """
+
+    degree: int
+    discrete: bool = False
+
+    @property
+    def pairs(self) -> int:
+        """How many factors of degree two there are."""
+        return self.degree // 2
+
+    @property
+    def odd(self) -> bool:
+        """Whether there is a factor of degree one."""
+        return self.degree % 2 == 1
+
+    def coefficients(
+        self, rate: Array, real: Array | None, pairs: list[tuple[Array, Array]]
+    ) -> Array:
+        """The polynomial's coefficients, highest power (1) first, ``(degree + 1,)``.
+
+        Args:
+            rate: a.
+            real: r, None where the degree is even.
+            pairs: (d, f) of each pair.
+
+        >>> one = jnp.asarray(1.0)
+        >>> Factors(3).coefficients(2 * one, 0 * one, [(0 * one, 0 * one)]).tolist()
+        [1.0, 6.0, 12.0, 8.0]
+        """
+        product = jnp.ones(1)
+        if real is not None:
+            product = self._factor(rate, jnp.stack([jnp.ones(()), real]))
+        for d, f in pairs:
+            product = _times(product, self._factor(rate, jnp.stack([jnp.ones(()), d, f])))
+        return product
+
+    def _factor(self, a: Array, shape: Array) -> Array:
+        """One monic factor; ``shape`` holds 1, r or 1, d, f."""
+        # In u = (s + a) / a, or u = (z - a) / (z + a) / t, every factor is u^k + shape[1] u^(k-1)..
+        t = (1 - a) / (1 + a)
+        above = jnp.stack([jnp.ones(()), -a if self.discrete else a])
+        below = jnp.stack([t, t * a]) if self.discrete else jnp.stack([jnp.zeros(()), a])
+        total = shape[:1]
+        power = jnp.ones(1)
+        for entry in range(1, shape.shape[0]):
+            power = _times(power, below)
+            total = _times(total, above) + shape[entry] * power
+        return total / total[0]
+
+    def coordinates(
+        self, roots: np.ndarray
+    ) -> tuple[float, float | None, list[tuple[float, float]]]:
+        """Rate, r and the pairs' (d, f) of given roots ``(degree,)``, real or in conjugate pairs.
+
+        The inverse of :meth:`coefficients`. Complex roots and then real ones, next to each other,
+        form the pairs.
+        """
+        roots = np.asarray(roots, complex)
+        rate = float(np.abs(roots).max() if self.discrete else -roots.real.max())
+        t = (1 - rate) / (1 + rate)
+        u = (roots - rate) / (roots + rate) / t if self.discrete else roots / rate + 1
+        above, lone = u[u.imag > 0], np.sort(u[u.imag == 0].real)
+        real = float(-lone[0]) if self.odd else None
+        lone = lone[1:] if self.odd else lone
+        pairs = [(-2 * float(one.real), float(abs(one) ** 2)) for one in above]
+        pairs += [
+            (-float(a + b), float(a * b)) for a, b in zip(lone[0::2], lone[1::2], strict=True)
+        ]
+        return rate, real, pairs
+
+
+def _times(a: Array, b: Array) -> Array:
+    """The product of two polynomials; jnp.convolve has no counterpart in symbolic tools."""
+    parts = [
+        jnp.concatenate([jnp.zeros(i), a * b[i], jnp.zeros(b.shape[0] - 1 - i)])
+        for i in range(b.shape[0])
+    ]
+    return sum(parts[1:], parts[0])
+
+
+def placing(A: np.ndarray, C: np.ndarray) -> np.ndarray:
+    """The matrix ``(n, n + 1)`` that makes the gain L of a polynomial's coefficients.
+
+    L = p(A) O^-1 e_n puts the eigenvalues of A - L C on the roots of p. Source: Ackermann, 1972.
+
+    Args:
+        A: dynamics or transition, ``(n, n)``.
+        C: one measurement row, ``(n,)``.
+
+    Raises:
+        ValueError: where the shapes do not fit, or C does not see all of the state.
+
+    >>> A, C = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([1.0, 0.0])
+    >>> (placing(A, C) @ [1.0, 3.0, 2.0]).tolist()
+    [3.0, 2.0]
+    """
+    A, C = np.asarray(A, float), np.asarray(C, float)
+    n = len(A)
+    if A.shape != (n, n) or C.shape != (n,):
+        raise ValueError(
+            f"poles are placed with A (n, n) and one row C (n,), got {A.shape}, {C.shape}"
+        )
+    scale = float(np.abs(np.linalg.eigvals(A)).max()) or 1.0
+    rows = [C]
+    for _ in range(n - 1):
+        rows.append(rows[-1] @ A / scale)
+    seen = np.array(rows)
+    size = np.abs(seen).max(axis=0)
+    if not size.all() or np.linalg.cond(seen / size) > 1e12:
+        raise ValueError("the measurement C does not see every state: no gain can move all poles")
+    last = np.linalg.solve(seen, np.eye(n)[-1]) / scale ** (n - 1)
+    columns = [last]
+    for _ in range(n):
+        columns.append(A @ columns[-1])
+    return np.array(columns[::-1]).T
