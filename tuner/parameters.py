@@ -143,7 +143,7 @@ class Bounded:
 
 @dataclass(frozen=True)
 class Limited:
-    """A number that is tuned as it is, between limits that belong to the problem.
+    """A number that is tuned as it is, in its own scale, between limits that belong to the problem.
 
     At a limit the optimum may rest: it counts as converged there, with a multiplier, while a
     parameter of another kind that ends at its bound says that the box was too small.
@@ -153,6 +153,7 @@ class Limited:
     low: float
     high: float
     unit: str = ""
+    scale: float = 1.0
     size: int = 1
     limited: bool = True
 
@@ -162,25 +163,27 @@ class Limited:
                 f"a limited parameter needs finite low <= init <= high and low < high, got low "
                 f"{self.low:g}, init {self.init:g}, high {self.high:g}"
             )
+        if not 0 < self.scale < np.inf:
+            raise ValueError(f"a limited parameter needs a positive scale, got {self.scale:g}")
 
     def constrain(self, z: Array) -> Array:
-        """The number itself."""
-        return z[0]
+        """Scale times z."""
+        return self.scale * z[0]
 
     def unconstrain(self, value: np.ndarray) -> np.ndarray:
-        """The number itself."""
+        """The number over its scale."""
         number = _number(value)
         if not self.low <= number <= self.high:
             raise ValueError(f"must lie between {self.low:g} and {self.high:g}, got {number:g}")
-        return np.array([number])
+        return np.array([number / self.scale])
 
     def start(self) -> np.ndarray:
-        """Init."""
-        return np.array([self.init])
+        """Init over its scale."""
+        return np.array([self.init / self.scale])
 
     def box(self) -> tuple[np.ndarray, np.ndarray]:
-        """Low and high."""
-        return np.array([self.low]), np.array([self.high])
+        """Low and high over the scale."""
+        return np.array([self.low / self.scale]), np.array([self.high / self.scale])
 
     def coordinates(self, name: str) -> list[str]:
         """The name."""

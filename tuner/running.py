@@ -131,7 +131,7 @@ class Run:
             name=solution.problem,
             filter=target.filter,
             quantities=(*parameters, *target.quantities(solution)),
-            convention="discrete",
+            convention="discrete" if target.dt else "continuous",
             dt=target.dt,
             states=target.states,
             provenance=Provenance(

@@ -17,8 +17,10 @@ if TYPE_CHECKING:
     from tuner.problem import Problem
     from tuner.single import SinglePrecision
     from tuner.solution import Solution
+    from tuner.solvers.convex import ConvexTask
 
-Solver: TypeAlias = "Callable[[Problem], Solution]"
+Solver: TypeAlias = "Callable[[Any], Solution]"
+"""A solver of a :class:`Problem`, or of a convex program."""
 
 
 @dataclass(frozen=True)
@@ -27,9 +29,9 @@ class Source:
 
     Attributes:
         name: the log's file name, or what was made up instead.
-        sha256: of the log's bytes, or of the made-up samples.
-        samples: how many samples.
-        rate_hz: sample rate.
+        sha256: of the log's bytes, or of the made-up samples; of the model where there are none.
+        samples: how many samples; 0 for a design, which needs none.
+        rate_hz: sample rate; 0 for a design.
     """
 
     name: str
@@ -40,9 +42,9 @@ class Source:
 
 @dataclass(frozen=True)
 class Task:
-    """One problem for one solver."""
+    """One problem, or convex program, for one solver."""
 
-    problem: "Problem"
+    problem: "Problem | ConvexTask"
     solver: Solver
     solver_name: str
 
@@ -67,7 +69,7 @@ class Target:
         problem: the problem.
         filter: name of the filter.
         states: the order of its states.
-        dt: sample time, s.
+        dt: sample time, s; 0 where it is continuous.
         quantities: what is exported besides the parameters, given the solution.
         single: the same solution run in single precision.
     """

@@ -112,12 +112,14 @@ def quantities(draw):
 def tuned_filters(draw):
     numbers = st.lists(quantities(), min_size=1, max_size=4, unique_by=lambda q: q.name.lower())
     pairs = st.lists(st.tuples(texts(), texts()), max_size=3, unique_by=lambda pair: pair[0])
+    convention = draw(st.sampled_from(["discrete", "continuous"]))
     return tuned(
         *draw(numbers),
         name=draw(names(31)),
         filter=draw(texts()),
-        convention=draw(st.sampled_from(["discrete", "continuous"])),
-        dt=draw(st.floats(0, 1e308, exclude_min=True)),
+        convention=convention,
+        # A continuous model has no sample time.
+        dt=draw(st.floats(0, 1e308, exclude_min=convention == "discrete")),
         states=tuple(draw(st.lists(names(), max_size=3, unique_by=str.lower))),
         provenance=provenance(
             study=draw(texts()),

@@ -60,14 +60,17 @@ def test_names_that_the_formats_form_themselves_are_taken(name):
         Quantity(name, np.array(1.0), "")
 
 
+_SECONDS = "give a positive number of seconds, or 0 for a continuous model"
+
+
 @pytest.mark.parametrize(
     ("changed", "sentence"),
     [
-        ({"dt": 0.0}, "the sample time is 0.0; give a positive number of seconds"),
-        ({"dt": -1}, "the sample time is -1; give a positive number of seconds"),
-        ({"dt": np.nan}, "the sample time is nan; give a positive number of seconds"),
-        ({"dt": np.inf}, "the sample time is inf; give a positive number of seconds"),
-        ({"dt": "1"}, "the sample time is '1'; give a positive number of seconds"),
+        ({"dt": 0.0}, f"the sample time is 0.0; {_SECONDS}"),
+        ({"dt": -1}, f"the sample time is -1; {_SECONDS}"),
+        ({"dt": np.nan}, f"the sample time is nan; {_SECONDS}"),
+        ({"dt": np.inf}, f"the sample time is inf; {_SECONDS}"),
+        ({"dt": "1"}, f"the sample time is '1'; {_SECONDS}"),
         ({"convention": "z"}, "the convention is 'z'; give 'discrete' or 'continuous'"),
         ({"convention": []}, "the convention is []; give 'discrete' or 'continuous'"),
         ({"filter": 3}, "the name of the filter's class is 3; give text"),

@@ -42,9 +42,9 @@ def _objectives() -> dict[str, str]:
 
 
 def _solvers() -> dict[str, str]:
-    from tuner.solvers import SOLVERS
+    from tuner.solvers import CONVEX, SOLVERS
 
-    return SOLVERS
+    return SOLVERS | CONVEX
 
 
 def _formats() -> dict[str, str]:

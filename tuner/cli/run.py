@@ -16,6 +16,7 @@ from tuner.environment import environment
 from tuner.export import FORMATS
 from tuner.folder import RunFolder, open_folder
 from tuner.logs import Log, describe, parse_mapping, read_log
+from tuner.problem import Problem
 from tuner.result import pretty
 from tuner.running import Progress, Run, recorded, trusted
 from tuner.solution import Solution
@@ -174,10 +175,13 @@ def _how_to_go_on(request: Request, folder: RunFolder) -> str:
 def _say_plan(study: Study, plan: Plan) -> None:
     source = plan.source
     print(f"{study.name}: {study.title}")
-    print(f"data: {source.name}, {source.samples} samples at {source.rate_hz:g} Hz")
+    amount = f", {source.samples} samples at {source.rate_hz:g} Hz" if source.samples else ""
+    print(f"data: {source.name}{amount}")
     for task in plan.tasks:
-        free = ", ".join(task.problem.space.coordinates)
-        print(f"would solve {task.problem.name} over {free} by {task.solver_name}")
+        free = ""
+        if isinstance(task.problem, Problem):
+            free = f" over {', '.join(task.problem.space.coordinates)}"
+        print(f"would solve {task.problem.name}{free} by {task.solver_name}")
 
 
 @contextmanager

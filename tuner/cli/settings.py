@@ -31,6 +31,10 @@ def parse_settings(model: type[BaseModel], pairs: Sequence[str], base: dict[str,
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"])
+        if first["type"] == "missing":
+            raise ValueError(
+                f"setting {where} is missing; give it with --set {where}=... or in a study.toml"
+            ) from None
         reason = first["msg"].removeprefix("Value error, ")
         raise ValueError(f"setting {where}: {reason}, got {first['input']!r}") from None
 

@@ -8,6 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from tuner.result import ParameterRecord, Result, SolutionRecord
+from tuner.solution import Status
 
 _COLOURS = {
     "match": "green",
@@ -95,7 +96,10 @@ def show_result(result: Result, folder: Path) -> None:
 
 
 def _solution(solution: SolutionRecord) -> list[str]:
-    tuned = {label.split()[-1] for label in solution.certificate["gradient"]}
+    certificate = solution.certificate
+    # Where constraints hold a solution, a parameter without a range is held, not undetermined.
+    held = any(certificate.get("multipliers", {}).values())
+    tuned = set() if held else {label.split()[-1] for label in certificate["gradient"]}
     shown = [
         f"{name} = {_parameter(p, tuned=name in tuned)}"
         for name, p in solution.parameters.items()
@@ -109,8 +113,27 @@ def _solution(solution: SolutionRecord) -> list[str]:
         "\n".join(shown),
         str(solution.evaluations),
         f"{solution.seconds:.1f}",
-        "; ".join([*solution.certificate["flat_directions"], *_starts(solution)]),
+        "; ".join(_meaning(solution)),
     ]
+
+
+_EXISTENCE = (Status.INFEASIBLE, Status.UNBOUNDED, Status.UNATTAINED)
+
+
+def _meaning(solution: SolutionRecord) -> list[str]:
+    """What is not determined, what was proved, and why there is no optimum where there is none."""
+    certificate = solution.certificate
+    words = [solution.message] if solution.status in _EXISTENCE else []
+    words += certificate["flat_directions"]
+    bound = certificate.get("lower_bound")
+    words += [] if bound is None else [f"proved: no value below {number_text(bound)}"]
+    multipliers = certificate.get("multipliers", {}).items()
+    words += [f"{name} holds it ({m:.3g})" for name, m in multipliers if m and m > SLIGHT]
+    return [*words, *_starts(solution)]
+
+
+SLIGHT = 1e-6
+"""A multiplier below this is not worth a word."""
 
 
 def _parameter(parameter: ParameterRecord, *, tuned: bool) -> str:

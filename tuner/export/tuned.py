@@ -122,7 +122,7 @@ class Tuned:
         filter: name of the filter's class, ``"GyroscopeFilter"``.
         quantities: its numbers, at least one; no two names alike, capitals or not.
         convention: whether they are those of the discrete or of the continuous model.
-        dt: sample time in s, positive.
+        dt: sample time in s, positive; 0 where the numbers are those of the continuous model.
         states: names of the states in their order, ``("omega", "epsilon")``.
         provenance: where the numbers came from.
 
@@ -157,8 +157,10 @@ class Tuned:
             self.convention in get_args(Convention),
             f"the convention is {reprlib.repr(self.convention)}; give 'discrete' or 'continuous'",
         )
+        least = self.dt == 0 and self.convention == "continuous"
         require(
-            isinstance(self.dt, float | int) and math.isfinite(self.dt) and self.dt > 0,
-            f"the sample time is {reprlib.repr(self.dt)}; give a positive number of seconds",
+            isinstance(self.dt, float | int) and math.isfinite(self.dt) and (self.dt > 0 or least),
+            f"the sample time is {reprlib.repr(self.dt)}; give a positive number of seconds, or 0 "
+            "for a continuous model",
         )
         object.__setattr__(self, "dt", float(self.dt))

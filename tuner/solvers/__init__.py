@@ -5,8 +5,10 @@ from collections.abc import Callable
 from tuner.names import unknown
 from tuner.problem import Problem
 from tuner.solution import Solution
+from tuner.solvers.convex import Convex
 from tuner.solvers.gradient import Gradient
 from tuner.solvers.ipopt import Ipopt
+from tuner.solvers.known import Known
 from tuner.solvers.nelder_mead import NelderMead, fminsearch, nelder_mead
 from tuner.solvers.sampling import Sampler
 
@@ -18,7 +20,12 @@ SOLVERS = {
     "cma-es": "covariance matrix adaptation (Optuna), trials kept in a database",
     "tpe": "tree-structured Parzen estimator (Optuna), trials kept in a database",
 }
-"""What each solver is, by name."""
+"""What each solver of a :class:`Problem` is, by name."""
+CONVEX = {
+    "lp": "linear programs (CVXPY, Clarabel), proved by their dual",
+    "sdp": "convex programs with matrix inequalities (CVXPY, Clarabel), proved by their dual",
+}
+"""What each solver of a convex program is, by name."""
 
 
 def make_solver(
@@ -48,9 +55,12 @@ def make_solver(
 
 
 __all__ = [
+    "CONVEX",
     "SOLVERS",
+    "Convex",
     "Gradient",
     "Ipopt",
+    "Known",
     "NelderMead",
     "Sampler",
     "fminsearch",

@@ -1,0 +1,308 @@
+"""Gains for a linear model of the user's own: no paper, no data, a study.toml with matrices.
+
+The same methods as for :mod:`studies.ha1981`: with a bound the fastest observer that keeps it, by
+a search and by a matrix inequality; without one the quietest, by the Riccati equation, by a
+search and by a matrix inequality that proves it. docs/design.md shows how.
+"""
+
+import hashlib
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jax.scipy.linalg import expm
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+
+from filters import van_loan
+from tuner.comparison import Comparison, claim
+from tuner.design import LinearDesign, fastest, gain_of, quietest, riccati
+from tuner.export.tuned import Quantity
+from tuner.figure import Chart, Figure, Line
+from tuner.logs import Log
+from tuner.names import unknown
+from tuner.observer import FastestTask, LeastTask, observer_model
+from tuner.parameters import covariance
+from tuner.problem import Problem
+from tuner.solution import Solution
+from tuner.solvers import Convex, Gradient, Ipopt
+from tuner.study import Plan, Solutions, Source, Study, Target, Task, best
+
+Matrix = tuple[tuple[float, ...], ...]
+AGREE = 1e-7
+"""How closely the matrix inequality has to give the Riccati equation's variance."""
+CURVE = 400
+
+
+class Settings(BaseModel):
+    """The model, and what is wanted of its observer."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    A: Matrix = Field(description="dynamics: dx/dt = A x + G w; x' = A x + G w with dt")
+    C: Matrix = Field(description="measurements: y = C x + v")
+    Q: Matrix = Field(description="spectral density of w (two-sided); covariance with dt")
+    R: Matrix = Field(description="spectral density of v; covariance with dt or sample_time")
+    error: str | tuple[float, ...] = Field(description="the state whose error counts, or a row")
+    G: Matrix | None = Field(None, description="where w enters; the unit matrix if unset")
+    bound: float | None = Field(None, gt=0, description="of that error's variance; none: least")
+    states: tuple[str, ...] | None = Field(None, description="names of the states; x1, x2, ...")
+    dt: float | None = Field(None, gt=0, description="sample time of a discrete model, s")
+    sample_time: float | None = Field(
+        None, gt=0, description="of the measurements of a continuous model, s"
+    )
+    unit: str = Field("", description="of the error that counts, for the exports")
+    starts: int = Field(4, ge=1, description="starts of each search")
+
+    @field_validator("A", "C", "Q", "R", "G")
+    @classmethod
+    def _rectangular(cls, value: Matrix | None) -> Matrix | None:
+        if value is not None and (not value or len({len(row) for row in value}) != 1):
+            raise ValueError("must be a matrix: rows of one length")
+        return value
+
+    @model_validator(mode="after")
+    def _one_clock(self) -> "Settings":
+        if self.dt is not None and self.sample_time is not None:
+            raise ValueError("dt says that A is discrete, sample_time that it is not: give one")
+        return self
+
+
+def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
+    """Search and proof for one observer."""
+    full = model(settings)
+    if settings.bound is None:
+        return _quietest(settings, full, seed)
+    return _fastest(settings, full, settings.bound, seed)
+
+
+def model(settings: Settings) -> LinearDesign:
+    """The model as it is designed for; a sampled continuous one is discretised exactly.
+
+    Raises:
+        ValueError: where a matrix does not fit, noise is no covariance, or a mode is unseen.
+    """
+    A, C, Q, R = (np.array(part, float) for part in (settings.A, settings.C, settings.Q, settings.R))
+    n = len(A)
+    G = np.eye(n) if settings.G is None else np.array(settings.G, float)
+    if A.shape != (n, n) or G.shape != (n, len(Q)):
+        raise ValueError(
+            f"A {A.shape}, G {G.shape} and Q {Q.shape} do not fit; they are (n, n), (n, p), (p, p)"
+        )
+    try:
+        covariance(Q)
+    except ValueError as error:
+        raise ValueError(f"Q {error}") from None
+    states = settings.states or tuple(f"x{i + 1}" for i in range(n))
+    if len(states) != n:
+        raise ValueError(f"{len(states)} names ({', '.join(states)}) for {n} states; give one each")
+    W, dt = G @ Q @ G.T, settings.dt
+    if settings.sample_time is not None:
+        dt = settings.sample_time
+        step = van_loan(jnp.asarray(A), jnp.asarray(G), jnp.asarray(Q), jnp.asarray(dt))
+        A, W = np.asarray(step.F), np.asarray(step.Q)
+    return LinearDesign(states, A, C, W, R, _error(settings.error, states), dt)
+
+
+def _error(given: str | tuple[float, ...], states: tuple[str, ...]) -> np.ndarray:
+    if not isinstance(given, str):
+        return np.array(given, float)
+    if given not in states:
+        raise unknown("state", given, states)
+    return np.eye(len(states))[states.index(given)]
+
+
+def _quietest(settings: Settings, full: LinearDesign, seed: int) -> Plan:
+    driven, T, modes = full.driven()
+    undriven = [mode.words(full.states) for mode in modes]
+    if not driven.states:
+        raise ValueError(
+            f"nothing drives {' and '.join(undriven)}: in the long run the state is known and no "
+            "gain is needed; give the noise that it has (Q), or a bound"
+        )
+    problem = quietest("quietest", driven)
+    known, gradient = riccati(driven), Gradient("l-bfgs-b", seed=seed, starts=1)
+    proof = LeastTask("quietest_lmi", _convex(driven), ("error",))
+    return Plan(
+        source=_source(full),
+        tasks=(
+            Task(problem, known, known.name),
+            Task(problem, gradient, gradient.name),
+            Task(proof, Convex("sdp"), "sdp"),
+        ),
+        targets=(_target(settings, full, problem, T),),
+        compare=partial(_compare_quietest, undriven),
+        figures=partial(_figures, full, problem, T),
+    )
+
+
+def _fastest(settings: Settings, full: LinearDesign, bound: float, seed: int) -> Plan:
+    unit = f"({settings.unit})^2" if settings.unit else ""
+    problem = fastest("fastest", full, bound, unit)
+    # Gains of several measurements have one start: elsewhere most of them are unstable.
+    starts = settings.starts if len(full.C) == 1 else 1
+    proof = FastestTask(
+        "fastest_lmi", _convex(full), np.array([bound]), ("error",), dt=full.dt or 1.0
+    )
+    T = np.eye(len(full.states))
+    return Plan(
+        source=_source(full),
+        tasks=(
+            Task(problem, Ipopt(seed=seed, starts=starts), "ipopt"),
+            Task(proof, Convex("sdp"), "sdp"),
+        ),
+        targets=(_target(settings, full, problem, T),),
+        compare=partial(_compare_fastest, full, problem),
+        figures=partial(_figures, full, problem, T),
+    )
+
+
+def _convex(design: LinearDesign) -> Any:
+    d = design
+    return observer_model(d.A, d.C, d.W, d.V, d.error[None], discrete=d.discrete)
+
+
+def _source(design: LinearDesign) -> Source:
+    parts = (design.A, design.C, design.W, design.V, design.error)
+    text = repr([part.tolist() for part in parts]) + repr((design.states, design.dt))
+    rate = 0.0 if design.dt is None else 1 / design.dt
+    return Source("none: the model alone", hashlib.sha256(text.encode()).hexdigest(), 0, rate)
+
+
+def _compare_quietest(undriven: list[str], solutions: Solutions) -> list[Comparison]:
+    found, proof = best("quietest", solutions), solutions["quietest_lmi", "sdp"]
+    excess = proof.value / found.value - 1
+    rows = [
+        claim(
+            "quietest.matrix_inequality",
+            "the Riccati equation's variance is the least",
+            abs(excess) <= AGREE,
+            ours=found.value,
+            note=f"the matrix inequality's gain gives {excess:+.1e} of it, and its dual proves that "
+            f"no observer is below {_proved(proof)}",
+        )
+    ]
+    if undriven:
+        rows.append(
+            claim(
+                "quietest.every_mode_driven",
+                "a steady state exists",
+                False,
+                ours=None,
+                note=f"nothing drives {' and '.join(undriven)}: its error falls to zero as 1/t, and "
+                "the steady gain leaves it alone; store the first gains, or give Q what drives it",
+            )
+        )
+    return rows
+
+
+def _compare_fastest(
+    design: LinearDesign, problem: Problem, solutions: Solutions
+) -> list[Comparison]:
+    found, proof = best("fastest", solutions), solutions["fastest_lmi", "sdp"]
+    reached = design.decay(gain_of(problem, found.z))
+    return [
+        claim(
+            "fastest.matrix_inequality",
+            "one Lyapunov matrix is never faster",
+            proof.value * reached >= 1 - 1e-6,
+            ours=1 / (proof.value * reached),
+            note=f"the decay rate that one matrix for both demands proves (limit {_proved(proof)} s "
+            f"of time constant, {proof.status.value}), as a share of {reached:.6g} 1/s",
+        )
+    ]
+
+
+def _proved(proof: Solution) -> str:
+    bound = proof.certificate.lower_bound
+    return "-" if bound is None else f"{bound:.8g}"
+
+
+def _target(settings: Settings, full: LinearDesign, problem: Problem, T: np.ndarray) -> Target:
+    return Target(
+        problem=problem,
+        filter="Observer",
+        states=full.states,
+        dt=full.dt or 0.0,
+        quantities=partial(_quantities, settings, full, problem, T),
+        single=lambda _: (),
+    )
+
+
+def _quantities(
+    settings: Settings, full: LinearDesign, problem: Problem, T: np.ndarray, solution: Solution
+) -> tuple[Quantity, ...]:
+    L = T @ gain_of(problem, solution.z)
+    poles = full.poles(L)
+    per = "" if full.discrete else "1/s"
+    quantities = [
+        Quantity("A", full.A, per, "the model's dynamics"),
+        Quantity("C", full.C, "", "the model's measurements"),
+        Quantity("L", L, "", "gain of the observer x' = A x + L (y - C x)"),
+        Quantity("poles_re", poles.real.copy(), per, "real parts of the poles of A - L C"),
+        Quantity("poles_im", poles.imag.copy(), per, "their imaginary parts"),
+    ]
+    if full.discrete and np.linalg.cond(full.A) < 1e12:
+        K = np.linalg.solve(full.A, L)
+        quantities.append(Quantity("K", K, "", "gain on a sample: x+ = x + K (y - C x), L = A K"))
+    P = full.covariance(L)
+    if np.isfinite(P).all():
+        quantities.append(Quantity("P", P, "", "steady covariance of the error, predicted"))
+        variance = np.array(full.error @ P @ full.error)
+        unit = f"({settings.unit})^2" if settings.unit else ""
+        quantities.append(Quantity("variance", variance, unit, "of the error that counts"))
+    return tuple(quantities)
+
+
+def _figures(
+    full: LinearDesign, problem: Problem, T: np.ndarray, solutions: Solutions
+) -> Iterator[Figure]:
+    L = T @ gain_of(problem, best(problem.name, solutions).z)
+    yield _response(full, L)
+    poles = full.poles(L)
+    yield Chart(
+        name="poles",
+        title="Poles of the observer's error",
+        x_label="real part" + ("" if full.discrete else ", 1/s"),
+        y_label="imaginary part" + ("" if full.discrete else ", 1/s"),
+        lines=tuple(
+            Line(f"{pole:.4g}", np.array([pole.real]), np.array([pole.imag])) for pole in poles
+        ),
+    )
+
+
+def _response(full: LinearDesign, L: np.ndarray) -> Chart:
+    """What an error in each state does to the error that counts."""
+    closed = full.A - L @ full.C
+    decay = full.decay(L)
+    span = 8 / decay if decay > 0 else 100 * (full.dt or 1.0)
+    step = full.dt or span / CURVE
+    F = closed if full.discrete else np.asarray(expm(jnp.asarray(closed * step)))
+    count = min(int(np.ceil(span / step)), 20 * CURVE) + 1
+    rows = [full.error]
+    for _ in range(count - 1):
+        rows.append(rows[-1] @ F)
+    found, at = np.array(rows), np.arange(count) * step
+    size = np.abs(found).max(axis=0)
+    return Chart(
+        name="response",
+        title="The error that counts after an error in one state, each over its largest",
+        x_label="t, s",
+        y_label="share of its largest",
+        lines=tuple(
+            Line(f"{name} (x {size[i]:.3g})", at, found[:, i] / size[i])
+            for i, name in enumerate(full.states)
+            if size[i] > 0
+        ),
+    )
+
+
+STUDY = Study(
+    name="design",
+    title="Gains for a linear model of your own, without data: fastest within a bound, or quietest",
+    paper="none: a study.toml with A, C, Q, R",
+    settings=Settings,
+    channels={},
+    plan=plan,
+)

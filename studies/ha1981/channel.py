@@ -1,0 +1,230 @@
+"""The paper's vertical channel with its numbers, and how errors move in it."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from pydantic import BaseModel, ConfigDict, Field
+
+from filters import (
+    GRAVITY_GRADIENT,
+    Flow,
+    GainCovariance,
+    KalmanCovariance,
+    LinearModel,
+    LoopGains,
+    RiccatiCovariance,
+    Uncertainty,
+    loop_error,
+    riccati_flow,
+    run,
+    van_loan,
+    vertical_channel,
+)
+
+FOOT = 0.3048
+"""In metres."""
+STATES = ("A_B", "dV", "dh")
+
+
+class Settings(BaseModel):
+    """What can be set with ``--set``; what is left out is the paper's."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    unit: Literal["ft", "m"] = Field("ft", description="of length; settings are in it")
+    bound: float | None = Field(
+        None, gt=0, description="of the bias's variance, (ft/s^2)^2; the paper gives none: 4e-4"
+    )
+    q_a: float | None = Field(None, gt=0, description="density of W_a, (ft/s^2)^2 s; 0.04")
+    q_b: float | None = Field(None, gt=0, description="variance of V, ft^2; 3.24")
+    sigma2_ab: float | None = Field(None, gt=0, description="of the bias at t = 0; 4 (ft/s^2)^2")
+    sigma2_hr: float | None = Field(None, ge=0, description="of the given altitude; 100 ft^2")
+    k_gh: float = Field(GRAVITY_GRADIENT, ge=0, description="gravity's gradient, 1/s^2")
+    Ts: float = Field(5.0, gt=0, description="sampling period of the exported scheme, s")
+    periods: tuple[float, ...] = Field(
+        (0.0, 0.5, 1.0, 2.0, 5.0), min_length=1, description="of Figs 5 to 8, s; 0: continuous"
+    )
+    seconds: float = Field(200.0, ge=120, description="length of the histories")
+    segments: int = Field(4, ge=1, le=8, description="stored gains, besides the first sample's")
+    starts: int = Field(20, ge=1, description="starts of the conventional design")
+
+
+@dataclass(frozen=True)
+class Channel:
+    """The channel's numbers in one system of units.
+
+    Attributes:
+        unit: of length.
+        bound: of the bias's variance, (unit/s^2)^2.
+        q_a: spectral density of W_a, (unit/s^2)^2 s.
+        q_b: variance of the altitude's noise, unit^2.
+        sigma2_ab: variance of the bias at t = 0, (unit/s^2)^2.
+        sigma2_hr: variance of the given altitude, unit^2.
+        k_gh: gravity's gradient, 1/s^2.
+    """
+
+    unit: str
+    bound: float
+    q_a: float
+    q_b: float
+    sigma2_ab: float
+    sigma2_hr: float
+    k_gh: float
+
+    @classmethod
+    def of(cls, s: Settings) -> "Channel":
+        """The paper's values, in the unit that is asked for, where none are given."""
+        square = 1.0 if s.unit == "ft" else FOOT**2
+
+        def given(value: float | None, paper: float) -> float:
+            return paper * square if value is None else value
+
+        return cls(
+            unit=s.unit,
+            bound=given(s.bound, 4e-4),
+            q_a=given(s.q_a, 0.04),
+            q_b=given(s.q_b, 3.24),
+            sigma2_ab=given(s.sigma2_ab, 4.0),
+            sigma2_hr=given(s.sigma2_hr, 100.0),
+            k_gh=s.k_gh,
+        )
+
+    @property
+    def eta(self) -> float:
+        """The bound over q_a, 1/s: what the conventional design depends on alone."""
+        return self.bound / self.q_a
+
+    @property
+    def floor(self) -> float:
+        """What the given altitude's error leaves of the bias: Kgh^2 sigma_hr^2 in (5)."""
+        return self.k_gh**2 * self.sigma2_hr
+
+    @property
+    def squared(self) -> str:
+        """The unit of a bias's variance."""
+        return f"({self.unit}/s^2)^2"
+
+    def model(self, Ts: float) -> LinearModel:
+        """(11) and (12): exact Phi, Q of white noise (Van Loan); the one printed has no Ts."""
+        F, G, H = vertical_channel(self.k_gh)
+        return LinearModel(
+            transition=van_loan(F, G, jnp.array([[self.q_a]]), jnp.asarray(Ts)),
+            H=H,
+            R=jnp.array([self.q_b]),
+            P0=jnp.diag(jnp.array([self.sigma2_ab, 0.0, self.sigma2_hr])),
+            x0=jnp.zeros(3),
+        )
+
+    def loop(self, gains: "Gains", dt: float) -> LinearModel:
+        """(10) in error coordinates over one step; nothing is measured."""
+        noise = jnp.array([[0.0], [0.0], [1.0], [0.0]])
+        density = jnp.array([[self.q_a]])
+        A = loop_error(gains.loop(self.k_gh), self.k_gh)
+        start = jnp.array([self.sigma2_ab, 0.0, 0.0, self.sigma2_hr])
+        return LinearModel(
+            transition=van_loan(A, noise, density, jnp.asarray(dt)),
+            H=jnp.zeros((1, 4)),
+            R=jnp.ones(1),
+            P0=jnp.diag(start),
+            x0=jnp.zeros(4),
+        )
+
+
+@dataclass(frozen=True)
+class Gains:
+    """Gains of the conventional loop, with K2' = K2 - Kgh as the theory has it.
+
+    Attributes:
+        K1: 1/s.
+        K2p: K2', 1/s^2.
+        K3: 1/s^3.
+    """
+
+    K1: float
+    K2p: float
+    K3: float
+
+    def loop(self, k_gh: float) -> LoopGains:
+        """As they are set on the machine."""
+        return LoopGains(self.K1, self.K2p + k_gh, self.K3)
+
+    def scaled(self, factor: float) -> "Gains":
+        """All poles times a factor; the variance is then multiplied by it as well."""
+        return Gains(self.K1 * factor, self.K2p * factor**2, self.K3 * factor**3)
+
+    def at(self, eta: float) -> "Gains":
+        """The same form, scaled until the noise's share of (5) is eta q_a."""
+        return self.scaled(eta / float(noise_share(self.K1, self.K2p, self.K3)))
+
+    @property
+    def error(self) -> np.ndarray:
+        """The loop's dynamics without the given altitude's error, ``(3, 3)``."""
+        return np.asarray(loop_error(self.loop(0.0), 0.0))[:3, :3]
+
+
+FORMS = {
+    "triple pole": Gains(3.0, 3.0, 1.0),
+    "ISE form": Gains(1.0, 2.0, 1.0),
+    "Bessel": Gains(6.0, 15.0, 15.0),
+    "Butterworth": Gains(2.0, 2.0, 1.0),
+}
+"""Standard forms s^3 + K1 s^2 + K2' s + K3, to be scaled to a bound."""
+
+
+def noise_share(K1: Array | float, K2p: Array | float, K3: Array | float) -> Array | float:
+    """The second term of (5) over q_a: what W_a leaves of the bias, 1/s."""
+    return K1 * K3 / (2 * (K1 * K2p - K3))
+
+
+def times(seconds: float, Ts: float) -> np.ndarray:
+    """The sampling times from 0 to an end, ``(N,)``, s."""
+    return np.arange(int(np.floor(seconds / Ts + 1e-9)) + 1) * Ts
+
+
+def kalman_history(channel: Channel, Ts: float, seconds: float) -> Uncertainty:
+    """(14) to (17): P(+) and gains, the first measurement at t = 0; stacked along time."""
+    found: Uncertainty = _kalman(channel.model(Ts), jnp.zeros(len(times(seconds, Ts))))
+    return found
+
+
+def riccati_history(channel: Channel, dt: float, seconds: float) -> Uncertainty:
+    """The continuous filter with q_b as a spectral density; gains P H' / q_b."""
+    F, G, H = vertical_channel(channel.k_gh)
+    W, V = G @ G.T * channel.q_a, jnp.array([[channel.q_b]])
+    flow = Flow(riccati_flow(F, H, W, V, jnp.asarray(dt)), channel.model(1.0).P0)
+    P = _riccati(flow, jnp.zeros(len(times(seconds, dt))))
+    return Uncertainty(P, P[:, :, 2:] / channel.q_b)
+
+
+def replayed(truth: LinearModel, K: Array) -> Array:
+    """(19): P11(+) when gains ``(N, 3, 1)`` are applied to a given truth, ``(N,)``."""
+    found: Array = _given(truth, K)
+    return found
+
+
+def loop_history(channel: Channel, gains: Gains, dt: float, seconds: float) -> np.ndarray:
+    """sigma_epsilon^2(t) of the conventional loop by (10), ``(N,)``."""
+    steps = len(times(seconds, dt))
+    return np.asarray(_given(channel.loop(gains, dt), jnp.zeros((steps, 4, 1))))
+
+
+@jax.jit
+def _kalman(model: LinearModel, count: Array) -> Uncertainty:
+    found: Uncertainty = run(KalmanCovariance(), model, count)[1]
+    return found
+
+
+@jax.jit
+def _given(model: LinearModel, K: Array) -> Array:
+    found: Array = run(GainCovariance(), model, K)[1].P[:, 0, 0]
+    return found
+
+
+@jax.jit
+def _riccati(flow: Flow, count: Array) -> Array:
+    found: Array = run(RiccatiCovariance(), flow, count)[1]
+    return found

@@ -1,0 +1,195 @@
+"""The paper's figures 3 and 5 to 9, and what it does not draw, as data."""
+
+from collections.abc import Iterator
+
+import jax.numpy as jnp
+import numpy as np
+from jax.scipy.linalg import expm
+
+from studies.ha1981 import scheme
+from studies.ha1981.channel import (
+    FORMS,
+    Channel,
+    Gains,
+    Settings,
+    kalman_history,
+    loop_history,
+    riccati_history,
+    times,
+)
+from studies.ha1981.conventional import gains_of
+from tuner.figure import Chart, Figure, Line
+from tuner.study import Solutions, best
+
+FINE = 0.1
+"""Step of what is continuous, s."""
+
+
+def figures(channel: Channel, settings: Settings, solutions: Solutions) -> Iterator[Figure]:
+    """All figures."""
+    designed = gains_of(best("conventional", solutions))
+    yield _loops(channel, settings, designed)
+    yield _steps(channel, designed)
+    yield from _schemes(channel, settings)
+    yield _sensitivity(channel, settings)
+    yield _both(channel, settings, designed)
+    yield _replayed(channel, settings)
+    yield _stored(channel, settings, solutions)
+    yield _ise_limit()
+
+
+def _designs(channel: Channel, designed: Gains) -> dict[str, Gains]:
+    others = {name: form.at(channel.eta) for name, form in FORMS.items() if name != "triple pole"}
+    return {"triple pole (tuned)": designed} | others
+
+
+def _loops(channel: Channel, settings: Settings, designed: Gains) -> Chart:
+    span = 2 * settings.seconds
+    at = times(span, FINE)
+    lines = [
+        Line(name, at, loop_history(channel, gains, FINE, span))
+        for name, gains in _designs(channel, designed).items()
+    ]
+    lines.append(Line("bound", at[[0, -1]], np.full(2, channel.bound)))
+    return _over_time(
+        channel, "fig3_conventional", "Conventional loop: forms of one steady variance", lines
+    )
+
+
+def _steps(channel: Channel, designed: Gains) -> Chart:
+    at = np.linspace(0, 2.5 / channel.eta, 501)
+    lines = []
+    for name, gains in _designs(channel, designed).items():
+        A = jnp.asarray(gains.error)
+        F = expm(A * (at[1] - at[0]))
+        x, rows = jnp.array([-1.0, 0.0, 0.0]), []
+        for _ in at:
+            rows.append(x[0])
+            x = F @ x
+        lines.append(Line(name, at, 1 + np.asarray(jnp.stack(rows))))
+    return Chart(
+        name="step_response",
+        title="Estimated bias over the true one, forms of one steady variance",
+        x_label="t, s",
+        y_label="estimate over truth",
+        lines=tuple(lines),
+    )
+
+
+def _schemes(channel: Channel, settings: Settings) -> Iterator[Chart]:
+    found = {}
+    for Ts in settings.periods:
+        if Ts == 0:
+            history = riccati_history(channel, FINE, settings.seconds)
+            found["continuous"] = times(settings.seconds, FINE), history
+        else:
+            history = kalman_history(channel, Ts, settings.seconds)
+            found[f"Ts = {Ts:g} s"] = times(settings.seconds, Ts), history
+    lines = [Line(name, at, np.asarray(h.P[:, 0, 0])) for name, (at, h) in found.items()]
+    yield _over_time(channel, "fig5_kalman", "Kalman scheme: variance of the bias", lines)
+    for i, unit in enumerate(("1/s^2", "1/s", "1")):
+        # The continuous filter's gains are per second: another quantity.
+        gains = [
+            Line(name, at, np.asarray(h.K[:, i, 0]))
+            for name, (at, h) in found.items()
+            if name != "continuous"
+        ]
+        yield Chart(
+            name=f"fig{6 + i}_K{i + 1}",
+            title=f"Kalman gain K{i + 1}",
+            x_label="t, s",
+            y_label=f"K{i + 1}, {unit}",
+            lines=tuple(gains),
+        )
+
+
+def _sensitivity(channel: Channel, settings: Settings) -> Chart:
+    at = times(settings.seconds, settings.Ts)
+    found = scheme.sensitivities(channel, settings.Ts, settings.seconds)
+    names = {"q_a": "q_a", "q_b": "q_b", "sigma2_ab": "sigma^2_AB"}
+    return Chart(
+        name="fig9_sensitivity",
+        title=f"Normalised sensitivity of P11 by (19), stored gains of Ts = {settings.Ts:g} s",
+        x_label="t, s",
+        y_label="d ln P11 / d ln parameter",
+        lines=tuple(Line(names[key], at, values) for key, values in found.items()),
+    )
+
+
+def _both(channel: Channel, settings: Settings, designed: Gains) -> Chart:
+    span = 2 * settings.seconds
+    at = times(span, settings.Ts)
+    kalman = np.asarray(kalman_history(channel, settings.Ts, span).P)[:, 0, 0]
+    lines = [
+        Line("conventional loop", at, loop_history(channel, designed, settings.Ts, span)),
+        Line(f"Kalman scheme, Ts = {settings.Ts:g} s", at, kalman),
+        Line("q_a / t", at[1:], channel.q_a / at[1:]),
+        Line("bound", at[[0, -1]], np.full(2, channel.bound)),
+    ]
+    return _over_time(channel, "both_schemes", "Both schemes at one bound", lines)
+
+
+def _replayed(channel: Channel, settings: Settings) -> Chart:
+    at = times(settings.seconds, scheme.REPLAY)
+    lines = [
+        Line(f"{by} by {by}", at, scheme.replay(channel, settings.Ts, settings.seconds, by=by))
+        for by in ("sample", "time")
+    ]
+    return Chart(
+        name="replay",
+        title=f"Gains of Ts = {settings.Ts:g} s replayed every {scheme.REPLAY:g} s",
+        x_label="t, s",
+        y_label="P11 over that of gains made for it",
+        lines=tuple(lines),
+        log="y",
+    )
+
+
+def _stored(channel: Channel, settings: Settings, solutions: Solutions) -> Chart:
+    storage = scheme.Storage.of(channel, settings.Ts, settings.segments)
+    at = np.arange(len(storage.which)) * settings.Ts
+    tuned = best("kalman_stored", solutions).parameters
+    tables = {
+        "tuned gains": storage.table({name: jnp.asarray(p.value) for name, p in tuned.items()}),
+        "mean gains": jnp.asarray(storage.means)[:, :, None],
+    }
+    model = channel.model(settings.Ts)
+    optimal = np.asarray(storage.optimal.P)[:, 0, 0]
+    lines = [
+        Line(name, at[1:], np.asarray(scheme.replayed(model, K[storage.which]) / optimal)[1:])
+        for name, K in tables.items()
+    ]
+    count = len(storage.edges) - 2
+    return Chart(
+        name="stored_gains",
+        title=f"{count} stored gains besides the first, Ts = {settings.Ts:g} s",
+        x_label="t, s",
+        y_label="P11 over the Kalman filter's",
+        lines=tuple(lines),
+    )
+
+
+def _ise_limit() -> Chart:
+    largest = np.geomspace(8, 1e6, 100)
+    return Chart(
+        name="ise_limit",
+        title="Least ISE within the bound: 1/4 + sqrt(2/G) with gains up to G, never 1/4",
+        x_label="largest gain G, in powers of eta",
+        y_label="ISE times eta",
+        lines=(
+            Line("least ISE", largest, 0.25 + np.sqrt(2 / largest)),
+            Line("infimum", largest[[0, -1]], np.full(2, 0.25)),
+        ),
+        log="x",
+    )
+
+
+def _over_time(channel: Channel, name: str, title: str, lines: list[Line]) -> Chart:
+    return Chart(
+        name=name,
+        title=title,
+        x_label="t, s",
+        y_label=f"variance of the bias's error, {channel.squared}",
+        lines=tuple(lines),
+        log="y",
+    )

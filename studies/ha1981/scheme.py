@@ -1,0 +1,282 @@
+"""The Kalman scheme: steady gains, stored gains, and what they cost where the truth is another."""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from filters import GainTable, LinearModel, TableCovariance, Uncertainty
+from objectives import Data, VarianceRatio, dare, steady_gain, steady_variance, updated
+from studies.ha1981.channel import Channel, kalman_history, replayed, times
+from tuner.parameters import Limited, Positive
+from tuner.problem import Problem
+from tuner.solvers.known import Known
+from tuner.space import Space
+
+REPLAY = 2.5
+"""The other sampling period, s, at which stored gains are replayed."""
+
+
+class Steady(NamedTuple):
+    """The paper's closed forms for Kgh -> 0.
+
+    Attributes:
+        K1, K2, K3: gains.
+        A, B: the numbers they are made of.
+    """
+
+    K1: float
+    K2: float
+    K3: float
+    A: float
+    B: float
+
+
+def closed_forms(q_a: float, q_b: float, Ts: float) -> Steady:
+    """K1inf, K2inf and K3inf, with q_a a spectral density.
+
+    >>> [round(k, 6) for k in closed_forms(0.04, 3.24, 5.0)[:3]]
+    [0.0, 0.113031, 0.793028]
+    """
+    A = q_a * (Ts**2 + np.sqrt(Ts**4 / 3 + 16 * q_b * Ts / q_a)) / 2
+    B = np.sqrt(A**2 - 4 * q_a * q_b * Ts)
+    noise = 2 * q_a * q_b * Ts
+    return Steady(0.0, (A - B) / (2 * q_b), 1 - noise / (A * B + B**2 + noise), A, B)
+
+
+def printed_noise(channel: Channel, Ts: float) -> np.ndarray:
+    """The covariance Q printed below (12), of (dV, dh), ``(2, 2)``.
+
+    It is the integrand of white noise's covariance with a stray Ts below the middle entries; its
+    determinant, q_a^2 (cosh sinh)^2 (1 - 1/Ts^2) / Kgh, is negative for Ts < 1.
+
+    Raises:
+        ValueError: where it is no covariance, with its eigenvalue.
+    """
+    w = np.sqrt(channel.k_gh)
+    middle = np.sinh(2 * w * Ts) / (2 * Ts * w)
+    corner = np.sinh(w * Ts) ** 2 / channel.k_gh
+    Q = channel.q_a * np.array([[np.cosh(w * Ts) ** 2, middle], [middle, corner]])
+    lowest = float(np.linalg.eigvalsh(Q)[0])
+    if lowest < 0:
+        raise ValueError(
+            f"the Q printed below (12) has the eigenvalue {lowest:.6g} at Ts = {Ts:g} s, so it is "
+            "no covariance; use that of white noise (Van Loan)"
+        )
+    return Q
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyModel:
+    """The channel without its bias, which is not driven and needs no gain in the long run.
+
+    Attributes:
+        model: the scheme's, of (dV, dh).
+    """
+
+    model: LinearModel
+
+    @classmethod
+    def of(cls, channel: Channel, Ts: float) -> "SteadyModel":
+        """At a sampling period."""
+        full = channel.model(Ts)
+        move = full.transition
+        two = move._replace(F=move.F[1:, 1:], G=move.G[1:, 1:], Q=move.Q[1:, 1:])
+        return cls(
+            LinearModel(two, full.H[:, 1:], full.R, full.P0[1:, 1:], full.x0[1:]),
+        )
+
+    def kalman(self) -> tuple[np.ndarray, np.ndarray]:
+        """P(+) and K = P(+) H' / q_b in the steady state, by the Riccati equation."""
+        m = self.model
+        P = dare(m.transition.F, m.H, m.transition.Q, jnp.diag(m.R))
+        R = jnp.diag(m.R)
+        return np.asarray(updated(P, m.H, R)), np.asarray(steady_gain(P, m.H, R))
+
+
+class Fixed(NamedTuple):
+    """A model with a gain that stays as it is."""
+
+    model: LinearModel
+    K: Array
+
+
+def steady(channel: Channel, Ts: float) -> Problem:
+    """K2 and K3 for the least steady variance of the velocity error, before a measurement."""
+    reduced = SteadyModel.of(channel, Ts)
+    guess = closed_forms(channel.q_a, channel.q_b, Ts)
+    return Problem(
+        name="kalman_steady",
+        space=Space.of(
+            K2=Limited(0.5 * guess.K2, 0.0, 2 / Ts, unit="1/s", scale=guess.K2),
+            K3=Limited(0.5 * guess.K3, 0.0, 1.0, scale=guess.K3),
+        ),
+        filter=None,
+        build=_Steadied(reduced),
+        objective=velocity_variance,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Steadied:
+    """From the space's values to a model with these gains."""
+
+    reduced: SteadyModel
+
+    def __call__(self, values: dict[str, Array]) -> Fixed:
+        return Fixed(self.reduced.model, jnp.stack([values["K2"], values["K3"]])[:, None])
+
+
+def velocity_variance(fixed: Fixed, _: None) -> Array:
+    """Steady variance of dV before a measurement; infinite where the gains are unstable."""
+    model, K = fixed
+    F = model.transition.F
+    closed = F @ (jnp.eye(2) - K @ model.H)
+    noise = model.transition.Q + F @ K @ jnp.diag(model.R) @ K.T @ F.T
+    return steady_variance(closed, noise, jnp.array([1.0, 0.0]), discrete=True)
+
+
+def riccati_gains(channel: Channel, Ts: float) -> Known:
+    """The steady problem's solution by the Riccati equation."""
+    K = SteadyModel.of(channel, Ts).kalman()[1][:, 0]
+    return Known("riccati", lambda _: {"K2": K[0], "K3": K[1]}, "the Riccati equation's solution")
+
+
+def printed_gains(channel: Channel, Ts: float) -> Known:
+    """The steady problem's solution by the paper's closed forms."""
+    found = closed_forms(channel.q_a, channel.q_b, Ts)
+    return Known("closed form", lambda _: {"K2": found.K2, "K3": found.K3}, "the paper's formulas")
+
+
+@dataclass(frozen=True, eq=False)
+class Storage:
+    """Gains of the whole history, to be stored as a few that are held for a while.
+
+    Attributes:
+        channel: the channel.
+        Ts: sampling period, s.
+        optimal: covariances and gains of the Kalman filter, one a sample up to the bound.
+        edges: first sample of every stored gain, and the number of samples; the first sample, in
+            which the altitude alone is corrected, has its own.
+    """
+
+    channel: Channel
+    Ts: float
+    optimal: Uncertainty
+    edges: tuple[int, ...]
+
+    @classmethod
+    def of(cls, channel: Channel, Ts: float, segments: int) -> "Storage":
+        """As many segments as asked for, each about twice as long as the one before."""
+        end = reaches(channel, Ts)
+        history = kalman_history(channel, Ts, end)
+        samples = len(history.P)
+        segments = min(segments, samples - 1)
+        inner = np.geomspace(1, samples, segments + 1)
+        edges = [0, 1]
+        for edge in inner[1:]:
+            edges.append(max(edges[-1] + 1, round(edge)))
+        return cls(channel, Ts, history, (*edges[:-1], samples))
+
+    @property
+    def which(self) -> np.ndarray:
+        """The number of the gain of every sample, ``(N,)``."""
+        return np.repeat(np.arange(len(self.edges) - 1), np.diff(self.edges))
+
+    @property
+    def means(self) -> np.ndarray:
+        """The mean gain of every segment, ``(M + 1, 3)``."""
+        K = np.asarray(self.optimal.K)[:, :, 0]
+        pairs = zip(self.edges, self.edges[1:], strict=False)
+        return np.array([K[a:b].mean(axis=0) for a, b in pairs])
+
+    def problem(self) -> Problem:
+        """The stored gains that stay nearest to the Kalman filter's variance all along."""
+        means = self.means
+        parameters = {
+            f"K{i + 1}_{s}": Positive(
+                means[s, i], 1e-2 * means[s, i], 1e2 * means[s, i], unit=("1/s^2", "1/s", "")[i]
+            )
+            for s in range(1, len(means))
+            for i in range(3)
+        }
+        reference = np.asarray(self.optimal.P)[:, 0, 0].copy()
+        reference[0] = np.nan  # nothing is known of the bias before a second measurement
+        return Problem(
+            name="kalman_stored",
+            space=Space.of(**parameters),
+            filter=TableCovariance(),
+            build=_Stored(self, len(means)),
+            objective=VarianceRatio(state=0, samples=len(reference) - 1),
+            data=Data(self.which, reference),
+        )
+
+    def table(self, values: dict[str, Array]) -> Array:
+        """The gains as a table, ``(M + 1, 3, 1)``; the first is the Kalman filter's."""
+        rows = [self.optimal.K[0, :, 0]]
+        for s in range(1, len(self.edges) - 1):
+            rows.append(jnp.stack([jnp.asarray(values[f"K{i}_{s}"]) for i in (1, 2, 3)]))
+        return jnp.stack(rows)[:, :, None]
+
+
+@dataclass(frozen=True, eq=False)
+class _Stored:
+    """From the space's values to a table of gains."""
+
+    storage: Storage
+    rows: int
+
+    def __call__(self, values: dict[str, Array]) -> GainTable:
+        storage = self.storage
+        return GainTable(storage.channel.model(storage.Ts), storage.table(values))
+
+
+def reaches(channel: Channel, Ts: float) -> float:
+    """When P11(+) first keeps the bound, s: the end of the scheme's operation.
+
+    Raises:
+        ValueError: where it has not within a thousand times q_a over the bound.
+    """
+    limit = channel.q_a / channel.bound  # P11 tends to q_a / t
+    for factor in (1.5, 10.0, 1000.0):
+        P11 = np.asarray(kalman_history(channel, Ts, factor * limit + 2 * Ts).P)[:, 0, 0]
+        below = np.flatnonzero(channel.bound >= P11)
+        if below.size:
+            return float(below[0] * Ts)
+    raise ValueError(
+        f"the Kalman scheme does not bring the bias's variance below {channel.bound:g} within "
+        f"{1000 * limit:g} s; choose a wider bound"
+    )
+
+
+def sensitivities(channel: Channel, Ts: float, seconds: float) -> dict[str, np.ndarray]:
+    """d ln P11(t) / d ln p by (19) with the gains held, for p = q_a, q_b, sigma^2_AB; ``(N,)``."""
+    gains = kalman_history(channel, Ts, seconds).K
+    names = ("q_a", "q_b", "sigma2_ab")
+
+    def logarithm(logs: Array) -> Array:
+        scaled = {name: getattr(channel, name) * jnp.exp(logs[i]) for i, name in enumerate(names)}
+        return jnp.log(replayed(replace(channel, **scaled).model(Ts), gains))
+
+    slopes = np.asarray(jax.jacfwd(logarithm)(jnp.zeros(3)))
+    return {name: slopes[:, i] for i, name in enumerate(names)}
+
+
+def replay(channel: Channel, Ts: float, seconds: float, *, by: str) -> np.ndarray:
+    """P11 where gains of Ts are applied every :data:`REPLAY` s, over that of its own design.
+
+    Args:
+        channel: the channel.
+        Ts: what the gains were made for, s.
+        seconds: how long.
+        by: "sample": the k-th gain at the k-th sample; "time": the gain of the same time.
+    """
+    own = kalman_history(channel, REPLAY, seconds)
+    at = times(seconds, REPLAY)
+    index = np.arange(len(at)) if by == "sample" else np.floor(at / Ts + 1e-9).astype(int)
+    gains = kalman_history(channel, Ts, (index[-1] + 1) * Ts).K[index]
+    wrong = replayed(channel.model(REPLAY), gains)
+    return np.asarray(wrong) / np.asarray(own.P[:, 0, 0])

@@ -1,0 +1,147 @@
+"""Runs of Clarabel, an interior-point method, on what cvxpy makes of a problem."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from threading import RLock
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tuner.convex.bound import dual_bound
+from tuner.solution import Status
+
+if TYPE_CHECKING:
+    import cvxpy as cp
+
+TOLERANCES = (1e-10, 1e-8, 1e-6)
+"""What the solver is asked for, one after the other until it gets there."""
+
+_FINISHED = {
+    "Solved": Status.CONVERGED,
+    "PrimalInfeasible": Status.INFEASIBLE,
+    "DualInfeasible": Status.UNBOUNDED,
+}
+_UNFINISHED = {
+    "AlmostSolved": Status.STALLED,
+    "InsufficientProgress": Status.STALLED,
+    "MaxIterations": Status.LIMIT,
+    "MaxTime": Status.LIMIT,
+}
+
+_BUILDING = RLock()
+
+
+@contextmanager
+def building() -> Iterator[None]:
+    """Hold this while cvxpy expressions are made: it numbers them all by one unguarded counter."""
+    with _BUILDING:
+        yield
+
+
+@dataclass(frozen=True)
+class Run:
+    """What the solver came to.
+
+    Attributes:
+        ended: its own word for how it ended.
+        tolerance: what it was asked for.
+        solution: cvxpy's reading of where it ended.
+        proved: the lower bound that its dual point proves, if it does.
+        iterations: how many it took.
+    """
+
+    ended: str
+    tolerance: float
+    solution: Any
+    proved: float | None
+    iterations: int
+
+    @property
+    def finished(self) -> bool:
+        """Whether it got to its tolerance."""
+        return self.ended in _FINISHED
+
+    @property
+    def looser(self) -> bool:
+        """Whether it was asked for less than usual."""
+        return self.tolerance > TOLERANCES[0]
+
+    @property
+    def status(self) -> Status:
+        """How it ended."""
+        return (_FINISHED | _UNFINISHED).get(self.ended, Status.FAILED)
+
+    @property
+    def present(self) -> bool:
+        """Whether there should be a point."""
+        return _has_point(self.ended)
+
+
+def _has_point(ended: str) -> bool:
+    return ended == "Solved" or ended in _UNFINISHED
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """A problem in the solver's form, for the present values of its parameters.
+
+    Attributes:
+        data: the solver's matrices and vectors.
+        chain: how cvxpy got there.
+        inverse: what it needs for the way back.
+    """
+
+    data: dict[str, Any]
+    chain: Any
+    inverse: Any
+
+    def run(self, data: dict[str, Any], tolerance: float) -> Any:
+        """Clarabel's own result for some data."""
+        options = dict.fromkeys(("tol_gap_abs", "tol_gap_rel", "tol_feas"), tolerance)
+        options |= {"max_iter": 200, "accept_unknown": True}
+        return self.chain.solver.solve_via_data(data, False, False, options)
+
+
+def compiled(problem: "cp.Problem") -> Compiled:
+    """Bring a problem into the solver's form."""
+    import cvxpy as cp
+
+    # Without this option cvxpy hides the point of a run that ended for lack of progress.
+    options = {"accept_unknown": True}
+    with building():
+        return Compiled(*problem.get_problem_data(cp.CLARABEL, solver_opts=options))
+
+
+def descend(problem: "cp.Problem") -> Run:
+    """The first run that gets to its tolerance, or the last; with the iterations of all."""
+    program = compiled(problem)
+    iterations = 0
+    for tolerance in TOLERANCES:
+        run = _run(program, tolerance)
+        iterations += run.iterations
+        if run.finished:
+            break
+    return replace(run, iterations=iterations)
+
+
+def _run(program: Compiled, tolerance: float) -> Run:
+    raw = program.run(program.data, tolerance)
+    ended = str(raw.status)
+    if ended == "DualInfeasible":
+        ended = _without_end(program, tolerance)
+    solution = program.chain.invert(raw, program.inverse)
+    proved = None
+    if _has_point(ended) and np.isfinite(raw.x).all():
+        x, z, s = (np.asarray(part) for part in (raw.x, raw.z, raw.s))
+        bound = dual_bound(program.data, x, z, s)
+        proved = None if bound is None else float(solution.opt_val - raw.obj_val + bound)
+    return Run(ended, tolerance, solution, proved, int(raw.iterations))
+
+
+def _without_end(program: Compiled, tolerance: float) -> str:
+    """How a run ended that found a direction of descent: nothing says there is a point as well."""
+    level = {key: part for key, part in program.data.items() if key != "P"}
+    level["c"] = np.zeros_like(program.data["c"])
+    feasible = str(program.run(level, tolerance).status)
+    return {"Solved": "DualInfeasible", "PrimalInfeasible": feasible}.get(feasible, "Unsolved")

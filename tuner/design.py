@@ -1,0 +1,391 @@
+"""Observers of linear models as problems: the fastest within a variance, and the quietest.
+
+No data is needed. The model is x' = A x + w, y = C x + v with white noise; the observer
+x^' = A x^ + L (y - C x^), whose error moves by A - L C. In discrete time the observer is the
+predictor x^(k+1) = A x^(k) + L (y(k) - C x^(k)), so variances are those before a measurement.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from objectives import (
+    Factors,
+    Mode,
+    SteadyKalman,
+    lyapunov,
+    placing,
+    steady_kalman,
+    steady_variance,
+    stein,
+    unseen_modes,
+    without_undriven,
+)
+from tuner.constraint import Constraint
+from tuner.parameters import Fixed, Limited, Parameter, Positive, covariance
+from tuner.problem import Problem
+from tuner.solvers.known import Known
+from tuner.space import Space
+
+WIDEST = 100.0
+"""How many times as fast as the slowest pole the others may be."""
+SMOOTHING = 3e-4
+"""How far inside its limit a pole has to stay where several measurements are used."""
+
+
+@dataclass(frozen=True, eq=False)
+class LinearDesign:
+    """A linear model with stationary white noise, and the error that counts.
+
+    Attributes:
+        states: their names, n of them.
+        A: dynamics, ``(n, n)``: 1/s, or over one sample where ``dt`` is given.
+        C: what is measured, ``(m, n)``.
+        W: spectral density of w (two-sided, unit^2 s), or covariance a sample, ``(n, n)``.
+        V: the same of v, ``(m, m)``; zero where the measurement has no noise.
+        error: the combination of the states' errors that counts, ``(n,)``.
+        dt: sample time, s; None where the model is continuous.
+
+    Raises:
+        ValueError: where shapes do not fit, noise is no covariance, the sample time is not
+            positive, or a mode that does not die out shows in no measurement.
+
+    >>> bias = LinearDesign(
+    ...     ("bias", "speed"), np.array([[0.0, 0.0], [1.0, 0.0]]), np.array([[0.0, 1.0]]),
+    ...     np.diag([1e-4, 1.0]), np.eye(1), np.array([1.0, 0.0]), None,
+    ... )
+    >>> bias.kalman().gain.ravel().round(6).tolist()
+    [0.01, 1.00995]
+    """
+
+    states: tuple[str, ...]
+    A: np.ndarray
+    C: np.ndarray
+    W: np.ndarray
+    V: np.ndarray
+    error: np.ndarray
+    dt: float | None
+
+    def __post_init__(self) -> None:
+        n, m = len(self.states), len(self.C)
+        wanted = {"A": (n, n), "C": (m, n), "W": (n, n), "V": (m, m), "error": (n,)}
+        for name, shape in wanted.items():
+            found = getattr(self, name).shape
+            if found != shape:
+                raise ValueError(
+                    f"{name} has the shape {found}; {n} states and {m} measurements need {shape}"
+                )
+        if self.dt is not None and not 0 < self.dt < np.inf:
+            raise ValueError(f"the sample time is {self.dt:g} s; give a positive number, or none")
+        for name in ("W", "V"):
+            try:
+                covariance(getattr(self, name))
+            except ValueError as error:
+                raise ValueError(f"{name} {error}") from None
+        unseen = unseen_modes(self.A, self.C, discrete=self.discrete)
+        if unseen:
+            words = " and ".join(mode.words(self.states) for mode in unseen)
+            raise ValueError(
+                f"no measurement shows {words}, which does not die out, so no observer's error "
+                "stays bounded; measure it, or leave it out of the model"
+            )
+
+    @property
+    def discrete(self) -> bool:
+        """Whether the model steps by samples."""
+        return self.dt is not None
+
+    @property
+    def noisy(self) -> bool:
+        """Whether every measurement has noise, so that a Kalman filter has finite gains."""
+        return bool(np.linalg.eigvalsh(self.V)[0] > 0)
+
+    def kalman(self) -> SteadyKalman:
+        """The steady Kalman filter."""
+        return steady_kalman(
+            self.A, self.C, self.W, self.V, discrete=self.discrete, states=self.states
+        )
+
+    def predictor_gain(self, gain: np.ndarray) -> np.ndarray:
+        """L of a filter's gain K: A K where the model steps by samples."""
+        return self.A @ gain if self.discrete else gain
+
+    def poles(self, L: np.ndarray) -> np.ndarray:
+        """Eigenvalues of A - L C, the slowest first, ``(n,)``."""
+        found = np.linalg.eigvals(self.A - L @ self.C)
+        speed = np.abs(found) if self.discrete else found.real
+        return np.asarray(found[np.argsort(-speed, kind="stable")])
+
+    def decay(self, L: np.ndarray) -> float:
+        """Decay rate of the slowest pole, 1/s; negative where the observer is unstable."""
+        slowest = self.poles(L)[0]
+        return float(-slowest.real if self.dt is None else -np.log(abs(slowest)) / self.dt)
+
+    def covariance(self, L: np.ndarray) -> np.ndarray:
+        """Steady covariance of the error, ``(n, n)``; NaN where the observer is unstable."""
+        solve = stein if self.discrete else lyapunov
+        return np.asarray(solve(jnp.asarray(self.A - L @ self.C), jnp.asarray(self._noise(L))))
+
+    def variance(self, L: Array) -> Array:
+        """Steady variance of the error that counts, ``()``; differentiable in L ``(n, m)``."""
+        closed = self.A - L @ self.C
+        return steady_variance(closed, self._noise(L), self.error, discrete=self.discrete)
+
+    def _noise(self, L: Array | np.ndarray) -> Array | np.ndarray:
+        return self.W + L @ self.V @ L.T
+
+    def least(self) -> float:
+        """The least variance of the error that counts over all observers.
+
+        Where a measurement has no noise it is not known here, and 0 is returned.
+        """
+        if not self.noisy:
+            return 0.0
+        return float(self.error @ self.kalman().predicted @ self.error)
+
+    def driven(self) -> tuple["LinearDesign", np.ndarray, tuple[Mode, ...]]:
+        """The model without modes that nothing drives and that never die out.
+
+        Their error falls to zero by itself, as 1/t, and the steady gain leaves them alone.
+
+        Returns:
+            The model that is left, the basis T ``(n, r)`` that leads back to the states, and the
+            modes that were taken out.
+        """
+        left = without_undriven(self.A, self.W, self.C, discrete=self.discrete)
+        if not left.modes:
+            return self, np.eye(len(self.states)), ()
+        chosen = np.abs(left.T) > 1 - 1e-9
+        names = [
+            self.states[int(np.argmax(column))] if column.any() else f"part_{i + 1}"
+            for i, column in enumerate(chosen.T)
+        ]
+        T = np.where(chosen.any(axis=0), np.abs(left.T), left.T)  # a state keeps its own sign
+        A, W, C = T.T @ self.A @ T, T.T @ self.W @ T, self.C @ T
+        rest = LinearDesign(tuple(names), A, C, W, self.V, self.error @ T, self.dt)
+        return rest, T, left.modes
+
+
+class Observer(NamedTuple):
+    """A point of a design.
+
+    Attributes:
+        decay: the decay rate that is asked of the slowest pole, 1/s.
+        L: gain, ``(n, m)``.
+    """
+
+    decay: Array
+    L: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Variance:
+    """The variance that a design is about, as objective or constraint."""
+
+    design: LinearDesign
+
+    def __call__(self, observer: Observer, _: None) -> Array:
+        return self.design.variance(observer.L)
+
+
+def _time_constant(observer: Observer, _: None) -> Array:
+    """Of the slowest pole, s."""
+    return 1 / observer.decay
+
+
+def fastest(name: str, design: LinearDesign, bound: float, unit: str = "") -> Problem:
+    """The observer whose slowest pole decays fastest while the variance keeps a bound.
+
+    With one measurement the unknowns are factors of the characteristic polynomial
+    (:class:`objectives.Factors`), with several the gains and a smoothed spectral abscissa
+    (Vanbiervliet, Vandereycken, Michiels, Vandewalle and Diehl, SIAM J. Optim. 20(1), 2009).
+
+    Raises:
+        ValueError: for a bound that no observer keeps, with the least variance; where there is
+            one measurement and it does not see every state.
+    """
+    least = design.least()
+    if not bound > least:
+        raise ValueError(
+            f"the bound {bound:g} is not above {least:.6g}, the least variance that any observer "
+            "reaches; widen it, measure more, or measure better"
+        )
+    limit = Constraint("variance", _Variance(design), bound, unit)
+    if len(design.C) == 1:
+        return _placed(name, design, bound, limit)
+    return _smoothed(name, design, limit)
+
+
+def _placed(name: str, design: LinearDesign, bound: float, limit: Constraint) -> Problem:
+    placed = _Placed(design)
+    decay = _begin(placed, bound)
+    parameters: dict[str, Parameter] = {
+        "decay": Positive(decay, 1e-4 * decay, 1e4 * decay, unit="1/s")
+    }
+    if placed.factors.odd:
+        parameters["spread"] = Limited(1.0, 0.0, WIDEST)
+    for i in range(placed.factors.pairs):
+        parameters[f"damping_{i + 1}"] = Limited(1.0, 0.0, WIDEST)
+        parameters[f"stiffness_{i + 1}"] = Limited(1.0, 0.0, WIDEST**2)
+    return Problem(
+        name=name,
+        space=Space.of(**parameters),
+        filter=None,
+        build=placed,
+        objective=_time_constant,
+        constraints=(limit,),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Placed:
+    """From factors of the characteristic polynomial to the gain."""
+
+    design: LinearDesign
+
+    @property
+    def factors(self) -> Factors:
+        return Factors(len(self.design.states), self.design.discrete)
+
+    def __call__(self, values: dict[str, Array]) -> Observer:
+        factors, decay = self.factors, values["decay"]
+        rate = decay if self.design.dt is None else jnp.exp(-decay * self.design.dt)
+        pairs = [
+            (values[f"damping_{i + 1}"], values[f"stiffness_{i + 1}"]) for i in range(factors.pairs)
+        ]
+        coefficients = factors.coefficients(rate, values.get("spread"), pairs)
+        matrix = placing(self.design.A, self.design.C[0])
+        return Observer(decay, (matrix @ coefficients)[:, None])
+
+
+def _begin(placed: _Placed, bound: float) -> float:
+    """The fastest decay rate at which coinciding poles keep the bound; or the quietest."""
+    design, factors = placed.design, placed.factors
+    values = {"spread": jnp.zeros(())}
+    for i in range(factors.pairs):
+        values |= {f"damping_{i + 1}": jnp.zeros(()), f"stiffness_{i + 1}": jnp.zeros(())}
+    unit = max(float(np.abs(np.linalg.eigvals(design.A)).max()), 1e-6)
+    rates = np.geomspace(1e-6, 1e6, 241) * unit
+    if design.dt is not None:
+        rates = np.geomspace(1e-6, 10.0, 141) / design.dt
+    variance = jax.jit(jax.vmap(lambda decay: design.variance(placed(values | {"decay": decay}).L)))
+    found = np.asarray(variance(jnp.asarray(rates)))
+    found = np.where(np.isfinite(found) & (found >= 0), found, np.inf)
+    kept = np.flatnonzero(found <= bound)
+    return float(rates[kept[-1] if kept.size else np.argmin(found)])
+
+
+def _smoothed(name: str, design: LinearDesign, limit: Constraint) -> Problem:
+    gains = _gains(design)
+    decay = design.decay(gains.start)
+    parameters: dict[str, Parameter] = {
+        "decay": Positive(0.9 * decay, 1e-4 * decay, 1e4 * decay, unit="1/s")
+    }
+    return Problem(
+        name=name,
+        space=Space.of(**parameters, **gains.parameters()),
+        filter=None,
+        build=gains,
+        objective=_time_constant,
+        constraints=(limit, Constraint("stability", _Smoothed(design), 1.0)),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Smoothed:
+    """Whether all poles decay faster than asked, as a smooth number that is 1 just inside.
+
+    With white noise of the observer's own size on all states, the covariance of the error seen
+    through e^(decay t) is finite only if they do.
+    """
+
+    design: LinearDesign
+
+    def __call__(self, observer: Observer, _: None) -> Array:
+        d = self.design
+        closed, n = d.A - observer.L @ d.C, len(d.states)
+        if d.dt is not None:
+            grown = stein(closed * jnp.exp(observer.decay * d.dt), jnp.eye(n))
+            return SMOOTHING * jnp.trace(grown)
+        grown = lyapunov(closed + observer.decay * jnp.eye(n), jnp.eye(n))
+        return SMOOTHING * observer.decay * jnp.trace(grown)
+
+
+def quietest(name: str, design: LinearDesign) -> Problem:
+    """The observer with the least variance of the error: the Kalman filter, as a search.
+
+    The model must be driven (:meth:`LinearDesign.driven`) and every measurement noisy.
+
+    Raises:
+        ValueError: where a measurement has no noise: better observers have ever larger gains.
+    """
+    if not design.noisy:
+        raise ValueError(
+            "V is singular: a measurement without noise may be followed ever faster, so no gain "
+            "is the best one; give the noise that it has, or a bound"
+        )
+    gains = _gains(design)
+    return Problem(
+        name=name,
+        space=Space.of(**gains.parameters()),
+        filter=None,
+        build=gains,
+        objective=_Variance(design),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Gains:
+    """From single gains to a point of the design; they are tuned in units of the Kalman gain."""
+
+    design: LinearDesign
+    kalman: np.ndarray
+    start: np.ndarray
+
+    def parameters(self) -> dict[str, Parameter]:
+        found: dict[str, Parameter] = {}
+        for i, j in np.ndindex(*self.kalman.shape):
+            size = abs(self.kalman[i, j])
+            if size == 0:
+                found[self._name(i, j)] = Fixed(0.0)
+                continue
+            limits = -10 * size, 10 * size
+            found[self._name(i, j)] = Limited(self.start[i, j], *limits, scale=size)
+        return found
+
+    def _name(self, i: int, j: int) -> str:
+        return f"L{i + 1}" if self.kalman.shape[1] == 1 else f"L{i + 1}_{j + 1}"
+
+    def named(self, L: np.ndarray) -> dict[str, float | np.ndarray]:
+        return {self._name(i, j): float(value) for (i, j), value in np.ndenumerate(L)}
+
+    def __call__(self, values: dict[str, Array]) -> Observer:
+        n, m = self.kalman.shape
+        rows = [jnp.stack([values[self._name(i, j)] for j in range(m)]) for i in range(n)]
+        return Observer(values.get("decay", jnp.ones(())), jnp.stack(rows))
+
+
+def _gains(design: LinearDesign) -> _Gains:
+    """The Kalman gain, and a stable one beside it to start from."""
+    kalman = design.predictor_gain(design.kalman().gain)
+    start = next(
+        (f * kalman for f in (1.5, 1.2, 1.1, 1.02) if design.decay(f * kalman) > 0), kalman
+    )
+    return _Gains(design, kalman, start)
+
+
+def riccati(design: LinearDesign) -> Known:
+    """The quietest observer by the Riccati equation."""
+    gains = _gains(design)
+    found = gains.named(gains.kalman)
+    return Known("riccati", lambda _: found, "the Riccati equation's solution")
+
+
+def gain_of(problem: Problem, z: np.ndarray) -> np.ndarray:
+    """The gain L ``(n, m)`` at a point of one of these problems."""
+    observer: Observer = problem.static.built(jnp.asarray(z))
+    return np.asarray(observer.L)
