@@ -147,7 +147,8 @@ def riccati_flow(A: Array, C: Array, W: Array, V: Array, dt: Array) -> Array:
         dt: step, s, short against the time in which the fastest mode changes by a factor of 1e8.
     """
     seen = C.T @ jnp.linalg.solve(V, C)
-    return jax.scipy.linalg.expm(jnp.block([[-A.T, seen], [W, A]]) * dt)
+    flow: Array = jax.scipy.linalg.expm(jnp.block([[-A.T, seen], [W, A]]) * dt)
+    return flow
 
 
 def _predicted(params: LinearModel, P: Array) -> Array:

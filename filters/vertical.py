@@ -80,11 +80,11 @@ def loop_error(gains: LoopGains, k_gh: ArrayLike = GRAVITY_GRADIENT) -> Array:
 
 
 class LoopStep(NamedTuple):
-    """The conventional scheme over one sample, x' = F x + B z.
+    """The conventional scheme over one sample, x' = F x + B (z - h) with h the altitude in x.
 
     Attributes:
-        F: ``(3, 3)``.
-        B: ``(3,)``.
+        F: the channel's transition, ``(3, 3)``.
+        B: what the gains make of a difference that is held for the sample, ``(3,)``.
     """
 
     F: Array
@@ -92,11 +92,15 @@ class LoopStep(NamedTuple):
 
 
 def loop_step(gains: LoopGains, dt: float, k_gh: ArrayLike = GRAVITY_GRADIENT) -> LoopStep:
-    """The scheme's exact answer to an altitude difference that is held for dt seconds."""
-    A, _, C = vertical_channel(k_gh)
+    """The scheme with the fed-back altitude difference sampled and held for dt seconds.
+
+    It is stable only where dt is short against the loop's time constants. (Holding z itself would
+    be wrong by K3 V dt^2 / 12 where V is the uncorrected velocity error, which grows for ever.)
+    """
+    A, _, _ = vertical_channel(k_gh)
     K1, K2, K3 = (jnp.asarray(gain, dtype=float) for gain in gains)
     L = jnp.stack([K3, K2, K1])
-    held = jnp.zeros((4, 4)).at[:3, :3].set(A - L[:, None] * C).at[:3, 3].set(L)
+    held = jnp.zeros((4, 4)).at[:3, :3].set(A).at[:3, 3].set(L)
     over = jax.scipy.linalg.expm(held * dt)
     return LoopStep(over[:3, :3], over[:3, 3])
 
@@ -106,7 +110,8 @@ class ConventionalLoop:
     """The conventional scheme as it runs: three numbers, three gains, no covariance.
 
     Inputs are altitude differences z (inertial, uncorrected, minus given), ``()``; put out is
-    (A_B, dV, dh) as estimated. In error coordinates it is :func:`loop_error`.
+    (A_B, dV, dh) as estimated for the next sample. In error coordinates, and with dt -> 0, it is
+    :func:`loop_error`, where e = z - dh and dV is the error of the corrected velocity.
     """
 
     def init(self, params: LoopStep) -> Array:
@@ -114,9 +119,9 @@ class ConventionalLoop:
         return jnp.zeros_like(params.B)
 
     def step(self, params: LoopStep, state: Array, inputs: Array) -> tuple[Array, Array]:
-        """Follow one sample; a missing one (NaN) is taken for what was expected."""
-        z = jnp.where(jnp.isnan(inputs), state[2], inputs)
-        state = matmul(params.F, state) + params.B * z
+        """Take one sample and move on; after a missing one (NaN) the channel is predicted."""
+        y = jnp.where(jnp.isnan(inputs), 0.0, inputs - state[2])
+        state = matmul(params.F, state) + params.B * y
         return state, state
 
 

@@ -199,6 +199,8 @@ def steady_kalman(
         return SteadyKalman(zero, zero, np.zeros_like(C.T), np.zeros(0), part.modes)
     small = np.asarray((_dare if discrete else _care)(part.A, part.C, part.W, V))
     if np.isnan(small).any():
+        small = _by_schur(part, V, discrete)
+    if np.isnan(small).any():
         raise ValueError(
             "the Riccati equation was not solved, although every mode is seen and driven; the "
             f"model lies too near to one without a steady filter: its poles are {_listed(A)}"
@@ -210,6 +212,15 @@ def steady_kalman(
     T = part.T
     poles = np.linalg.eigvals(closed)
     return SteadyKalman(T @ small @ T.T, T @ after @ T.T, T @ gain, poles, part.modes)
+
+
+def _by_schur(part: Reduction, V: np.ndarray, discrete: bool) -> np.ndarray:
+    """scipy's solution by ordered Schur vectors, for noise a factor 1e12 apart; NaN where none."""
+    solve = scipy.linalg.solve_discrete_are if discrete else scipy.linalg.solve_continuous_are
+    try:
+        return np.asarray(solve(part.A.T, part.C.T, part.W, V))
+    except (np.linalg.LinAlgError, ValueError):
+        return np.full_like(part.A, np.nan)
 
 
 def _check(A: np.ndarray, C: np.ndarray, W: np.ndarray, V: np.ndarray) -> None:

@@ -76,27 +76,6 @@ class Factors:
             total = _times(total, above) + shape[entry] * power
         return total / total[0]
 
-    def coordinates(
-        self, roots: np.ndarray
-    ) -> tuple[float, float | None, list[tuple[float, float]]]:
-        """Rate, r and the pairs' (d, f) of given roots ``(degree,)``, real or in conjugate pairs.
-
-        The inverse of :meth:`coefficients`. Complex roots and then real ones, next to each other,
-        form the pairs.
-        """
-        roots = np.asarray(roots, complex)
-        rate = float(np.abs(roots).max() if self.discrete else -roots.real.max())
-        t = (1 - rate) / (1 + rate)
-        u = (roots - rate) / (roots + rate) / t if self.discrete else roots / rate + 1
-        above, lone = u[u.imag > 0], np.sort(u[u.imag == 0].real)
-        real = float(-lone[0]) if self.odd else None
-        lone = lone[1:] if self.odd else lone
-        pairs = [(-2 * float(one.real), float(abs(one) ** 2)) for one in above]
-        pairs += [
-            (-float(a + b), float(a * b)) for a, b in zip(lone[0::2], lone[1::2], strict=True)
-        ]
-        return rate, real, pairs
-
 
 def _times(a: Array, b: Array) -> Array:
     """The product of two polynomials; jnp.convolve has no counterpart in symbolic tools."""

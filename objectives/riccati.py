@@ -87,7 +87,9 @@ def care(A: Array, C: Array, W: Array, V: Array) -> Array:
         V: that of the measurement noise, ``(m, m)``, unit^2 s, positive definite.
 
     Returns:
-        ``(n, n)``; NaN throughout where no solution makes the filter strictly stable.
+        ``(n, n)``; NaN throughout where no solution makes the filter strictly stable, and for some
+        models whose V or W is a factor 1e12 below what the other one suggests
+        (:func:`objectives.steady_kalman` solves those too).
 
     >>> one = jnp.eye(1)
     >>> float(care(0 * one, one, 4 * one, one)[0, 0].round(12))

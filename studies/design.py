@@ -7,6 +7,7 @@ search and by a matrix inequality that proves it. docs/design.md shows how.
 
 import hashlib
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -26,7 +27,7 @@ from tuner.observer import FastestTask, LeastTask, observer_model
 from tuner.parameters import covariance
 from tuner.problem import Problem
 from tuner.solution import Solution
-from tuner.solvers import Convex, Gradient, Ipopt
+from tuner.solvers import Convex, Ipopt
 from tuner.study import Plan, Solutions, Source, Study, Target, Task, best
 
 Matrix = tuple[tuple[float, ...], ...]
@@ -69,6 +70,32 @@ class Settings(BaseModel):
         return self
 
 
+@dataclass(frozen=True, eq=False)
+class Designed:
+    """A model, the part of it that a problem is about, and the problem.
+
+    Attributes:
+        full: the model.
+        part: without what nothing drives, where the design is one of the steady state.
+        T: from the part's states to the model's, ``(n, r)``.
+        problem: posed on the part.
+    """
+
+    full: LinearDesign
+    part: LinearDesign
+    T: np.ndarray
+    problem: Problem
+
+    def gain(self, solution: Solution) -> np.ndarray:
+        """L for the model, ``(n, m)``."""
+        return np.asarray(self.T @ gain_of(self.problem, solution.z))
+
+    def covariance(self, solution: Solution) -> np.ndarray:
+        """Steady covariance of the error, ``(n, n)``; zero along what nothing drives."""
+        P = self.part.covariance(gain_of(self.problem, solution.z))
+        return np.asarray(self.T @ P @ self.T.T)
+
+
 def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
     """Search and proof for one observer."""
     full = model(settings)
@@ -83,7 +110,9 @@ def model(settings: Settings) -> LinearDesign:
     Raises:
         ValueError: where a matrix does not fit, noise is no covariance, or a mode is unseen.
     """
-    A, C, Q, R = (np.array(part, float) for part in (settings.A, settings.C, settings.Q, settings.R))
+    A, C, Q, R = (
+        np.array(part, float) for part in (settings.A, settings.C, settings.Q, settings.R)
+    )
     n = len(A)
     G = np.eye(n) if settings.G is None else np.array(settings.G, float)
     if A.shape != (n, n) or G.shape != (n, len(Q)):
@@ -110,30 +139,32 @@ def _error(given: str | tuple[float, ...], states: tuple[str, ...]) -> np.ndarra
         return np.array(given, float)
     if given not in states:
         raise unknown("state", given, states)
-    return np.eye(len(states))[states.index(given)]
+    return np.asarray(np.eye(len(states))[states.index(given)])
 
 
 def _quietest(settings: Settings, full: LinearDesign, seed: int) -> Plan:
     driven, T, modes = full.driven()
     undriven = [mode.words(full.states) for mode in modes]
-    if not driven.states:
+    if not driven.error.any():
         raise ValueError(
-            f"nothing drives {' and '.join(undriven)}: in the long run the state is known and no "
-            "gain is needed; give the noise that it has (Q), or a bound"
+            f"nothing drives {' and '.join(undriven)}: the error that counts falls to zero by "
+            "itself, as 1/t, and no steady gain is needed for it; let Q drive it, name another "
+            "error, or give a bound"
         )
     problem = quietest("quietest", driven)
-    known, gradient = riccati(driven), Gradient("l-bfgs-b", seed=seed, starts=1)
+    # One start: gains elsewhere than near those of the Riccati equation are mostly unstable.
+    known, search = riccati(driven), Ipopt(seed=seed, starts=1)
     proof = LeastTask("quietest_lmi", _convex(driven), ("error",))
     return Plan(
         source=_source(full),
         tasks=(
             Task(problem, known, known.name),
-            Task(problem, gradient, gradient.name),
+            Task(problem, search, search.name),
             Task(proof, Convex("sdp"), "sdp"),
         ),
-        targets=(_target(settings, full, problem, T),),
+        targets=(_target(settings, Designed(full, driven, T, problem)),),
         compare=partial(_compare_quietest, undriven),
-        figures=partial(_figures, full, problem, T),
+        figures=partial(_figures, Designed(full, driven, T, problem)),
     )
 
 
@@ -145,16 +176,16 @@ def _fastest(settings: Settings, full: LinearDesign, bound: float, seed: int) ->
     proof = FastestTask(
         "fastest_lmi", _convex(full), np.array([bound]), ("error",), dt=full.dt or 1.0
     )
-    T = np.eye(len(full.states))
+    designed = Designed(full, full, np.eye(len(full.states)), problem)
     return Plan(
         source=_source(full),
         tasks=(
             Task(problem, Ipopt(seed=seed, starts=starts), "ipopt"),
             Task(proof, Convex("sdp"), "sdp"),
         ),
-        targets=(_target(settings, full, problem, T),),
-        compare=partial(_compare_fastest, full, problem),
-        figures=partial(_figures, full, problem, T),
+        targets=(_target(settings, designed),),
+        compare=partial(_compare_fastest, designed),
+        figures=partial(_figures, designed),
     )
 
 
@@ -179,8 +210,8 @@ def _compare_quietest(undriven: list[str], solutions: Solutions) -> list[Compari
             "the Riccati equation's variance is the least",
             abs(excess) <= AGREE,
             ours=found.value,
-            note=f"the matrix inequality's gain gives {excess:+.1e} of it, and its dual proves that "
-            f"no observer is below {_proved(proof)}",
+            note=f"the matrix inequality's gain gives {excess:+.1e} of it, and its dual proves "
+            f"that no observer is below {_proved(proof)}",
         )
     ]
     if undriven:
@@ -190,26 +221,24 @@ def _compare_quietest(undriven: list[str], solutions: Solutions) -> list[Compari
                 "a steady state exists",
                 False,
                 ours=None,
-                note=f"nothing drives {' and '.join(undriven)}: its error falls to zero as 1/t, and "
-                "the steady gain leaves it alone; store the first gains, or give Q what drives it",
+                note=f"nothing drives {' and '.join(undriven)}: its error falls to zero as 1/t, "
+                "and the steady gain leaves it alone; store the first gains, or let Q drive it",
             )
         )
     return rows
 
 
-def _compare_fastest(
-    design: LinearDesign, problem: Problem, solutions: Solutions
-) -> list[Comparison]:
-    found, proof = best("fastest", solutions), solutions["fastest_lmi", "sdp"]
-    reached = design.decay(gain_of(problem, found.z))
+def _compare_fastest(designed: Designed, solutions: Solutions) -> list[Comparison]:
+    proof = solutions["fastest_lmi", "sdp"]
+    reached = designed.full.decay(designed.gain(best("fastest", solutions)))
     return [
         claim(
             "fastest.matrix_inequality",
             "one Lyapunov matrix is never faster",
             proof.value * reached >= 1 - 1e-6,
             ours=1 / (proof.value * reached),
-            note=f"the decay rate that one matrix for both demands proves (limit {_proved(proof)} s "
-            f"of time constant, {proof.status.value}), as a share of {reached:.6g} 1/s",
+            note=f"the decay rate that one matrix for both demands proves (no time constant below "
+            f"{_proved(proof)} s, {proof.status.value}), as a share of {reached:.6g} 1/s",
         )
     ]
 
@@ -219,21 +248,19 @@ def _proved(proof: Solution) -> str:
     return "-" if bound is None else f"{bound:.8g}"
 
 
-def _target(settings: Settings, full: LinearDesign, problem: Problem, T: np.ndarray) -> Target:
+def _target(settings: Settings, designed: Designed) -> Target:
     return Target(
-        problem=problem,
+        problem=designed.problem,
         filter="Observer",
-        states=full.states,
-        dt=full.dt or 0.0,
-        quantities=partial(_quantities, settings, full, problem, T),
+        states=designed.full.states,
+        dt=designed.full.dt or 0.0,
+        quantities=partial(_quantities, settings, designed),
         single=lambda _: (),
     )
 
 
-def _quantities(
-    settings: Settings, full: LinearDesign, problem: Problem, T: np.ndarray, solution: Solution
-) -> tuple[Quantity, ...]:
-    L = T @ gain_of(problem, solution.z)
+def _quantities(settings: Settings, designed: Designed, solution: Solution) -> tuple[Quantity, ...]:
+    full, L = designed.full, designed.gain(solution)
     poles = full.poles(L)
     per = "" if full.discrete else "1/s"
     quantities = [
@@ -246,26 +273,27 @@ def _quantities(
     if full.discrete and np.linalg.cond(full.A) < 1e12:
         K = np.linalg.solve(full.A, L)
         quantities.append(Quantity("K", K, "", "gain on a sample: x+ = x + K (y - C x), L = A K"))
-    P = full.covariance(L)
-    if np.isfinite(P).all():
-        quantities.append(Quantity("P", P, "", "steady covariance of the error, predicted"))
-        variance = np.array(full.error @ P @ full.error)
-        unit = f"({settings.unit})^2" if settings.unit else ""
-        quantities.append(Quantity("variance", variance, unit, "of the error that counts"))
+    P = designed.covariance(solution)
+    unit = f"({settings.unit})^2" if settings.unit else ""
+    variance = np.array(full.error @ P @ full.error)
+    quantities += [
+        Quantity("P", P, "", "steady covariance of the error, before a measurement"),
+        Quantity("variance", variance, unit, "of the error that counts"),
+    ]
     return tuple(quantities)
 
 
-def _figures(
-    full: LinearDesign, problem: Problem, T: np.ndarray, solutions: Solutions
-) -> Iterator[Figure]:
-    L = T @ gain_of(problem, best(problem.name, solutions).z)
+def _figures(designed: Designed, solutions: Solutions) -> Iterator[Figure]:
+    full = designed.full
+    L = designed.gain(best(designed.problem.name, solutions))
     yield _response(full, L)
     poles = full.poles(L)
+    per = "" if full.discrete else ", 1/s"
     yield Chart(
         name="poles",
         title="Poles of the observer's error",
-        x_label="real part" + ("" if full.discrete else ", 1/s"),
-        y_label="imaginary part" + ("" if full.discrete else ", 1/s"),
+        x_label=f"real part{per}",
+        y_label=f"imaginary part{per}",
         lines=tuple(
             Line(f"{pole:.4g}", np.array([pole.real]), np.array([pole.imag])) for pole in poles
         ),

@@ -128,15 +128,19 @@ class LinearDesign:
     def covariance(self, L: np.ndarray) -> np.ndarray:
         """Steady covariance of the error, ``(n, n)``; NaN where the observer is unstable."""
         solve = stein if self.discrete else lyapunov
-        return np.asarray(solve(jnp.asarray(self.A - L @ self.C), jnp.asarray(self._noise(L))))
+        return np.asarray(solve(self.closed(L), self._noise(L)))
 
     def variance(self, L: Array) -> Array:
         """Steady variance of the error that counts, ``()``; differentiable in L ``(n, m)``."""
-        closed = self.A - L @ self.C
-        return steady_variance(closed, self._noise(L), self.error, discrete=self.discrete)
+        row = jnp.asarray(self.error)
+        return steady_variance(self.closed(L), self._noise(L), row, discrete=self.discrete)
 
-    def _noise(self, L: Array | np.ndarray) -> Array | np.ndarray:
-        return self.W + L @ self.V @ L.T
+    def closed(self, L: Array | np.ndarray) -> Array:
+        """A - L C, ``(n, n)``."""
+        return jnp.asarray(self.A - L @ self.C)
+
+    def _noise(self, L: Array | np.ndarray) -> Array:
+        return jnp.asarray(self.W + L @ self.V @ L.T)
 
     def least(self) -> float:
         """The least variance of the error that counts over all observers.
@@ -259,7 +263,7 @@ class _Placed:
         ]
         coefficients = factors.coefficients(rate, values.get("spread"), pairs)
         matrix = placing(self.design.A, self.design.C[0])
-        return Observer(decay, (matrix @ coefficients)[:, None])
+        return Observer(decay, (jnp.asarray(matrix) @ coefficients)[:, None])
 
 
 def _begin(placed: _Placed, bound: float) -> float:
@@ -307,7 +311,7 @@ class _Smoothed:
 
     def __call__(self, observer: Observer, _: None) -> Array:
         d = self.design
-        closed, n = d.A - observer.L @ d.C, len(d.states)
+        closed, n = d.closed(observer.L), len(d.states)
         if d.dt is not None:
             grown = stein(closed * jnp.exp(observer.decay * d.dt), jnp.eye(n))
             return SMOOTHING * jnp.trace(grown)
@@ -349,18 +353,18 @@ class _Gains:
     def parameters(self) -> dict[str, Parameter]:
         found: dict[str, Parameter] = {}
         for i, j in np.ndindex(*self.kalman.shape):
-            size = abs(self.kalman[i, j])
+            size = float(abs(self.kalman[i, j]))
             if size == 0:
                 found[self._name(i, j)] = Fixed(0.0)
                 continue
-            limits = -10 * size, 10 * size
-            found[self._name(i, j)] = Limited(self.start[i, j], *limits, scale=size)
+            start = float(self.start[i, j])
+            found[self._name(i, j)] = Limited(start, -10 * size, 10 * size, scale=size)
         return found
 
     def _name(self, i: int, j: int) -> str:
         return f"L{i + 1}" if self.kalman.shape[1] == 1 else f"L{i + 1}_{j + 1}"
 
-    def named(self, L: np.ndarray) -> dict[str, float | np.ndarray]:
+    def named(self, L: np.ndarray) -> dict[str, float]:
         return {self._name(i, j): float(value) for (i, j), value in np.ndenumerate(L)}
 
     def __call__(self, values: dict[str, Array]) -> Observer:

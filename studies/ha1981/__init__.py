@@ -76,7 +76,7 @@ def _one_lyapunov_matrix(channel: Channel) -> FastestTask:
     A, G, C = (np.asarray(part) for part in vertical_channel(channel.k_gh))
     bias = np.array([[1.0, 0.0, 0.0]])
     model = observer_model(A, C, G @ G.T * channel.q_a, np.zeros((1, 1)), bias)
-    return FastestTask("conventional_lmi", model, channel.bound, ("A_B",))
+    return FastestTask("conventional_lmi", model, np.array([channel.bound]), ("A_B",))
 
 
 def _kalman_tasks(channel: Channel, stored: Any, seed: int) -> list[Task]:

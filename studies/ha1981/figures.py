@@ -14,6 +14,7 @@ from studies.ha1981.channel import (
     Settings,
     kalman_history,
     loop_history,
+    replayed,
     riccati_history,
     times,
 )
@@ -156,7 +157,7 @@ def _stored(channel: Channel, settings: Settings, solutions: Solutions) -> Chart
     model = channel.model(settings.Ts)
     optimal = np.asarray(storage.optimal.P)[:, 0, 0]
     lines = [
-        Line(name, at[1:], np.asarray(scheme.replayed(model, K[storage.which]) / optimal)[1:])
+        Line(name, at[1:], np.asarray(replayed(model, K[storage.which]) / optimal)[1:])
         for name, K in tables.items()
     ]
     count = len(storage.edges) - 2

@@ -278,5 +278,5 @@ def replay(channel: Channel, Ts: float, seconds: float, *, by: str) -> np.ndarra
     at = times(seconds, REPLAY)
     index = np.arange(len(at)) if by == "sample" else np.floor(at / Ts + 1e-9).astype(int)
     gains = kalman_history(channel, Ts, (index[-1] + 1) * Ts).K[index]
-    wrong = replayed(channel.model(REPLAY), gains)
-    return np.asarray(wrong) / np.asarray(own.P[:, 0, 0])
+    ratio: np.ndarray = np.asarray(replayed(channel.model(REPLAY), gains) / own.P[:, 0, 0])
+    return ratio

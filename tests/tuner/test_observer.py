@@ -215,14 +215,19 @@ def test_one_discrete_state_has_a_closed_form():
     a, b, dt = 0.9, 0.5, 0.1
     fast = fastest_observer([[a]], [[1.0]], [[0.1]], [[1.0]], [[1.0]], b, discrete=True, dt=dt)
     gain = max(np.roots([1 + b, -2 * a * b, 0.1 + b * a**2 - b]))
-    assert fast.alpha == pytest.approx(-np.log(a - gain) / dt, rel=1e-6)
-    assert fast.poles == pytest.approx([a - gain], rel=1e-6)
+    pole = a - gain
+    assert fast.alpha == pytest.approx(-np.log(pole) / dt, rel=1e-6)
+    assert fast.poles == pytest.approx([pole], rel=1e-6)
+    slope = b * (1 - pole**2) / (2 * gain - 2 * b * pole) / pole / -np.log(pole)
+    assert fast.multipliers == pytest.approx([slope], rel=1e-4)
     assert fast.rate == pytest.approx(fast.alpha, rel=1e-6)
 
 
 def test_a_loose_bound_lets_a_discrete_observer_forget_at_once():
     # With l = a the variance is w + v a^2 = 0.91.
-    fast = fastest_observer([[0.9]], [[1.0]], [[0.1]], [[1.0]], [[1.0]], 1.0, discrete=True)
+    fast = fastest_observer(
+        [[0.9]], [[1.0]], [[0.1]], [[1.0]], [[1.0]], 1.0, discrete=True, tolerance=1e-3
+    )
     assert fast.status is Status.UNBOUNDED
     assert fast.alpha == np.inf
     assert np.isnan(fast.needed)
@@ -231,7 +236,7 @@ def test_a_loose_bound_lets_a_discrete_observer_forget_at_once():
 
 
 @both_times
-@pytest.mark.parametrize(("n", "m", "k"), [(2, 1, 2), (4, 2, 1)])
+@pytest.mark.parametrize(("n", "m", "k"), [(2, 1, 2), (4, 1, 2)])
 def test_the_fastest_observer_keeps_what_it_promises(discrete, n, m, k):
     p, _, bound, fast = designed(discrete, n, m, k)
     assert fast.status is Status.CONVERGED
@@ -244,27 +249,22 @@ def test_the_fastest_observer_keeps_what_it_promises(discrete, n, m, k):
     true = np.diag(p.M @ covariance(p, fast.gain, discrete) @ p.M.T)
     assert fast.variances == pytest.approx(true, rel=1e-6)
     assert np.all(true < bound * (1 + 1e-6))
-    # It is faster than the Kalman filter, which keeps these bounds too.
     assert fast.alpha > 0
 
 
-@both_times
-def test_multipliers_are_the_slopes_of_the_rate(discrete):
-    p, _, bound, fast = designed(discrete, 2, 1, 2)
+def test_multipliers_are_the_slopes_of_the_rate():
+    p, _, bound, fast = designed(False, 2, 1, 2)
     assert np.all(fast.multipliers > -1e-6)
     assert fast.multipliers.max() > 0.01
     i = int(np.argmax(fast.multipliers))
     step = 2e-3 * np.eye(2)[i]
-    ends = [
-        fastest_observer(*p.matrices, bound * np.exp(s), discrete=discrete).alpha
-        for s in (-step, step)
-    ]
+    ends = [fastest_observer(*p.matrices, bound * np.exp(s)).alpha for s in (-step, step)]
     assert np.log(ends[1] / ends[0]) / 4e-3 == pytest.approx(fast.multipliers[i], rel=1e-3)
 
 
 @pytest.mark.parametrize(("time", "size"), [(1e3, 1e-3), (1e-3, 1e-3)])
 def test_the_rate_does_not_depend_on_units(time, size):
-    p, least, bound, here = designed(False, 4, 2, 1)
+    p, least, bound, here = designed(False, 4, 1, 2)
     states = [size, 1.0, 1 / size, 2.0]
     other = p.in_other_units(time, states, size)
     there = fastest_observer(*other.matrices, bound)
@@ -285,7 +285,7 @@ def test_bounds_that_are_out_of_reach_are_refused_with_the_least():
     assert str(refused.value).startswith(
         f"no observer keeps the variances within {0.5 * least:.6g}"
     )
-    assert fastest_observer(*p.matrices, 1.05 * least, tolerance=0.1).alpha > 0
+    assert fastest_observer(*p.matrices, 1.05 * least, tolerance=0.5).alpha > 0
 
 
 # Without measurement noise.
@@ -317,7 +317,7 @@ def test_the_published_gains_are_faster(clean_chain):
 
 def test_little_noise_comes_close_to_none():
     alphas = [
-        fastest_observer(*chain(v).matrices, BOUND, tolerance=1e-3).alpha for v in (1.0, 1e-3)
+        fastest_observer(*chain(v).matrices, BOUND, tolerance=1e-2).alpha for v in (1.0, 1e-3)
     ]
     assert alphas[0] < alphas[1]
     assert 0.85 * 2 * ETA < alphas[1] < 2 * ETA

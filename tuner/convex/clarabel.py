@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from threading import RLock
 from typing import TYPE_CHECKING, Any
 
@@ -48,7 +48,7 @@ class Run:
         tolerance: what it was asked for.
         solution: cvxpy's reading of where it ended.
         proved: the lower bound that its dual point proves, if it does.
-        iterations: how many it took.
+        iterations: how many it took, those of the runs before it among them.
     """
 
     ended: str
@@ -56,11 +56,6 @@ class Run:
     solution: Any
     proved: float | None
     iterations: int
-
-    @property
-    def finished(self) -> bool:
-        """Whether it got to its tolerance."""
-        return self.ended in _FINISHED
 
     @property
     def looser(self) -> bool:
@@ -118,30 +113,27 @@ def descend(problem: "cp.Problem") -> Run:
     program = compiled(problem)
     iterations = 0
     for tolerance in TOLERANCES:
-        run = _run(program, tolerance)
-        iterations += run.iterations
-        if run.finished:
+        raw = program.run(program.data, tolerance)
+        iterations += int(raw.iterations)
+        ended = _ended(program, raw, tolerance)
+        if ended in _FINISHED:
             break
-    return replace(run, iterations=iterations)
-
-
-def _run(program: Compiled, tolerance: float) -> Run:
-    raw = program.run(program.data, tolerance)
-    ended = str(raw.status)
-    if ended == "DualInfeasible":
-        ended = _without_end(program, tolerance)
     solution = program.chain.invert(raw, program.inverse)
     proved = None
     if _has_point(ended) and np.isfinite(raw.x).all():
         x, z, s = (np.asarray(part) for part in (raw.x, raw.z, raw.s))
         bound = dual_bound(program.data, x, z, s)
         proved = None if bound is None else float(solution.opt_val - raw.obj_val + bound)
-    return Run(ended, tolerance, solution, proved, int(raw.iterations))
+    return Run(ended, tolerance, solution, proved, iterations)
 
 
-def _without_end(program: Compiled, tolerance: float) -> str:
-    """How a run ended that found a direction of descent: nothing says there is a point as well."""
+def _ended(program: Compiled, raw: Any, tolerance: float) -> str:
+    """The solver's own word, but where it is unbounded only if there is a point to start from."""
+    ended = str(raw.status)
+    if ended != "DualInfeasible":
+        return ended
+    # It found a direction of descent, which says nothing about a point.
     level = {key: part for key, part in program.data.items() if key != "P"}
     level["c"] = np.zeros_like(program.data["c"])
     feasible = str(program.run(level, tolerance).status)
-    return {"Solved": "DualInfeasible", "PrimalInfeasible": feasible}.get(feasible, "Unsolved")
+    return {"Solved": ended, "PrimalInfeasible": feasible}.get(feasible, "Unsolved")

@@ -1,7 +1,7 @@
 """Solutions known from elsewhere, judged like any other."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,7 +24,7 @@ class Known:
     """
 
     name: str
-    find: Callable[[Problem], dict[str, float | np.ndarray]]
+    find: Callable[[Problem], Mapping[str, float | np.ndarray]]
     words: str
 
     def __call__(self, problem: Problem) -> Solution:
