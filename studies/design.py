@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.scipy.linalg import expm
@@ -129,7 +130,8 @@ def model(settings: Settings) -> LinearDesign:
     W, dt = G @ Q @ G.T, settings.dt
     if settings.sample_time is not None:
         dt = settings.sample_time
-        step = van_loan(jnp.asarray(A), jnp.asarray(G), jnp.asarray(Q), jnp.asarray(dt))
+        given = (jnp.asarray(part) for part in (A, G, Q, dt))
+        step = jax.jit(van_loan)(*given)
         A, W = np.asarray(step.F), np.asarray(step.Q)
     return LinearDesign(states, A, C, W, R, _error(settings.error, states), dt)
 

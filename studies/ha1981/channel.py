@@ -110,28 +110,15 @@ class Channel:
 
     def model(self, Ts: float) -> LinearModel:
         """(11) and (12): exact Phi, Q of white noise (Van Loan); the one printed has no Ts."""
-        F, G, H = vertical_channel(self.k_gh)
-        return LinearModel(
-            transition=van_loan(F, G, jnp.array([[self.q_a]]), jnp.asarray(Ts)),
-            H=H,
-            R=jnp.array([self.q_b]),
-            P0=jnp.diag(jnp.array([self.sigma2_ab, 0.0, self.sigma2_hr])),
-            x0=jnp.zeros(3),
-        )
+        numbers = (self.q_a, self.q_b, self.sigma2_ab, self.sigma2_hr, self.k_gh)
+        made: LinearModel = _model(numbers, Ts)
+        return made
 
     def loop(self, gains: "Gains", dt: float) -> LinearModel:
         """(10) in error coordinates over one step; nothing is measured."""
-        noise = jnp.array([[0.0], [0.0], [1.0], [0.0]])
-        density = jnp.array([[self.q_a]])
-        A = loop_error(gains.loop(self.k_gh), self.k_gh)
-        start = jnp.array([self.sigma2_ab, 0.0, 0.0, self.sigma2_hr])
-        return LinearModel(
-            transition=van_loan(A, noise, density, jnp.asarray(dt)),
-            H=jnp.zeros((1, 4)),
-            R=jnp.ones(1),
-            P0=jnp.diag(start),
-            x0=jnp.zeros(4),
-        )
+        start = (self.sigma2_ab, 0.0, 0.0, self.sigma2_hr)
+        made: LinearModel = _loop(gains.loop(self.k_gh), self.k_gh, self.q_a, start, dt)
+        return made
 
 
 @dataclass(frozen=True)
@@ -185,10 +172,19 @@ def times(seconds: float, Ts: float) -> np.ndarray:
     return np.arange(int(np.floor(seconds / Ts + 1e-9)) + 1) * Ts
 
 
+# Compiled for a few lengths only: a longer history costs less than another compilation.
+SHORTEST = 256
+
+
+def _counted(samples: int) -> Array:
+    return jnp.zeros(max(SHORTEST, 2 ** (samples - 1).bit_length()))
+
+
 def kalman_history(channel: Channel, Ts: float, seconds: float) -> Uncertainty:
     """(14) to (17): P(+) and gains, the first measurement at t = 0; stacked along time."""
-    found: Uncertainty = _kalman(channel.model(Ts), jnp.zeros(len(times(seconds, Ts))))
-    return found
+    samples = len(times(seconds, Ts))
+    P, K = _kalman(channel.model(Ts), _counted(samples))
+    return Uncertainty(P[:samples], K[:samples])
 
 
 def riccati_history(channel: Channel, dt: float, seconds: float) -> Uncertainty:
@@ -196,20 +192,50 @@ def riccati_history(channel: Channel, dt: float, seconds: float) -> Uncertainty:
     F, G, H = vertical_channel(channel.k_gh)
     W, V = G @ G.T * channel.q_a, jnp.array([[channel.q_b]])
     flow = Flow(riccati_flow(F, H, W, V, jnp.asarray(dt)), channel.model(1.0).P0)
-    P = _riccati(flow, jnp.zeros(len(times(seconds, dt))))
+    samples = len(times(seconds, dt))
+    P = _riccati(flow, _counted(samples))[:samples]
     return Uncertainty(P, P[:, :, 2:] / channel.q_b)
 
 
 def replayed(truth: LinearModel, K: Array) -> Array:
     """(19): P11(+) when gains ``(N, 3, 1)`` are applied to a given truth, ``(N,)``."""
-    found: Array = _given(truth, K)
-    return found
+    samples = len(K)
+    missing = len(_counted(samples)) - samples
+    found: Array = _given(truth, jnp.pad(K, ((0, missing), (0, 0), (0, 0))))
+    return found[:samples]
 
 
 def loop_history(channel: Channel, gains: Gains, dt: float, seconds: float) -> np.ndarray:
     """sigma_epsilon^2(t) of the conventional loop by (10), ``(N,)``."""
-    steps = len(times(seconds, dt))
-    return np.asarray(_given(channel.loop(gains, dt), jnp.zeros((steps, 4, 1))))
+    samples = len(times(seconds, dt))
+    return np.asarray(replayed(channel.loop(gains, dt), jnp.zeros((samples, 4, 1))))
+
+
+@jax.jit
+def _model(numbers: tuple[Array, ...], Ts: Array) -> LinearModel:
+    q_a, q_b, sigma2_ab, sigma2_hr, k_gh = numbers
+    F, G, H = vertical_channel(k_gh)
+    return LinearModel(
+        transition=van_loan(F, G, jnp.reshape(q_a, (1, 1)), Ts),
+        H=H,
+        R=jnp.reshape(q_b, (1,)),
+        P0=jnp.diag(jnp.stack([sigma2_ab, jnp.zeros(()), sigma2_hr])),
+        x0=jnp.zeros(3),
+    )
+
+
+@jax.jit
+def _loop(
+    gains: LoopGains, k_gh: Array, q_a: Array, start: tuple[Array, ...], dt: Array
+) -> LinearModel:
+    noise = jnp.array([[0.0], [0.0], [1.0], [0.0]])
+    return LinearModel(
+        transition=van_loan(loop_error(gains, k_gh), noise, jnp.reshape(q_a, (1, 1)), dt),
+        H=jnp.zeros((1, 4)),
+        R=jnp.ones(1),
+        P0=jnp.diag(jnp.stack(start)),
+        x0=jnp.zeros(4),
+    )
 
 
 @jax.jit

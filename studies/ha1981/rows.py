@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -35,7 +36,7 @@ def compare(channel: Channel, settings: Settings, solutions: Solutions) -> list[
     rows += _steady(channel)
     end = scheme.reaches(channel, FIVE)
     rows.append(_floor(channel, end))
-    rows += _sensitivities(channel, end)
+    rows += _sensitivities(channel, settings, end)
     rows += [_printed_noise(channel), _better(channel, end, solutions)]
     rows += [_stages(end, solutions), _stored(solutions, settings)]
     return rows
@@ -121,8 +122,10 @@ def _settling() -> Comparison:
 
 def _settles(gains: Gains) -> dict[float, float]:
     start = jnp.array([1.0, 0.0, 0.0])
-    error = jnp.asarray(gains.error)
-    return {band: float(settling_time(error, start, start, band)) for band in (0.02, 0.05)}
+    return {band: float(_settling_time(gains.error, start, start, band)) for band in (0.02, 0.05)}
+
+
+_settling_time = jax.jit(settling_time)
 
 
 def _steady(channel: Channel) -> Iterator[Comparison]:
@@ -154,11 +157,11 @@ def _floor(channel: Channel, end: float) -> Comparison:
     )
 
 
-def _sensitivities(channel: Channel, end: float) -> Iterator[Comparison]:
-    found = scheme.sensitivities(channel, FIVE, end)
-    early = round(10 / FIVE)
+def _sensitivities(channel: Channel, settings: Settings, end: float) -> Iterator[Comparison]:
+    found = scheme.sensitivities(channel, FIVE, settings.seconds)
+    early, last = round(10 / FIVE), round(end / FIVE)
     for quantity, key in (("q_b", "q_b"), ("sigma_ab", "sigma2_ab"), ("q_a", "q_a")):
-        late = float(found[key][-1])
+        late = float(found[key][last])
         silent = "; the paper does not mention q_a" if quantity == "q_a" else ""
         yield claim(
             f"kalman.insensitive_{quantity}",

@@ -91,10 +91,15 @@ class SteadyModel:
 
     def kalman(self) -> tuple[np.ndarray, np.ndarray]:
         """P(+) and K = P(+) H' / q_b in the steady state, by the Riccati equation."""
-        m = self.model
-        P = dare(m.transition.F, m.H, m.transition.Q, jnp.diag(m.R))
-        R = jnp.diag(m.R)
-        return np.asarray(updated(P, m.H, R)), np.asarray(steady_gain(P, m.H, R))
+        P, K = _steady(self.model)
+        return np.asarray(P), np.asarray(K)
+
+
+@jax.jit
+def _steady(m: LinearModel) -> tuple[Array, Array]:
+    R = jnp.diag(m.R)
+    P = dare(m.transition.F, m.H, m.transition.Q, R)
+    return updated(P, m.H, R), steady_gain(P, m.H, R)
 
 
 class Fixed(NamedTuple):
@@ -255,14 +260,21 @@ def reaches(channel: Channel, Ts: float) -> float:
 def sensitivities(channel: Channel, Ts: float, seconds: float) -> dict[str, np.ndarray]:
     """d ln P11(t) / d ln p by (19) with the gains held, for p = q_a, q_b, sigma^2_AB; ``(N,)``."""
     gains = kalman_history(channel, Ts, seconds).K
-    names = ("q_a", "q_b", "sigma2_ab")
+    slopes = np.asarray(_sensitivities(channel, Ts, gains))
+    return {name: slopes[:, i] for i, name in enumerate(_UNCERTAIN)}
 
+
+_UNCERTAIN = ("q_a", "q_b", "sigma2_ab")
+
+
+@jax.jit(static_argnums=(0, 1))
+def _sensitivities(channel: Channel, Ts: float, gains: Array) -> Array:
     def logarithm(logs: Array) -> Array:
-        scaled = {name: getattr(channel, name) * jnp.exp(logs[i]) for i, name in enumerate(names)}
-        return jnp.log(replayed(replace(channel, **scaled).model(Ts), gains))
+        numbers = {n: getattr(channel, n) * jnp.exp(logs[i]) for i, n in enumerate(_UNCERTAIN)}
+        return jnp.log(replayed(replace(channel, **numbers).model(Ts), gains))
 
-    slopes = np.asarray(jax.jacfwd(logarithm)(jnp.zeros(3)))
-    return {name: slopes[:, i] for i, name in enumerate(names)}
+    slopes: Array = jax.jacfwd(logarithm)(jnp.zeros(3))
+    return slopes
 
 
 def replay(channel: Channel, Ts: float, seconds: float, *, by: str) -> np.ndarray:
