@@ -128,7 +128,8 @@ class LinearDesign:
     def covariance(self, L: np.ndarray) -> np.ndarray:
         """Steady covariance of the error, ``(n, n)``; NaN where the observer is unstable."""
         solve = stein if self.discrete else lyapunov
-        return np.asarray(solve(self.closed(L), self._noise(L)))
+        P = np.asarray(solve(self.closed(L), self._noise(L)))
+        return (P + P.T) / 2
 
     def variance(self, L: Array) -> Array:
         """Steady variance of the error that counts, ``()``; differentiable in L ``(n, m)``."""
@@ -269,7 +270,7 @@ class _Placed:
 def _begin(placed: _Placed, bound: float) -> float:
     """The fastest decay rate at which coinciding poles keep the bound; or the quietest."""
     design, factors = placed.design, placed.factors
-    values = {"spread": jnp.zeros(())}
+    values = {"spread": jnp.zeros(())} if factors.odd else {}
     for i in range(factors.pairs):
         values |= {f"damping_{i + 1}": jnp.zeros(()), f"stiffness_{i + 1}": jnp.zeros(())}
     unit = max(float(np.abs(np.linalg.eigvals(design.A)).max()), 1e-6)

@@ -1,0 +1,223 @@
+"""Designs of one's own: against Riccati and Lyapunov solvers of scipy, and in sentences."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+import tomli_w
+from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov, solve_discrete_are
+
+from studies.design import Settings, model
+from tests import oracles_ha1981 as oracle
+from tuner.cli import invoke
+from tuner.design import LinearDesign, fastest, gain_of, quietest, riccati
+from tuner.solution import Status
+from tuner.solvers import Ipopt
+
+CHANNEL = {
+    "states": ["bias", "velocity", "altitude"],
+    "A": [[0, 0, 0], [1, 0, oracle.K_GH], [0, 1, 0]],
+    "C": [[0, 0, 1]],
+    "G": [[0], [1], [0]],
+    "Q": [[oracle.Q_A]],
+    "R": [[0.0]],
+    "error": "bias",
+    "bound": oracle.BOUND,
+}
+NOISY = {
+    "A": [[0.0, 1.0], [-4.0, -0.4]],
+    "C": [[1.0, 0.0]],
+    "Q": [[0.1, 0.0], [0.0, 1.0]],
+    "R": [[0.05]],
+    "error": "x2",
+    "unit": "m/s",
+}
+
+
+def written(path, **settings):
+    path.write_bytes(tomli_w.dumps({"study": "design", "settings": settings}).encode())
+    return path
+
+
+def ran(folder, **settings):
+    path = written(folder / "design.toml", **settings)
+    assert invoke(["run", str(path), "--out", str(folder / "run")]) == 0
+    return json.loads((folder / "run/result.json").read_bytes())
+
+
+def exported(result):
+    (tuned,) = result["tuned"]
+    return {q["name"]: np.array(q["value"]) for q in tuned["quantities"]} | {"dt": tuned["dt"]}
+
+
+@pytest.fixture(scope="module")
+def channel(tmp_path_factory):
+    return ran(tmp_path_factory.mktemp("channel"), **CHANNEL)
+
+
+@pytest.fixture(scope="module")
+def noisy(tmp_path_factory):
+    return ran(tmp_path_factory.mktemp("noisy"), **NOISY)
+
+
+def test_the_papers_loop_comes_out_of_a_toml_file(channel):
+    found = exported(channel)
+    K1, K2, K3 = oracle.triple_pole_gains(0.01)
+    np.testing.assert_allclose(found["L"][:, 0], [K3, K2 + oracle.K_GH, K1], rtol=1e-6)
+    assert found["variance"] == pytest.approx(oracle.BOUND, rel=1e-6)
+    assert found["dt"] == 0.0
+    closed = np.array(CHANNEL["A"]) - found["L"] @ np.array(CHANNEL["C"])
+    W = np.diag([0.0, oracle.Q_A, 0.0])
+    np.testing.assert_allclose(
+        found["P"], solve_continuous_lyapunov(closed, -W), rtol=1e-6, atol=1e-12
+    )
+    (row,) = channel["comparisons"]
+    assert (row["quantity"], row["verdict"]) == ("fastest.matrix_inequality", "claim holds")
+    assert row["ours"] == pytest.approx(0.375 * 0.99, rel=1e-3)  # 1 % is given away
+
+
+def test_the_quietest_is_the_kalman_filter(noisy):
+    A, C, Q, R = (np.array(NOISY[name]) for name in "ACQR")
+    P = solve_continuous_are(A.T, C.T, Q, R)
+    found = exported(noisy)
+    np.testing.assert_allclose(found["L"], P @ C.T / R, rtol=1e-9)
+    np.testing.assert_allclose(found["P"], P, rtol=1e-9)
+    solutions = {s["solver"]: s for s in noisy["solutions"]}
+    for name in ("riccati", "ipopt", "sdp"):
+        assert solutions[name]["status"] == "converged"
+        assert solutions[name]["value"] == pytest.approx(P[1, 1], rel=1e-7)
+    bound = solutions["sdp"]["certificate"]["lower_bound"]
+    assert P[1, 1] * (1 - 1e-6) <= bound <= P[1, 1] * (1 + 1e-9)
+    assert {e["format"] for e in noisy["exports"]} == {"json", "toml", "npz", "csv", "mat", "c"}
+    assert all(abs(e["relative_change"]) < 1e-12 for e in noisy["exports"])
+
+
+def test_sampled_measurements_of_a_continuous_model():
+    settings = Settings(**NOISY | {"sample_time": 0.2})
+    design = model(settings)
+    F, W = oracle.van_loan(np.array(NOISY["A"]), np.array(NOISY["Q"]), 0.2)
+    np.testing.assert_allclose(design.A, F, rtol=1e-12)
+    np.testing.assert_allclose(design.W, W, rtol=1e-10)
+    P = solve_discrete_are(F.T, np.array(NOISY["C"]).T, W, np.array(NOISY["R"]))
+    assert design.least() == pytest.approx(P[1, 1], rel=1e-9)
+    known = riccati(design)(quietest("quietest", design))
+    assert known.status is Status.CONVERGED
+    assert known.value == pytest.approx(P[1, 1], rel=1e-9)
+
+
+@pytest.mark.parametrize("dt", [None, 0.1])
+def test_nobody_is_faster_within_the_bound(dt):
+    """Against random gains around the found one, and far from it."""
+    settings = Settings(**NOISY | ({"sample_time": dt} if dt else {}))
+    design = model(settings)
+    bound = 2.5 * design.least()
+    problem = fastest("fastest", design, bound)
+    solution = Ipopt(seed=0, starts=2)(problem)
+    assert solution.status is Status.CONVERGED
+    L = gain_of(problem, solution.z)
+    assert design.decay(L) >= (1 - 1e-6) / solution.value
+    draw = np.random.default_rng(0)
+    scales = draw.choice([1e-3, 1e-2, 0.1, 1.0], size=(4000, 1, 1))
+    for gain in L * (1 + scales * draw.normal(size=(4000, *L.shape))):
+        # A pole that is double at the optimum splits with the root of a change of the gain.
+        if design.decay(gain) > design.decay(L) * (1 + 1e-6):
+            closed = design.A - gain @ design.C
+            noise = design.W + gain @ design.V @ gain.T
+            P = _steady(closed, noise, dt)
+            assert design.error @ P @ design.error > bound * (1 - 1e-6)
+
+
+def _steady(F, W, dt):
+    if dt is None:
+        return solve_continuous_lyapunov(F, -W)
+    P = W
+    for _ in range(40):
+        P, F = P + F @ P @ F.T, F @ F
+    return P
+
+
+def test_two_measurements_are_used_together():
+    A = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.0]])
+    C = np.array([[0, 0, 1.0], [0, 1, 0]])
+    W, V = np.diag([1e-4, 0.04, 0]), np.diag([1.0, 0.5])
+    error = np.array([1.0, 0, 0])
+    design = LinearDesign(("bias", "speed", "place"), A, C, W, V, error, None)
+    P = solve_continuous_are(A.T, C.T, W, V)
+    assert design.least() == pytest.approx(P[0, 0], rel=1e-9)
+    problem = fastest("fastest", design, 3 * design.least())
+    solution = Ipopt(seed=0, starts=1)(problem)
+    L = gain_of(problem, solution.z)
+    assert solution.status is Status.CONVERGED
+    assert float(design.variance(L)) == pytest.approx(3 * design.least(), rel=1e-6)
+    kalman = design.decay(P @ C.T @ np.linalg.inv(V))
+    assert design.decay(L) >= 1 / solution.value > 5 * kalman
+
+
+def test_what_nothing_drives_is_named_and_left_alone(tmp_path):
+    drifting = CHANNEL | {"R": [[oracle.Q_B]], "sample_time": 5.0, "error": "altitude"}
+    del drifting["bound"]
+    result = ran(tmp_path, **drifting)
+    found = exported(result)
+    K2, K3 = (float(f"0{text}") for text in oracle.STEADY[5.0][2:])
+    np.testing.assert_allclose(found["K"][:, 0], [0.0, K2, K3], rtol=1e-4, atol=1e-12)
+    rows = {row["quantity"]: row for row in result["comparisons"]}
+    assert rows["quietest.every_mode_driven"]["verdict"] == "claim fails"
+    assert "constant mode along bias" in rows["quietest.every_mode_driven"]["note"]
+    assert found["P"][0].tolist() == [0.0, 0.0, 0.0]
+
+
+def without(name):
+    return {key: value for key, value in NOISY.items() if key != name}
+
+
+REFUSED = {
+    "undetectable": (
+        NOISY | {"A": [[0.5, 0.0], [0.0, -1.0]], "C": [[0.0, 1.0]]},
+        "no measurement shows the mode 0.5 1/s along x1, which does not die out",
+    ),
+    "out of reach": (
+        NOISY | {"bound": 1e-3},
+        "the bound 0.001 is not above 0.566783, the least variance that any observer reaches",
+    ),
+    "Q": (NOISY | {"Q": [[1.0, 2.0], [2.0, 1.0]]}, "Q must be positive semi-definite"),
+    "R": (NOISY | {"R": [[-1.0]]}, "V must be positive semi-definite, but has the eigenvalue -1"),
+    "shapes": (NOISY | {"C": [[1.0, 0.0, 0.0]]}, "C has the shape (1, 3); 2 states"),
+    "ragged": (NOISY | {"A": [[1.0, 0.0], [1.0]]}, "setting A: must be a matrix"),
+    "G": (NOISY | {"G": [[1.0], [0.0]]}, "A (2, 2), G (2, 1) and Q (2, 2) do not fit"),
+    "dt": (NOISY | {"dt": 0.0}, "setting dt: Input should be greater than 0"),
+    "sample_time": (NOISY | {"sample_time": -1.0}, "setting sample_time: Input should be greater"),
+    "both": (NOISY | {"dt": 1.0, "sample_time": 1.0}, "dt says that A is discrete"),
+    "error": (NOISY | {"error": "speed"}, "unknown state 'speed'"),
+    "missing": (without("A"), "setting A is missing"),
+    "unknown": (NOISY | {"B": [[1.0]]}, "unknown setting 'B'"),
+    "noiseless": (NOISY | {"R": [[0.0]]}, "V is singular: a measurement without noise"),
+    "not driven": (
+        NOISY
+        | {
+            "A": [[0.0, 0.0], [0.0, -1.0]],
+            "Q": [[0.0, 0.0], [0.0, 1.0]],
+            "error": "x1",
+            "C": [[1.0, 1.0]],
+        },
+        "nothing drives the constant mode along x1",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_bad_models_are_refused_in_a_sentence(name, tmp_path, capfd):
+    settings, sentence = REFUSED[name]
+    path = written(tmp_path / "design.toml", **settings)
+    assert invoke(["run", str(path), "--out", str(tmp_path / "run")]) == 2
+    said = capfd.readouterr().err
+    assert sentence in said
+    assert said.count("\n") == 1
+    assert not (tmp_path / "run").exists()
+
+
+def test_the_resolved_recipe_runs_again(noisy, tmp_path_factory):
+    folder = next(tmp_path_factory.getbasetemp().glob("noisy*/run"))
+    recipe = tomllib.loads((folder / "study.toml").read_text())
+    assert recipe["settings"]["A"] == NOISY["A"]
+    assert Settings(**recipe["settings"]) == Settings(**NOISY)
