@@ -48,6 +48,13 @@ def commands(code):
     ]
 
 
+@pytest.mark.parametrize("text", blocks("toml"))
+def test_designs_can_be_planned(text, tmp_path, capfd):
+    (tmp_path / "design.toml").write_text(text)
+    assert invoke(["run", str(tmp_path / "design.toml"), "--dry-run"]) == 0
+    assert "would solve" in capfd.readouterr().out
+
+
 QUICK = ["--set", "starts=1", "--set", "solvers=l-bfgs-b", "--set", "grid=2"]
 
 
