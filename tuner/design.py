@@ -129,7 +129,7 @@ class LinearDesign:
         """Steady covariance of the error, ``(n, n)``; NaN where the observer is unstable."""
         solve = stein if self.discrete else lyapunov
         P = np.asarray(solve(self.closed(L), self._noise(L)))
-        return (P + P.T) / 2
+        return np.asarray((P + P.T) / 2)
 
     def variance(self, L: Array) -> Array:
         """Steady variance of the error that counts, ``()``; differentiable in L ``(n, m)``."""

@@ -45,7 +45,14 @@ class Case:
 # L-BFGS-B ends at 1e-8 of the value, trust-constr where the last weight of its barrier lets it, a
 # simplex at 1e-5 in z. Of 150 samples in a square of side 6, one comes within 0.25 by chance; the
 # samplers learn where to draw.
-SMOOTH = {"l-bfgs-b": 1e-6, "ipopt": 1e-6, "trust-constr": 1e-4, "nelder-mead": 1e-4, "cma-es": 0.1, "tpe": 0.1}
+SMOOTH = {
+    "l-bfgs-b": 1e-6,
+    "ipopt": 1e-6,
+    "trust-constr": 1e-4,
+    "nelder-mead": 1e-4,
+    "cma-es": 0.1,
+    "tpe": 0.1,
+}
 CASES = [
     Case(bowl, (1.0, -1.0), 1.0, SMOOTH),
     Case(crater, (1.0, -1.0), 1.0, SMOOTH),
