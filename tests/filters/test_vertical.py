@@ -1,5 +1,7 @@
 """The vertical channel: its two models, the conventional loop, and filters with stored gains."""
 
+import inspect
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -85,9 +87,10 @@ def test_loop_error_is_the_scheme_of_the_figure(k_gh):
     assert np.abs(TO_ERRORS @ five_states(GAINS, k_gh, False) - moved).max() == 1.0
 
 
-def test_loop_error_defaults_to_the_earths_gradient():
+def test_the_loop_defaults_to_the_earths_gradient():
     expected = ha.error_matrix((1.2, 0.8 - ha.K_GH, 0.3))
     np.testing.assert_allclose(loop_error(GAINS), expected, rtol=1e-15)
+    assert inspect.signature(loop_step).parameters["k_gh"].default == GRAVITY_GRADIENT
 
 
 @given(rng=seeds(), k_gh=st.sampled_from([0.0, GRAVITY_GRADIENT, STEEP]))
@@ -199,7 +202,7 @@ def test_missing_difference_leaves_a_prediction():
     for hole in (6, 7):
         z[hole] = np.nan
     actual = looped(GAINS, 0.1, z)
-    F, B = (np.asarray(part) for part in stepped(GAINS, 0.1))
+    F, B = (np.asarray(part) for part in stepped(GAINS, 0.1, GRAVITY_GRADIENT))
     for k in range(6, 12):
         expected = F @ expected + (0.0 if k in (6, 7) else B * (z[k] - expected[2]))
         np.testing.assert_allclose(actual[k], expected, rtol=1e-12)

@@ -1,11 +1,9 @@
 """Modes that keep a filter from having a steady state: found in any units, named, taken out."""
 
-import jax.numpy as jnp
 import numpy as np
 import pytest
 import scipy.linalg
 
-from filters import van_loan
 from objectives import (
     Mode,
     steady_kalman,
@@ -14,6 +12,7 @@ from objectives import (
     without_undriven,
     without_unseen,
 )
+from tests.oracles_ha1981 import van_loan
 
 VERTICAL = ["A_B", "dV", "dh"]
 SEEN = np.array([[0.0, 0.0, 1.0]])
@@ -24,17 +23,12 @@ def vertical(k):
     return np.array([[0.0, 0.0, 0.0], [1.0, 0.0, k], [0.0, 1.0, 0.0]])
 
 
-def sampled(A, S, dt):
-    step = van_loan(jnp.asarray(A), jnp.eye(len(A)), jnp.asarray(S), dt)
-    return np.asarray(step.F), np.asarray(step.Q)
-
-
 @pytest.mark.parametrize("units", [np.ones(3), np.array([1e-6, 1.0, 1e6])], ids=["SI", "mixed"])
 @pytest.mark.parametrize("k", [0.0, 3.07e-6])
 def test_vertical_channel_has_an_undriven_constant(k, units):
     A = vertical(k) / units[:, None] * units
     W = np.diag([0.0, 0.04, 0.0]) / np.outer(units, units)
-    models = {False: (A, W), True: sampled(A, W, 5.0)}
+    models = {False: (A, W), True: van_loan(A, W, 5.0)}
     for discrete, (F, Q) in models.items():
         (mode,) = undriven_modes(F, Q, discrete=discrete)
         assert mode.words(VERTICAL) == "the constant mode along A_B"
@@ -49,7 +43,7 @@ def test_vertical_channel_has_an_undriven_constant(k, units):
     [(5.0, 0.113031, 0.793028), (1.0, 0.0877796, 0.375874), (0.5, 0.0682930, 0.244442)],
 )
 def test_vertical_channel_has_the_published_gains(Ts, K2, K3):
-    F, Q = sampled(vertical(1e-12), np.diag([0.0, 0.04, 0.0]), Ts)
+    F, Q = van_loan(vertical(1e-12), np.diag([0.0, 0.04, 0.0]), Ts)
     found = steady_kalman(F, SEEN, Q, R, discrete=True, states=VERTICAL)
     np.testing.assert_allclose(found.gain[:, 0], [0.0, K2, K3], rtol=3e-6, atol=1e-12)
     np.testing.assert_allclose(found.gain, found.updated @ SEEN.T / R, rtol=1e-10, atol=1e-14)

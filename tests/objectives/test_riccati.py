@@ -6,16 +6,31 @@ import mpmath
 import numpy as np
 import pytest
 import scipy.linalg
-from jax.test_util import check_grads
 
 from filters.small import product, solve
 from objectives import care, dare, steady_gain, updated
 
 EQUATIONS = {"dare": dare, "care": care}
+LOT = 20  # models in a call: every other number of them, and every other shape, is a compilation
 batched = {name: jax.jit(jax.vmap(function)) for name, function in EQUATIONS.items()}
+gains = jax.jit(jax.vmap(lambda P, H, R: (updated(P, H, R) @ H.T / R, steady_gain(P, H, R))))
 
 
-def models(n, m, count=20, radius=2.0):
+def solved(name, *models):
+    """Solutions of any number of models, a full lot at a time."""
+    count = len(models[0])
+    full = -(-count // LOT) * LOT
+    lots = zip(
+        *(
+            np.resize(part, (full, *part.shape[1:])).reshape(-1, LOT, *part.shape[1:])
+            for part in models
+        ),
+        strict=True,
+    )
+    return np.concatenate([batched[name](*lot) for lot in lots])[:count]
+
+
+def models(n, m, count=LOT, radius=2.0):
     draw = np.random.default_rng(10 * n + m)
     A, B = draw.standard_normal((2, count, n, n))
     A = A * (draw.uniform(0.2, radius, count) / np.abs(np.linalg.eigvals(A)).max(1))[:, None, None]
@@ -50,29 +65,28 @@ def worst(found, expected):
 
 
 def check_derivatives(cost, point, step=1e-5):
-    """Along one direction: forwards, backwards and the second, against central differences."""
+    """Along one direction: forwards, backwards and the second, against central differences.
+
+    The second is forwards over backwards, in one compiled function with the first ones.
+    """
     draw = np.random.default_rng(7)
     move = tuple(jnp.asarray(draw.standard_normal(part.shape)) for part in point)
-    at = lambda t: [part + t * way for part, way in zip(point, move, strict=True)]  # noqa: E731
-    value, slope = jax.jit(cost), jax.jit(jax.grad(lambda t: cost(*at(t))))
-    both = jax.jit(jax.value_and_grad(jax.grad(lambda t: cost(*at(t)))))
-    forward = jax.jit(lambda t: jax.jvp(lambda t: cost(*at(t)), (t,), (1.0,))[1])
-    differences = [
-        (float(function(step)) - float(function(-step))) / (2 * step)
-        for function in (lambda t: value(*at(t)), slope)
-    ]
-    first, second = both(0.0)
-    np.testing.assert_allclose([slope(0.0), forward(0.0), first], differences[0], rtol=1e-6)
-    np.testing.assert_allclose(second, differences[1], rtol=1e-6)
+    along = lambda t: cost(*(part + t * way for part, way in zip(point, move, strict=True)))  # noqa: E731
+    both = jax.jit(lambda t: jax.jvp(jax.value_and_grad(along), (t,), (1.0,)))
+    (_, slope), (forward, second) = both(0.0)
+    ahead, behind = (np.array(both(t)[0]) for t in (step, -step))
+    first_difference, second_difference = (ahead - behind) / (2 * step)
+    np.testing.assert_allclose([slope, forward], first_difference, rtol=1e-6)
+    np.testing.assert_allclose(second, second_difference, rtol=1e-6)
 
 
-@pytest.mark.parametrize(("n", "m"), [(1, 1), (3, 1), (5, 2)])
+@pytest.mark.parametrize(("n", "m"), [(1, 1), (3, 1), (9, 2)])
 @pytest.mark.parametrize("name", EQUATIONS)
 def test_agrees_with_scipy(name, n, m):
     """Detectable, stable or not: abs(eigenvalue) up to 2."""
     library = {"dare": scipy.linalg.solve_discrete_are, "care": scipy.linalg.solve_continuous_are}
     model = models(n, m)
-    for P, F, H, Q, R in zip(batched[name](*model), *model, strict=True):
+    for P, F, H, Q, R in zip(solved(name, *model), *model, strict=True):
         expected = library[name](F.T, H.T, Q, R)  # scipy keeps eight digits of the worst
         np.testing.assert_allclose(P, expected, rtol=0, atol=1e-7 * np.abs(expected).max())
 
@@ -94,7 +108,7 @@ def stiff(F, H, Q, R):
 @pytest.mark.parametrize("change", [small_noise, far_units, stiff])
 def test_forty_digits_of_hard_discrete_models(change):
     model = change(*(part[0] for part in models(3, 1)))
-    (found,) = batched["dare"](*(part[None] for part in model))
+    (found,) = solved("dare", *(part[None] for part in model))
     # scipy refuses the first and keeps ten digits of the last
     assert worst(found, forty_digits("dare", *model)) < 1e-11
 
@@ -102,16 +116,18 @@ def test_forty_digits_of_hard_discrete_models(change):
 @pytest.mark.parametrize("change", [far_units, lambda *model: model], ids=["units", "plain"])
 def test_forty_digits_of_continuous_models(change):
     model = change(*(part[1] for part in models(3, 1)))
-    (found,) = batched["care"](*(part[None] for part in model))
+    (found,) = solved("care", *(part[None] for part in model))
     assert worst(found, forty_digits("care", *model)) < 1e-11
 
 
 def test_an_unstable_mode_that_nothing_drives():
-    """P = R (F^2 - 1) / H^2 in discrete, 2 a V in continuous time; zero is the wrong solution."""
-    F, zero, R = np.full((1, 1, 1), 2.0), np.zeros((1, 1, 1)), np.full((1, 1, 1), 0.7)
-    np.testing.assert_allclose(batched["dare"](F, F, zero, R), 0.7 * 3 / 4, rtol=1e-14)
-    one = np.ones((1, 1, 1))
-    np.testing.assert_allclose(batched["care"](F, one, zero, R), 4 * 0.7, rtol=1e-14)
+    """P = R (F^2 - 1) / H^2 in discrete, 2 a V / C^2 in continuous time; zero is wrong."""
+    zero, R = np.zeros((1, 3, 3)), np.full((1, 1, 1), 0.7)
+    H, expected = np.array([[[2.0, 0.0, 0.0]]]), np.zeros((1, 3, 3))
+    for name, rest, level in (("dare", 0.5, 0.7 * 3 / 4), ("care", -1.0, 0.7)):
+        F = np.diag([2.0, rest, rest])[None]
+        expected[0, 0, 0] = level
+        np.testing.assert_allclose(solved(name, F, H, zero, R), expected, rtol=1e-14)
 
 
 @pytest.mark.parametrize("name", EQUATIONS)
@@ -121,13 +137,13 @@ def test_nan_without_a_steady_filter(name):
     F = np.array([np.diag([on, stable, stable]), np.diag([unstable, stable, stable])])
     H = np.array([[[1.0, 1.0, 0.0]], [[0.0, 1.0, 1.0]]])  # the first is seen, the second is not
     Q = np.array([np.diag([0.0, 1.0, 1.0]), np.eye(3)])
-    assert np.isnan(batched[name](F, H, Q, np.ones((2, 1, 1)))).all()
+    assert np.isnan(solved(name, F, H, Q, np.ones((2, 1, 1)))).all()
 
 
 @pytest.mark.parametrize("name", EQUATIONS)
 def test_derivatives_of_two_orders(name):
-    model = tuple(jnp.asarray(part[0]) for part in models(3, 2, radius=1.1))
-    weight = jnp.asarray(np.random.default_rng(9).standard_normal((3, 3)))
+    model = tuple(jnp.asarray(part[0]) for part in models(2, 1, radius=1.1))
+    weight = jnp.asarray(np.random.default_rng(9).standard_normal((2, 2)))
 
     def cost(F, H, Q, R):
         return (weight * EQUATIONS[name](F, H, Q + Q.T, R + R.T)).sum()
@@ -139,17 +155,32 @@ def test_double_integrator_has_its_closed_form():
     draw = np.random.default_rng(5)
     Ts, qa, qb = np.exp(draw.uniform(np.log(1e-2), np.log(10), (3, 200)))
     zero, one = np.zeros_like(Ts), np.ones_like(Ts)
-    F = np.array([[one, zero], [Ts, one]]).transpose(2, 0, 1)
-    Q = qa * np.array([[Ts, Ts**2 / 2], [Ts**2 / 2, Ts**3 / 3]])
-    H, R = np.broadcast_to([[0.0, 1.0]], (200, 1, 2)), qb[:, None, None]
-    P = batched["dare"](F, H, Q.transpose(2, 0, 1), R)
-    K = jax.vmap(lambda P, H, R: updated(P, H, R) @ H.T / R)(P, H, R)[..., 0]
+    # a third state that nothing shows, for the shape of the other tests
+    F = np.array([[one, zero, zero], [Ts, one, zero], [zero, zero, zero]]).transpose(2, 0, 1)
+    rows = [Ts, Ts**2 / 2, zero], [Ts**2 / 2, Ts**3 / 3, zero], [zero, zero, one]
+    Q = (qa * np.array(rows)).transpose(2, 0, 1)
+    H, R = np.broadcast_to([[0.0, 1.0, 0.0]], (200, 1, 3)), qb[:, None, None]
+    P = solved("dare", F, H, Q, R)
+    K, direct = (np.asarray(part)[..., 0] for part in gains(P, H, R))
     A = qa * (Ts**2 + np.sqrt(Ts**4 / 3 + 16 * qb * Ts / qa)) / 2
     B = np.sqrt(A**2 - 4 * qa * qb * Ts)
     q = 2 * qa * qb * Ts
     expected = np.array([(A - B) / (2 * qb), 1 - q / (A * B + B**2 + q)])
-    np.testing.assert_allclose(K.T, expected, rtol=1e-8)
-    np.testing.assert_allclose(jax.vmap(steady_gain)(P, H, R)[..., 0], K, rtol=1e-9)
+    np.testing.assert_allclose(K[:, :2].T, expected, rtol=1e-8)
+    np.testing.assert_allclose(direct, K, rtol=1e-9)
+
+
+@jax.jit
+def multiplied_and_solved(A, B, ways):
+    """The product, the solution, a number made of it and its slope along the ways."""
+
+    def weight(A, B):
+        X = solve(A, B)
+        return (X * B).sum(), X
+
+    (value, X), slopes = jax.value_and_grad(weight, argnums=(0, 1), has_aux=True)(A, B)
+    backward = sum((slope * way).sum() for slope, way in zip(slopes, ways, strict=True))
+    return product(A, B, A), X, value, backward
 
 
 @pytest.mark.parametrize("n", [1, 4, 9])
@@ -158,9 +189,14 @@ def test_small_solve_and_product(n):
     A, B = draw.standard_normal((2, n, n))
     A[0, 0] = 0.0 if n > 1 else 1.0  # a row has to be exchanged
     units = 10.0 ** draw.integers(-12, 12, n)
-    np.testing.assert_allclose(product(A, B, A), A @ B @ A, rtol=1e-10, atol=1e-12)
+    ways = draw.standard_normal((2, n, n))
+    threefold, _, _, slope = multiplied_and_solved(A, B, ways)
+    np.testing.assert_allclose(threefold, A @ B @ A, rtol=1e-10, atol=1e-12)
     expected = np.linalg.solve(A, B)
-    found = solve(jnp.asarray(A * units[:, None]), jnp.asarray(B * units[:, None]))
+    found = multiplied_and_solved(A * units[:, None], B * units[:, None], ways)[1]
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
-    weight = lambda A, B: (solve(A, B) * B).sum()  # noqa: E731
-    check_grads(weight, (A, B), order=1, modes=("rev",), rtol=1e-4, atol=1e-4)
+    h = 1e-5
+    ahead, behind = (
+        multiplied_and_solved(*(np.array([A, B]) + t * ways), ways)[2] for t in (h, -h)
+    )
+    np.testing.assert_allclose(slope, (ahead - behind) / (2 * h), rtol=1e-4, atol=1e-4)
