@@ -27,21 +27,21 @@ from filters.inertial import (  # noqa: E402
 )
 from filters.kalman import Estimate, Innovation, decorrelate, predict, update  # noqa: E402
 from filters.linear import (  # noqa: E402
+    GainedSample,
     LinearKalman,
     LinearModel,
     LinearOutputs,
     Sample,
+    StoredGains,
     Transition,
 )
 from filters.protocol import AnyFilter, Filter, run  # noqa: E402
 from filters.vertical import (  # noqa: E402
     GRAVITY_GRADIENT,
     ConventionalLoop,
-    GainedSample,
     LoopGains,
     LoopStep,
     Plant,
-    StoredGains,
     loop_error,
     loop_step,
     vertical_channel,

@@ -1,4 +1,4 @@
-"""The linear Kalman filter for any model, with missing samples and varying sample times."""
+"""Linear filters for any model: Kalman's, with missing samples and varying times; stored gains."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -112,3 +112,35 @@ class LinearKalman:
             innovations.append(innovation)
         value, variance, gain = (jnp.stack(part) for part in zip(*innovations, strict=True))
         return estimate, LinearOutputs(estimate.x, estimate.P, value, variance, gain)
+
+
+class GainedSample(NamedTuple):
+    """A measurement with the gain that is to be applied to it.
+
+    Attributes:
+        z: measurements, ``(m,)``; NaN means missing.
+        K: gain, ``(n, m)``.
+    """
+
+    z: Array
+    K: Array
+
+
+@dataclass(frozen=True)
+class StoredGains:
+    """A linear filter whose gains were worked out before: measure, put out, predict.
+
+    The first measurement is taken at once, on x0, as by :class:`filters.KalmanCovariance`, whose
+    gains it takes; one gain for all samples makes a fixed-gain filter. Source: Ha, Kim and Choi
+    1981, (13); their (18) has the innovation's sign wrong.
+    """
+
+    def init(self, params: LinearModel) -> Array:
+        """The start, x0."""
+        return params.x0
+
+    def step(self, params: LinearModel, state: Array, inputs: GainedSample) -> tuple[Array, Array]:
+        """Correct, put out x(+), and predict to the next sample."""
+        y = inputs.z - matmul(params.H, state)
+        x = state + matmul(inputs.K, jnp.where(jnp.isnan(y), 0.0, y))
+        return matmul(params.transition.F, x), x

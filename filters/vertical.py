@@ -15,7 +15,6 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from filters.kalman import matmul
-from filters.linear import LinearModel
 
 GRAVITY_GRADIENT = 3.07e-6
 """Kgh in 1/s^2: how gravity falls with altitude, to which the channel owes its divergence."""
@@ -123,35 +122,3 @@ class ConventionalLoop:
         y = jnp.where(jnp.isnan(inputs), 0.0, inputs - state[2])
         state = matmul(params.F, state) + params.B * y
         return state, state
-
-
-class GainedSample(NamedTuple):
-    """A measurement with the gain that is to be applied to it.
-
-    Attributes:
-        z: measurements, ``(m,)``; NaN means missing.
-        K: gain, ``(n, m)``.
-    """
-
-    z: Array
-    K: Array
-
-
-@dataclass(frozen=True)
-class StoredGains:
-    """A linear filter whose gains were worked out before: measure, put out, predict.
-
-    The first measurement is taken at once, on x0, as by :class:`filters.KalmanCovariance`, whose
-    gains it takes; one gain for all samples makes a fixed-gain filter. Source: Ha, Kim and Choi
-    1981, (13); their (18) has the innovation's sign wrong.
-    """
-
-    def init(self, params: LinearModel) -> Array:
-        """The start, x0."""
-        return params.x0
-
-    def step(self, params: LinearModel, state: Array, inputs: GainedSample) -> tuple[Array, Array]:
-        """Correct, put out x(+), and predict to the next sample."""
-        y = inputs.z - matmul(params.H, state)
-        x = state + matmul(inputs.K, jnp.where(jnp.isnan(y), 0.0, y))
-        return matmul(params.transition.F, x), x
