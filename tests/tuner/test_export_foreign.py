@@ -65,6 +65,9 @@ def _wide(version):
     return f"tuner.tuned/{version}".encode("utf-32-le")
 
 
+_SECONDS = "give a positive number of seconds, or 0 for a continuous model"
+
+
 def changed(**fields):
     return json.dumps(json.loads(dump(gyroscope(), "json")) | fields).encode()
 
@@ -73,8 +76,8 @@ def changed(**fields):
     ("fields", "reason"),
     [
         ({"extra": 1}, "the head should not have 'extra'"),
-        ({"dt": "1"}, "the sample time is '1'; give a positive number of seconds"),
-        ({"dt": float("nan")}, "the sample time is nan; give a positive number of seconds"),
+        ({"dt": "1"}, f"the sample time is '1'; {_SECONDS}"),
+        ({"dt": float("nan")}, f"the sample time is nan; {_SECONDS}"),
         ({"states": "ab"}, "the list of states is missing or no list"),
         ({"versions": [1]}, "the list of versions is missing or no mapping"),
         ({"versions": {"jax": 1}}, "the version of 'jax' is 1; give text"),
