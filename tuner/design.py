@@ -26,11 +26,12 @@ from objectives import (
     without_undriven,
 )
 from tuner.constraint import Constraint
-from tuner.parameters import Fixed, Limited, Parameter, Positive, covariance
+from tuner.parameters import Limited, Parameter, Positive, covariance
 from tuner.problem import Problem
 from tuner.solvers.known import Known
 from tuner.space import Space
 
+_stein, _lyapunov = jax.jit(stein), jax.jit(lyapunov)
 WIDEST = 100.0
 """How many times as fast as the slowest pole the others may be."""
 SMOOTHING = 3e-4
@@ -100,6 +101,15 @@ class LinearDesign:
         return self.dt is not None
 
     @property
+    def placeable(self) -> bool:
+        """Whether the only measurement sees every state, so that poles can be put anywhere."""
+        try:
+            placing(self.A, self.C[0])
+        except ValueError:
+            return False
+        return len(self.C) == 1
+
+    @property
     def noisy(self) -> bool:
         """Whether every measurement has noise, so that a Kalman filter has finite gains."""
         return bool(np.linalg.eigvalsh(self.V)[0] > 0)
@@ -127,7 +137,7 @@ class LinearDesign:
 
     def covariance(self, L: np.ndarray) -> np.ndarray:
         """Steady covariance of the error, ``(n, n)``; NaN where the observer is unstable."""
-        solve = stein if self.discrete else lyapunov
+        solve = _stein if self.discrete else _lyapunov
         P = np.asarray(solve(self.closed(L), self._noise(L)))
         return np.asarray((P + P.T) / 2)
 
@@ -205,13 +215,12 @@ def _time_constant(observer: Observer, _: None) -> Array:
 def fastest(name: str, design: LinearDesign, bound: float, unit: str = "") -> Problem:
     """The observer whose slowest pole decays fastest while the variance keeps a bound.
 
-    With one measurement the unknowns are factors of the characteristic polynomial
-    (:class:`objectives.Factors`), with several the gains and a smoothed spectral abscissa
+    With one measurement that sees every state the unknowns are factors of the characteristic
+    polynomial (:class:`objectives.Factors`), otherwise the gains and a smoothed spectral abscissa
     (Vanbiervliet, Vandereycken, Michiels, Vandewalle and Diehl, SIAM J. Optim. 20(1), 2009).
 
     Raises:
-        ValueError: for a bound that no observer keeps, with the least variance; where there is
-            one measurement and it does not see every state.
+        ValueError: for a bound that no observer keeps, with the least variance.
     """
     least = design.least()
     if not bound > least:
@@ -220,9 +229,9 @@ def fastest(name: str, design: LinearDesign, bound: float, unit: str = "") -> Pr
             "reaches; widen it, measure more, or measure better"
         )
     limit = Constraint("variance", _Variance(design), bound, unit)
-    if len(design.C) == 1:
+    if design.placeable:
         return _placed(name, design, bound, limit)
-    return _smoothed(name, design, limit)
+    return _smoothed(name, design, bound, limit)
 
 
 def _placed(name: str, design: LinearDesign, bound: float, limit: Constraint) -> Problem:
@@ -284,9 +293,10 @@ def _begin(placed: _Placed, bound: float) -> float:
     return float(rates[kept[-1] if kept.size else np.argmin(found)])
 
 
-def _smoothed(name: str, design: LinearDesign, limit: Constraint) -> Problem:
-    gains = _gains(design)
-    decay = design.decay(gains.start)
+def _smoothed(name: str, design: LinearDesign, bound: float, limit: Constraint) -> Problem:
+    start, size = _hurried(design, bound), _sizes(design)
+    decay = design.decay(start)
+    gains = _Gains(design, start, _rates(design, size))
     parameters: dict[str, Parameter] = {
         "decay": Positive(0.9 * decay, 1e-4 * decay, 1e4 * decay, unit="1/s")
     }
@@ -296,27 +306,78 @@ def _smoothed(name: str, design: LinearDesign, limit: Constraint) -> Problem:
         filter=None,
         build=gains,
         objective=_time_constant,
-        constraints=(limit, Constraint("stability", _Smoothed(design), 1.0)),
+        constraints=(limit, Constraint("stability", _Smoothed(design, size), 1.0)),
     )
+
+
+def _hurried(design: LinearDesign, bound: float) -> np.ndarray:
+    """The Kalman gain of a model that grows faster by e^(alpha t), alpha as large as allowed.
+
+    All poles of the true model then decay faster than alpha (Anderson and Moore, 1969): an observer
+    that keeps the bound and is fast already.
+    """
+
+    def gain(alpha: float) -> np.ndarray:
+        d, grown = design, np.exp(alpha * design.dt) if design.dt else 1.0
+        A = d.A * grown if d.discrete else d.A + alpha * np.eye(len(d.A))
+        # Noise of measurements that have none, small enough not to count.
+        V = d.V + 1e-9 * np.eye(len(d.V)) * (np.trace(d.V) or np.trace(d.C @ d.W @ d.C.T) or 1.0)
+        K = steady_kalman(A, d.C, d.W, V, discrete=d.discrete).gain
+        return np.asarray((A @ K if d.discrete else K) / grown)
+
+    def kept(alpha: float) -> bool:
+        try:
+            L = gain(alpha)
+        except ValueError:
+            return False
+        variance = float(design.error @ design.covariance(L) @ design.error)
+        return design.decay(L) > 0 and variance <= 0.98 * bound
+
+    unit = 1 / design.dt if design.dt else max(np.abs(np.linalg.eigvals(design.A)).max(), 1e-3)
+    kept_rates = [rate for rate in unit * np.geomspace(1e-4, 1e4, 17) if kept(rate)]
+    if not kept_rates:
+        return gain(0.0)
+    slow = max(kept_rates)
+    fast = slow * np.sqrt(10)
+    for _ in range(8):
+        middle = float(np.sqrt(slow * fast))
+        slow, fast = (middle, fast) if kept(middle) else (slow, middle)
+    return gain(slow)
+
+
+def _sizes(design: LinearDesign) -> np.ndarray:
+    """A typical error of every state, ``(n,)``: in its units nothing depends on the user's."""
+    L = _hurried(design, np.inf) if not design.noisy else None
+    P = design.kalman().predicted if L is None else design.covariance(L)
+    size = np.sqrt(np.maximum(np.diag(P), 0.0))
+    return np.asarray(np.where(size > 0, size, size.max() or 1.0))
+
+
+def _rates(design: LinearDesign, size: np.ndarray) -> np.ndarray:
+    """A natural unit of every gain, ``(n, m)``: errors of states over errors of measurements."""
+    seen = np.sqrt(np.diag(design.C * size @ (design.C * size).T))
+    rate = 1.0 if design.discrete else max(float(np.abs(np.linalg.eigvals(design.A)).max()), 1e-3)
+    return np.asarray(rate * size[:, None] / np.where(seen > 0, seen, 1.0))
 
 
 @dataclass(frozen=True, eq=False)
 class _Smoothed:
     """Whether all poles decay faster than asked, as a smooth number that is 1 just inside.
 
-    With white noise of the observer's own size on all states, the covariance of the error seen
-    through e^(decay t) is finite only if they do.
+    With white noise of the states' own size, the covariance of the error seen through
+    e^(decay t) is finite only if they do.
     """
 
     design: LinearDesign
+    size: np.ndarray
 
     def __call__(self, observer: Observer, _: None) -> Array:
         d = self.design
-        closed, n = d.closed(observer.L), len(d.states)
+        closed = d.closed(observer.L) * self.size / self.size[:, None]
+        one = jnp.eye(len(d.states))
         if d.dt is not None:
-            grown = stein(closed * jnp.exp(observer.decay * d.dt), jnp.eye(n))
-            return SMOOTHING * jnp.trace(grown)
-        grown = lyapunov(closed + observer.decay * jnp.eye(n), jnp.eye(n))
+            return SMOOTHING * jnp.trace(stein(closed * jnp.exp(observer.decay * d.dt), one))
+        grown = lyapunov(closed + observer.decay * one, one)
         return SMOOTHING * observer.decay * jnp.trace(grown)
 
 
@@ -330,8 +391,14 @@ def quietest(name: str, design: LinearDesign) -> Problem:
     """
     if not design.noisy:
         raise ValueError(
-            "V is singular: a measurement without noise may be followed ever faster, so no gain "
-            "is the best one; give the noise that it has, or a bound"
+            "a measurement has no noise (the matrix of v is singular), so the Riccati equation has "
+            "no answer here, and in continuous time no gain is the best one; give the noise that "
+            "it has, or a bound"
+        )
+    if not design.kalman().gain.any():
+        raise ValueError(
+            "no gain is needed: nothing disturbs what the measurements could correct; give the "
+            "noise w that there is, or a bound"
         )
     gains = _gains(design)
     return Problem(
@@ -345,48 +412,52 @@ def quietest(name: str, design: LinearDesign) -> Problem:
 
 @dataclass(frozen=True, eq=False)
 class _Gains:
-    """From single gains to a point of the design; they are tuned in units of the Kalman gain."""
+    """From single gains to a point of the design; each is tuned in a unit of its own.
+
+    Attributes:
+        design: the design.
+        start: where the search begins, ``(n, m)``.
+        unit: of every gain, ``(n, m)``.
+    """
 
     design: LinearDesign
-    kalman: np.ndarray
     start: np.ndarray
+    unit: np.ndarray
 
     def parameters(self) -> dict[str, Parameter]:
         found: dict[str, Parameter] = {}
-        for i, j in np.ndindex(*self.kalman.shape):
-            size = float(abs(self.kalman[i, j]))
-            if size == 0:
-                found[self._name(i, j)] = Fixed(0.0)
-                continue
-            start = float(self.start[i, j])
-            found[self._name(i, j)] = Limited(start, -10 * size, 10 * size, scale=size)
+        for i, j in np.ndindex(*self.start.shape):
+            start, unit = float(self.start[i, j]), float(self.unit[i, j])
+            reach = 1e3 * max(abs(start), unit)
+            # The ends belong to the search: who gets there has not found an optimum.
+            found[self._name(i, j)] = Limited(start, -reach, reach, scale=unit, limited=False)
         return found
 
     def _name(self, i: int, j: int) -> str:
-        return f"L{i + 1}" if self.kalman.shape[1] == 1 else f"L{i + 1}_{j + 1}"
+        return f"L{i + 1}" if self.start.shape[1] == 1 else f"L{i + 1}_{j + 1}"
 
     def named(self, L: np.ndarray) -> dict[str, float]:
         return {self._name(i, j): float(value) for (i, j), value in np.ndenumerate(L)}
 
     def __call__(self, values: dict[str, Array]) -> Observer:
-        n, m = self.kalman.shape
+        n, m = self.start.shape
         rows = [jnp.stack([values[self._name(i, j)] for j in range(m)]) for i in range(n)]
         return Observer(values.get("decay", jnp.ones(())), jnp.stack(rows))
 
 
 def _gains(design: LinearDesign) -> _Gains:
-    """The Kalman gain, and a stable one beside it to start from."""
+    """A stable gain beside the Kalman gain, to start from."""
     kalman = design.predictor_gain(design.kalman().gain)
     start = next(
         (f * kalman for f in (1.5, 1.2, 1.1, 1.02) if design.decay(f * kalman) > 0), kalman
     )
-    return _Gains(design, kalman, start)
+    return _Gains(design, start, np.maximum(np.abs(kalman), 1e-3 * np.abs(kalman).max()))
 
 
 def riccati(design: LinearDesign) -> Known:
     """The quietest observer by the Riccati equation."""
-    gains = _gains(design)
-    found = gains.named(gains.kalman)
+    kalman = design.predictor_gain(design.kalman().gain)
+    found = _gains(design).named(kalman)
     return Known("riccati", lambda _: found, "the Riccati equation's solution")
 
 

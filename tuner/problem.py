@@ -84,7 +84,12 @@ class Problem:
     def constraint_hessian(
         self, z: np.ndarray, weights: np.ndarray, step: float = 1e-3
     ) -> np.ndarray:
-        """The weighted sum of the constraints' Hessians, relative as in :meth:`excesses`."""
+        """The weighted sum of the constraints' Hessians, relative as in :meth:`excesses`.
+
+        A design's step is smaller: it knows no noise, and may lie near the edge of what is stable.
+        """
+        if self.filter is None:
+            step = 1e-2 * step
         return self._differences(lambda at: weights @ self.excesses(at)[1], z, step)
 
     def _differences(

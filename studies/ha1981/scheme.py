@@ -16,6 +16,8 @@ from tuner.problem import Problem
 from tuner.solvers.known import Known
 from tuner.space import Space
 
+LONGEST = 1e6
+"""Samples of the longest history that is looked through."""
 REPLAY = 2.5
 """The other sampling period, s, at which stored gains are replayed."""
 
@@ -243,17 +245,20 @@ def reaches(channel: Channel, Ts: float) -> float:
     """When P11(+) first keeps the bound, s: the end of the scheme's operation.
 
     Raises:
-        ValueError: where it has not within a thousand times q_a over the bound.
+        ValueError: where it has not within a thousand times q_a over the bound, or a million
+            samples.
     """
     limit = channel.q_a / channel.bound  # P11 tends to q_a / t
     for factor in (1.5, 10.0, 1000.0):
+        if factor * limit / Ts > LONGEST:
+            break
         P11 = np.asarray(kalman_history(channel, Ts, factor * limit + 2 * Ts).P)[:, 0, 0]
         below = np.flatnonzero(channel.bound >= P11)
         if below.size:
             return float(below[0] * Ts)
     raise ValueError(
         f"the Kalman scheme does not bring the bias's variance below {channel.bound:g} within "
-        f"{1000 * limit:g} s; choose a wider bound"
+        f"{min(1000 * limit, LONGEST * Ts):g} s; choose a wider bound"
     )
 
 

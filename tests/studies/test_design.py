@@ -181,7 +181,7 @@ REFUSED = {
         "the bound 0.001 is not above 0.566783, the least variance that any observer reaches",
     ),
     "Q": (NOISY | {"Q": [[1.0, 2.0], [2.0, 1.0]]}, "Q must be positive semi-definite"),
-    "R": (NOISY | {"R": [[-1.0]]}, "V must be positive semi-definite, but has the eigenvalue -1"),
+    "R": (NOISY | {"R": [[-1.0]]}, "R must be positive semi-definite, but has the eigenvalue -1"),
     "shapes": (NOISY | {"C": [[1.0, 0.0, 0.0]]}, "C has the shape (1, 3); 2 states"),
     "ragged": (NOISY | {"A": [[1.0, 0.0], [1.0]]}, "setting A: must be a matrix"),
     "G": (NOISY | {"G": [[1.0], [0.0]]}, "A (2, 2), G (2, 1) and Q (2, 2) do not fit"),
@@ -191,7 +191,14 @@ REFUSED = {
     "error": (NOISY | {"error": "speed"}, "unknown state 'speed'"),
     "missing": (without("A"), "setting A is missing"),
     "unknown": (NOISY | {"B": [[1.0]]}, "unknown setting 'B'"),
-    "noiseless": (NOISY | {"R": [[0.0]]}, "V is singular: a measurement without noise"),
+    "noiseless": (
+        NOISY | {"R": [[0.0]]},
+        "a measurement has no noise (the matrix of v",
+    ),
+    "names": (NOISY | {"states": ["a b", "c"]}, "setting states: a state is named 'a b'"),
+    "twins": (NOISY | {"states": ["Pos", "pos"]}, "setting states: the state 'pos' comes twice"),
+    "text": (NOISY | {"R": [["0.05"]]}, "setting R.0.0: Input should be a valid number"),
+    "nothing": (NOISY | {"error": [0.0, 0.0]}, "the error that counts is zero in every state"),
     "not driven": (
         NOISY
         | {

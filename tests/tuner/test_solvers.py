@@ -19,6 +19,7 @@ from tuner.solution import Status
 from tuner.solvers import (
     SOLVERS,
     Gradient,
+    Ipopt,
     NelderMead,
     Sampler,
     make_solver,
@@ -255,7 +256,8 @@ def test_every_name_is_that_of_its_solver():
         assert make_solver(name, seed=0, starts=1, storage="").name == name
     made = [make_solver(name, seed=5, starts=2, storage="") for name in DESCENTS]
     assert made[0] == NelderMead(seed=5, starts=2)
-    assert made[1:] == [Gradient(name, seed=5, starts=2) for name in GRADIENT]
+    assert made[1:-1] == [Gradient(name, seed=5, starts=2) for name in GRADIENT]
+    assert made[-1] == Ipopt(seed=5, starts=2)
 
 
 # Limits and corners.

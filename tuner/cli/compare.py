@@ -100,4 +100,4 @@ def _print(lines: list[list[str]], *, md: bool, csv: bool) -> None:
         body.insert(1, ["---"] * len(lines[0]))
         print("\n".join(f"| {' | '.join(line)} |" for line in body))
     else:
-        show_grid("Comparison with the paper", lines)
+        show_grid("Comparison", lines)

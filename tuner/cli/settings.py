@@ -36,6 +36,8 @@ def parse_settings(model: type[BaseModel], pairs: Sequence[str], base: dict[str,
                 f"setting {where} is missing; give it with --set {where}=... or in a study.toml"
             ) from None
         reason = first["msg"].removeprefix("Value error, ")
+        if not where:  # two settings that do not go together
+            raise ValueError(reason) from None
         raise ValueError(f"setting {where}: {reason}, got {first['input']!r}") from None
 
 

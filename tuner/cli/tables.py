@@ -77,7 +77,7 @@ def show_result(result: Result, folder: Path) -> None:
         for r in result.comparisons
     ]
     show_grid(
-        "Comparison with the paper",
+        "Comparison",
         [["quantity", "where", "paper", "ours", "verdict", "note"], *rows],
     )
     out = console()
@@ -126,7 +126,9 @@ def _meaning(solution: SolutionRecord) -> list[str]:
     words = [solution.message] if solution.status in _EXISTENCE else []
     words += certificate["flat_directions"]
     bound = certificate.get("lower_bound")
-    words += [] if bound is None else [f"proved: no value below {number_text(bound)}"]
+    words += (
+        [] if bound is None else [f"proved of this problem: no value below {number_text(bound)}"]
+    )
     multipliers = certificate.get("multipliers", {}).items()
     words += [f"{name} holds it ({m:.3g})" for name, m in multipliers if m and m > SLIGHT]
     return [*words, *_starts(solution)]

@@ -85,7 +85,7 @@ class Convex:
             value=answer.value,
             z=np.empty(0),
             parameters={
-                name: Parameter(value, task.units.get(name, "1"), None)
+                name: Parameter(value, task.units.get(name, ""), None)
                 for name, value in answer.variables.items()
             },
             derived=reported,

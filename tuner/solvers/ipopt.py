@@ -153,6 +153,10 @@ def _descend(
     if ends[0].allowed and 0 < reached < REFINED * begin:
         ends.append(_once(problem, ends[0].z, reached, statement, tolerance, iterations))
     evaluations = 1 + sum(end.evaluations for end in ends)
+    if problem.constraints and not all(end.finished for end in ends):
+        # Where it breaks off it may have lost what it started from.
+        excess = float(problem.excesses(z)[0].max())
+        ends.append(Minimum(z, problem.value(z), 0, False, ends[-1].message, excess))
     return replace(best_of(ends), evaluations=evaluations)
 
 
