@@ -46,7 +46,8 @@ def closed_forms(q_a: float, q_b: float, Ts: float) -> Steady:
     A = q_a * (Ts**2 + np.sqrt(Ts**4 / 3 + 16 * q_b * Ts / q_a)) / 2
     B = np.sqrt(A**2 - 4 * q_a * q_b * Ts)
     noise = 2 * q_a * q_b * Ts
-    return Steady(0.0, (A - B) / (2 * q_b), 1 - noise / (A * B + B**2 + noise), A, B)
+    K2, K3 = (A - B) / (2 * q_b), 1 - noise / (A * B + B**2 + noise)
+    return Steady(0.0, *map(float, (K2, K3, A, B)))
 
 
 def printed_noise(channel: Channel, Ts: float) -> np.ndarray:
