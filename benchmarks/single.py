@@ -64,9 +64,9 @@ def evaluations(work: Work) -> dict[str, Call]:
 
 def compiled(problem: Problem) -> dict[str, Callable[..., Any]]:
     """What :class:`Problem` evaluates, without its conversion of the answer to NumPy."""
-    space, filter, objective, build = problem.static
-    gradient = partial(score_and_gradient, filter, objective, lambda z: build(space.constrain(z)))
-    return {"cost": jax.jit(problem.static.score), "cost + gradient": jax.jit(gradient)}
+    static = problem.static
+    gradient = partial(score_and_gradient, static.filter, static.objective, static.built)
+    return {"cost": jax.jit(static.score), "cost + gradient": jax.jit(gradient)}
 
 
 def limits(work: Work, limit: Baseline) -> dict[str, Call]:
