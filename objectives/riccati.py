@@ -12,7 +12,8 @@ from objectives.lyapunov import congruence, doubled, fastest, improved, lyapunov
 
 _MOST_DOUBLINGS = 50
 _MOST_STEPS = 30  # Newton's: two or three from a good start, more where R is tiny
-_SETTLED, _ACCEPTED = 1e-13, 1e-6  # a change of P as a share of the states' standard deviations
+# A change of P as a share of the states' standard deviations: Newton's next would be its square.
+_SETTLED, _ACCEPTED = 1e-9, 1e-6
 _MOST_TOLD = 1e8  # by the measurements, as a share of what the noise drives
 _TRACE = 1e-12
 
