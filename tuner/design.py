@@ -110,15 +110,21 @@ class LinearDesign:
         return len(self.C) == 1
 
     @property
-    def noisy(self) -> bool:
-        """Whether every measurement has noise, so that a Kalman filter has finite gains."""
-        return bool(np.linalg.eigvalsh(self.V)[0] > 0)
+    def finite(self) -> bool:
+        """Whether the best gain is finite: always in discrete time, else where all of y is noisy."""
+        return self.discrete or bool(np.linalg.eigvalsh(self.V)[0] > 0)
 
     def kalman(self) -> SteadyKalman:
-        """The steady Kalman filter."""
-        return steady_kalman(
-            self.A, self.C, self.W, self.V, discrete=self.discrete, states=self.states
-        )
+        """The steady Kalman filter.
+
+        A discrete measurement without noise is given some that changes the variance by no more
+        than a share of 1e-12: the Riccati equation is solved for noisy ones only.
+        """
+        V = self.V
+        if self.discrete and np.linalg.eigvalsh(V)[0] <= 0:
+            size = np.diag(self.C @ self.W @ self.C.T) + np.diag(V)
+            V = V + 1e-12 * np.diag(np.where(size > 0, size, size.max() or 1.0))
+        return steady_kalman(self.A, self.C, self.W, V, discrete=self.discrete, states=self.states)
 
     def predictor_gain(self, gain: np.ndarray) -> np.ndarray:
         """L of a filter's gain K: A K where the model steps by samples."""
@@ -156,9 +162,9 @@ class LinearDesign:
     def least(self) -> float:
         """The least variance of the error that counts over all observers.
 
-        Where a measurement has no noise it is not known here, and 0 is returned.
+        Where a continuous measurement has no noise it is not known here, and 0 is returned.
         """
-        if not self.noisy:
+        if not self.finite:
             return 0.0
         return float(self.error @ self.kalman().predicted @ self.error)
 
@@ -347,7 +353,7 @@ def _hurried(design: LinearDesign, bound: float) -> np.ndarray:
 
 def _sizes(design: LinearDesign) -> np.ndarray:
     """A typical error of every state, ``(n,)``: in its units nothing depends on the user's."""
-    L = _hurried(design, np.inf) if not design.noisy else None
+    L = _hurried(design, np.inf) if not design.finite else None
     P = design.kalman().predicted if L is None else design.covariance(L)
     size = np.sqrt(np.maximum(np.diag(P), 0.0))
     return np.asarray(np.where(size > 0, size, size.max() or 1.0))
@@ -384,16 +390,16 @@ class _Smoothed:
 def quietest(name: str, design: LinearDesign) -> Problem:
     """The observer with the least variance of the error: the Kalman filter, as a search.
 
-    The model must be driven (:meth:`LinearDesign.driven`) and every measurement noisy.
+    The model must be driven (:meth:`LinearDesign.driven`), and continuous measurements noisy.
 
     Raises:
         ValueError: where a measurement has no noise: better observers have ever larger gains.
     """
-    if not design.noisy:
+    if not design.finite:
         raise ValueError(
-            "a measurement has no noise (the matrix of v is singular), so the Riccati equation has "
-            "no answer here, and in continuous time no gain is the best one; give the noise that "
-            "it has, or a bound"
+            "a measurement has no noise (the matrix of v is singular) and may be followed ever "
+            "faster, so no gain is the best one; give the noise that it has, a bound, or the "
+            "sample_time of the measurements"
         )
     if not design.kalman().gain.any():
         raise ValueError(
