@@ -12,14 +12,12 @@ from objectives.lyapunov import lyapunov, stein
 from objectives.modes import (
     Mode,
     Reduction,
-    SteadyKalman,
-    steady_kalman,
     undriven_modes,
     unseen_modes,
     without_undriven,
     without_unseen,
 )
-from objectives.placement import Factors, placing
+from objectives.placement import Factors, place
 from objectives.riccati import bucy_gain, care, dare, steady_gain, updated
 from objectives.score import (
     Data,
@@ -32,6 +30,7 @@ from objectives.score import (
     score_and_gradient,
     scores_and_gradients,
 )
+from objectives.steady import SteadyKalman, steady_kalman
 from objectives.step_response import (
     Crossing,
     Reading,
@@ -40,6 +39,7 @@ from objectives.step_response import (
     StepSum,
     StepTruth,
 )
+from objectives.subspaces import unobservable
 from objectives.welch import Welch, window
 
 __all__ = [
@@ -67,7 +67,7 @@ __all__ = [
     "ise",
     "kept_bytes",
     "lyapunov",
-    "placing",
+    "place",
     "score",
     "score_and_gradient",
     "scores_and_gradients",
@@ -78,6 +78,7 @@ __all__ = [
     "steady_variance",
     "stein",
     "undriven_modes",
+    "unobservable",
     "unseen_modes",
     "updated",
     "window",

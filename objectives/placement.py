@@ -11,6 +11,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from filters.small import product, solve
+
 
 @dataclass(frozen=True)
 class Factors:
@@ -63,6 +65,29 @@ class Factors:
             product = _times(product, self._factor(rate, jnp.stack([jnp.ones(()), d, f])))
         return product
 
+    def coordinates(
+        self, rate: float, roots: np.ndarray
+    ) -> tuple[float | None, list[tuple[float, float]]]:
+        """r and the pairs (d, f) of a polynomial with given roots ``(degree,)``, in conjugates.
+
+        They are not negative where no root is slower than ``rate``.
+
+        >>> Factors(3).coordinates(1.0, np.array([-1.0, -2.0, -3.0]))
+        (2.0, [(1.0, 0.0)])
+        """
+        roots = np.asarray(roots, complex)
+        u = (roots + rate) / rate
+        if self.discrete:
+            u = (roots - rate) / (roots + rate) * (1 + rate) / (1 - rate)
+        real = np.sort(u.real[np.abs(u.imag) <= 1e-12 * (1 + np.abs(u))])
+        alone = -float(real[0]) if self.odd else None
+        real = real[1:] if self.odd else real
+        pairs = [(-float(a + b), float(a * b)) for a, b in real.reshape(-1, 2)]
+        pairs += [
+            (-2 * float(v.real), float(abs(v) ** 2)) for v in u if v.imag > 1e-12 * (1 + abs(v))
+        ]
+        return alone, pairs
+
     def _factor(self, a: Array, shape: Array) -> Array:
         """One monic factor; ``shape`` holds 1, r or 1, d, f."""
         # In u = (s + a) / a, or u = (z - a) / (z + a) / t, every factor is u^k + shape[1] u^(k-1)..
@@ -86,38 +111,29 @@ def _times(a: Array, b: Array) -> Array:
     return sum(parts[1:], parts[0])
 
 
-def placing(A: np.ndarray, C: np.ndarray) -> np.ndarray:
-    """The matrix ``(n, n + 1)`` that makes the gain L of a polynomial's coefficients.
+def place(A: Array, c: Array, coefficients: Array) -> Array:
+    """The gain L ``(n,)`` that puts the eigenvalues of A - L c on the roots of a polynomial.
 
-    L = p(A) O^-1 e_n puts the eigenvalues of A - L C on the roots of p. Source: Ackermann, 1972.
+    L = p(A) O^-1 e_n with O = (c, c A, ...). Source: Ackermann, 1972. Differentiable.
 
     Args:
         A: dynamics or transition, ``(n, n)``.
-        C: one measurement row, ``(n,)``.
+        c: one measurement row, ``(n,)``.
+        coefficients: of the monic polynomial p, highest power first, ``(n + 1,)``.
 
-    Raises:
-        ValueError: where the shapes do not fit, or C does not see all of the state.
+    Returns:
+        ``(n,)``; not finite where c does not see every state.
 
-    >>> A, C = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([1.0, 0.0])
-    >>> (placing(A, C) @ [1.0, 3.0, 2.0]).tolist()
+    >>> A, c = jnp.array([[0.0, 1.0], [0.0, 0.0]]), jnp.array([1.0, 0.0])
+    >>> place(A, c, jnp.array([1.0, 3.0, 2.0])).tolist()
     [3.0, 2.0]
     """
-    A, C = np.asarray(A, float), np.asarray(C, float)
-    n = len(A)
-    if A.shape != (n, n) or C.shape != (n,):
-        raise ValueError(
-            f"poles are placed with A (n, n) and one row C (n,), got {A.shape}, {C.shape}"
-        )
-    scale = float(np.abs(np.linalg.eigvals(A)).max()) or 1.0
-    rows = [C]
+    n = A.shape[0]
+    rows = [c]
     for _ in range(n - 1):
-        rows.append(rows[-1] @ A / scale)
-    seen = np.array(rows)
-    size = np.abs(seen).max(axis=0)
-    if not size.all() or np.linalg.cond(seen / size) > 1e12:
-        raise ValueError("the measurement C does not see every state: no gain can move all poles")
-    last = np.linalg.solve(seen, np.eye(n)[-1]) / scale ** (n - 1)
-    columns = [last]
-    for _ in range(n):
-        columns.append(A @ columns[-1])
-    return np.array(columns[::-1]).T
+        rows.append(product(rows[-1][None], A)[0])
+    last = solve(jnp.stack(rows), jnp.eye(n)[:, -1:])
+    gain = coefficients[0] * last
+    for coefficient in coefficients[1:]:  # Horner's rule
+        gain = product(A, gain) + coefficient * last
+    return gain[:, 0]

@@ -42,7 +42,7 @@ _HOMES = {
         "decay_rate",
         "ise",
         "lyapunov",
-        "placing",
+        "place",
         "settling_time",
         "steady_kalman",
         "steady_variance",

@@ -35,6 +35,8 @@ class Problem:
         data: the filter's inputs and the truth, float64 throughout; NaN means missing.
         derive: quantities of interest that follow from the parameters, by name.
         constraints: what a solution has to keep; not every solver takes them.
+        known_starts: points z ``(space.size,)`` from which a search is worth beginning, after the
+            initial values and before random points.
 
     Raises:
         ValueError: where the data holds single precision, infinite values or unequal lengths.
@@ -48,6 +50,7 @@ class Problem:
     data: Data = NO_DATA
     derive: Callable[[dict[str, Array]], dict[str, Array]] | None = None
     constraints: tuple[Constraint, ...] = ()
+    known_starts: tuple[np.ndarray, ...] = ()
 
     def __post_init__(self) -> None:
         for path, leaf in jax.tree_util.tree_leaves_with_path(self.data):
@@ -55,6 +58,11 @@ class Problem:
         lengths = {np.shape(leaf)[0] for leaf in jax.tree.leaves(self.data) if np.ndim(leaf)}
         if len(lengths) > 1:
             raise ValueError(f"the data of {self.name} has unequal lengths {sorted(lengths)}")
+
+    def starts(self, count: int, seed: int) -> np.ndarray:
+        """Where to begin, ``(count, size)``: the initial values, known starts, random points."""
+        random = self.space.starts(max(count - len(self.known_starts), 1), seed)
+        return np.vstack([random[:1], *self.known_starts, random[1:]])[:count]
 
     def value(self, z: np.ndarray) -> float:
         """The objective at z ``(space.size,)``; infinite where it is not a number."""

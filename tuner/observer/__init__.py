@@ -14,9 +14,10 @@ All is solved in units that the model itself suggests, so that no result depends
 from tuner.observer.fastest import FastestObserver, fastest_observer
 from tuner.observer.least import H2Observer, h2_observer
 from tuner.observer.model import Model, observer_model
-from tuner.observer.task import FastestTask, LeastTask
+from tuner.observer.task import Attempt, FastestTask, LeastTask
 
 __all__ = [
+    "Attempt",
     "FastestObserver",
     "FastestTask",
     "H2Observer",

@@ -10,6 +10,7 @@ from tuner.convex import Answer, Report
 from tuner.observer.fastest import FastestObserver, fastest_observer
 from tuner.observer.least import H2Observer, h2_observer
 from tuner.observer.model import Model
+from tuner.solution import Status
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,3 +109,45 @@ class FastestTask:
             iterations=found.solved,
             seconds=found.seconds,
         )
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """A matrix inequality beside a search: where its numbers fail, the search still counts.
+
+    Attributes:
+        task: the matrix inequality.
+    """
+
+    task: FastestTask
+    kind: str = "sdp"
+    report: None = None
+
+    @property
+    def name(self) -> str:
+        """That of the task."""
+        return self.task.name
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Those of the task."""
+        return self.task.units
+
+    def answer(self) -> Answer:
+        """The task's answer, or one that says that there is none."""
+        try:
+            return self.task.answer()
+        except ValueError as error:
+            return Answer(
+                status=Status.FAILED,
+                message=f"the matrix inequalities were not solved: {error}",
+                value=np.inf,
+                variables={},
+                duals={},
+                multipliers={},
+                lower_bound=None,
+                gap=np.inf,
+                violation=np.inf,
+                iterations=0,
+                seconds=0.0,
+            )

@@ -53,7 +53,7 @@ def from_several(
     seed: int,
     constrained: bool = False,
 ) -> Solution:
-    """Descend from the initial point and from random points of the box; certify the best end.
+    """Descend from the initial point and from the problem's others; certify the best end.
 
     Args:
         problem: what is minimised.
@@ -69,7 +69,7 @@ def from_several(
     """
     refuse(problem, solver, starts, "start", constrained=constrained)
     begun = time.perf_counter()
-    ends = [descend(problem, z) for z in problem.space.starts(starts, seed)]
+    ends = [descend(problem, z) for z in problem.starts(starts, seed)]
     return conclude(problem, solver, ends, time.perf_counter() - begun)
 
 

@@ -1,0 +1,139 @@
+"""What of a linear model shows in its measurements, and what its noise drives, as subspaces.
+
+Decisions are taken in units in which the entries of the model are alike, so the units of states
+and of time do not decide.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg
+
+MOST_SLACK = 1e-6
+"""Of the rates: where rounding leaves a chain of two."""
+_EPS = float(np.finfo(np.float64).eps)
+_NOTHING = 1e-10  # of a scaled model's entries: far above rounding, far below any use
+
+
+class Subspace(NamedTuple):
+    """An invariant subspace in scaled states.
+
+    Attributes:
+        values: eigenvalues in it, ``(k,)``.
+        basis: orthonormal, ``(n, k)``.
+        scale: x = scale * scaled, ``(n,)``.
+    """
+
+    values: np.ndarray
+    basis: np.ndarray
+    scale: np.ndarray
+
+
+def unseen(A: np.ndarray, C: np.ndarray, discrete: bool) -> Subspace:
+    """What does not die out and shows in no measurement."""
+    return _lasting(np.asarray(A, np.float64), np.asarray(C, np.float64), discrete, grows=True)
+
+
+def undriven(A: np.ndarray, W: np.ndarray, discrete: bool) -> Subspace:
+    """What no noise drives and neither grows nor dies out: combinations y = scaled / scale."""
+    A, W = np.asarray(A, np.float64), np.asarray(W, np.float64)
+    values, basis, scale = _lasting(A.T, W, discrete, grows=False)
+    return Subspace(values, basis, 1 / scale)
+
+
+def unobservable(A: np.ndarray, C: np.ndarray, *, discrete: bool) -> np.ndarray:
+    """Directions that show in no measurement, dying out or not, ``(n, k)``.
+
+    >>> unobservable(np.diag([-1.0, -2.0]), np.array([[1.0, 0.0]]), discrete=False).ravel().tolist()
+    [0.0, 1.0]
+    """
+    hidden = _hidden(A, C, discrete)
+    return np.asarray(hidden.scale[:, None] * hidden.basis)
+
+
+class _Hidden(NamedTuple):
+    """The invariant subspace in the kernel of C: its basis, and A within it, over its size."""
+
+    basis: np.ndarray
+    inner: np.ndarray
+    size: float
+    scale: np.ndarray
+    rounding: float
+
+
+def _hidden(A: np.ndarray, C: np.ndarray, discrete: bool) -> _Hidden:
+    rates = A - np.eye(len(A)) if discrete else A
+    scale = _scale(rates, C)
+    rates = rates / scale[:, None] * scale
+    size = float(np.abs(rates).max(initial=0.0))
+    rounding = _EPS * max(1.0, 1 / size) if discrete and size > 0 else _EPS
+    unit = rates / size if size > 0 else rates
+    basis = _unobservable(unit, C * scale, max(_NOTHING, 1e3 * rounding))
+    return _Hidden(basis, basis.T @ unit @ basis, size, scale, rounding)
+
+
+def _lasting(A: np.ndarray, C: np.ndarray, discrete: bool, grows: bool) -> Subspace:
+    """The invariant subspace of A in the kernel of C with eigenvalues that do not die out."""
+    basis, inner, size, scale, rounding = _hidden(A, C, discrete)
+    if not inner.size:
+        return Subspace(np.zeros(0), basis, scale)
+    slack = _slack(inner, rounding)
+
+    def kept(value: complex) -> bool:
+        over = value.real + (size * abs(value) ** 2 / 2 if discrete else 0.0)
+        reach = slack * (1 + (size * abs(value) if discrete else 0.0))
+        return bool(over >= -reach if grows else abs(over) <= reach)
+
+    _, vectors, count = scipy.linalg.schur(inner.astype(complex), output="complex", sort=kept)
+    form = vectors[:, :count].conj().T @ inner @ vectors[:, :count]
+    chosen = vectors[:, :count]
+    values = np.diag(form) * size + (1.0 if discrete else 0.0)
+    return Subspace(values, basis @ chosen, scale)
+
+
+def _slack(inner: np.ndarray, rounding: float) -> float:
+    """How far rounding moves an eigenvalue: more where left and right vectors are orthogonal."""
+    _, left, right = scipy.linalg.eig(inner, left=True)
+    angle = np.abs((left.conj() * right).sum(axis=0)).min()
+    return float(min(64 * rounding / max(angle, _EPS), max(MOST_SLACK, 64 * rounding)))
+
+
+def _unobservable(A: np.ndarray, C: np.ndarray, nothing: float) -> np.ndarray:
+    """Orthonormal basis of the largest subspace of C's kernel that A maps into itself."""
+    rows = np.abs(C).max(axis=1, keepdims=True)
+    basis = _kernel(C / np.where(rows > 0, rows, 1.0), nothing)
+    while basis.shape[1]:
+        moved = A @ basis
+        kernel = _kernel(moved - basis @ (basis.T @ moved), nothing)
+        if kernel.shape[1] == basis.shape[1]:
+            break
+        basis = basis @ kernel
+    return basis
+
+
+def _kernel(M: np.ndarray, nothing: float) -> np.ndarray:
+    _, sizes, vectors = np.linalg.svd(M)
+    return np.asarray(vectors[int((sizes > nothing).sum()) :].T)
+
+
+def _scale(A: np.ndarray, C: np.ndarray) -> np.ndarray:
+    """Powers of two, by states, in which the entries of A and of each row of C are most alike.
+
+    Least squares over the logarithms of what is not zero, so a change of units cancels. Unknown
+    beside the states' units are that of time and of each row of C.
+    """
+    n, m = len(A), len(C)
+    rows, logs = [], []
+    for i, j in np.argwhere((A != 0) & ~np.eye(n, dtype=bool)):
+        row = np.zeros(n + 1 + m)
+        row[j], row[i], row[n] = 1, -1, 1
+        rows.append(row)
+        logs.append(-np.log2(abs(A[i, j])))
+    for i, j in np.argwhere(C != 0):
+        row = np.zeros(n + 1 + m)
+        row[j], row[n + 1 + i] = 1, 1
+        rows.append(row)
+        logs.append(-np.log2(abs(C[i, j])))
+    if not rows:
+        return np.ones(n)
+    return np.asarray(2.0 ** np.round(np.linalg.lstsq(np.array(rows), np.array(logs))[0][:n]))
