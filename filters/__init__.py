@@ -4,6 +4,13 @@ from filters.backend import LoopOption, loop_option
 
 loop_option()  # before anything below starts JAX's backend
 
+from filters.complementary import (  # noqa: E402
+    Madgwick,
+    MadgwickGain,
+    Mahony,
+    MahonyGains,
+    MahonyState,
+)
 from filters.covariance import (  # noqa: E402
     Flow,
     GainCovariance,
@@ -15,6 +22,19 @@ from filters.covariance import (  # noqa: E402
     riccati_flow,
 )
 from filters.discretise import transitions, van_loan  # noqa: E402
+from filters.extended import (  # noqa: E402
+    ExtendedKalman,
+    ExtendedModel,
+    ExtendedSample,
+    linearised,
+)
+from filters.gravity import (  # noqa: E402
+    GravityKalman,
+    GravityNoise,
+    GravityOutputs,
+    GravityState,
+    ImuSample,
+)
 from filters.inertial import (  # noqa: E402
     AccelerometerFilter,
     FixedGainFilter,
@@ -36,6 +56,15 @@ from filters.linear import (  # noqa: E402
     Transition,
 )
 from filters.protocol import AnyFilter, Filter, run  # noqa: E402
+from filters.tilt import (  # noqa: E402
+    TiltKalman,
+    TiltNoise,
+    TiltOutputs,
+    TiltSample,
+    TiltState,
+    tilt_disturbance,
+    tilt_transition,
+)
 from filters.vertical import (  # noqa: E402
     GRAVITY_GRADIENT,
     ConventionalLoop,
@@ -53,6 +82,9 @@ __all__ = [
     "AnyFilter",
     "ConventionalLoop",
     "Estimate",
+    "ExtendedKalman",
+    "ExtendedModel",
+    "ExtendedSample",
     "Filter",
     "FixedGainFilter",
     "Flow",
@@ -60,7 +92,12 @@ __all__ = [
     "GainTable",
     "GainedSample",
     "Gains",
+    "GravityKalman",
+    "GravityNoise",
+    "GravityOutputs",
+    "GravityState",
     "GyroscopeFilter",
+    "ImuSample",
     "Innovation",
     "KalmanCovariance",
     "LinearKalman",
@@ -69,6 +106,11 @@ __all__ = [
     "LoopGains",
     "LoopOption",
     "LoopStep",
+    "Madgwick",
+    "MadgwickGain",
+    "Mahony",
+    "MahonyGains",
+    "MahonyState",
     "Noise",
     "Plant",
     "RiccatiCovariance",
@@ -76,17 +118,25 @@ __all__ = [
     "SteadyState",
     "StoredGains",
     "TableCovariance",
+    "TiltKalman",
+    "TiltNoise",
+    "TiltOutputs",
+    "TiltSample",
+    "TiltState",
     "Transition",
     "Uncertainty",
     "accelerometer_steady",
     "decorrelate",
     "gyroscope_steady",
+    "linearised",
     "loop_error",
     "loop_option",
     "loop_step",
     "predict",
     "riccati_flow",
     "run",
+    "tilt_disturbance",
+    "tilt_transition",
     "transitions",
     "update",
     "van_loan",

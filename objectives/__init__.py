@@ -1,5 +1,13 @@
 """Objectives: how good a filter's run or a design is, as one differentiable number."""
 
+from objectives.attitude import (
+    AngleErrors,
+    AttitudeError,
+    AttitudeRmse,
+    angle_errors,
+    attitude_error,
+    masked,
+)
 from objectives.design import (
     decay_rate,
     ise,
@@ -43,6 +51,9 @@ from objectives.subspaces import unobservable
 from objectives.welch import Welch, window
 
 __all__ = [
+    "AngleErrors",
+    "AttitudeError",
+    "AttitudeRmse",
     "Crossing",
     "Data",
     "Factors",
@@ -59,6 +70,8 @@ __all__ = [
     "StepTruth",
     "VarianceRatio",
     "Welch",
+    "angle_errors",
+    "attitude_error",
     "bucy_gain",
     "care",
     "dare",
@@ -67,6 +80,7 @@ __all__ = [
     "ise",
     "kept_bytes",
     "lyapunov",
+    "masked",
     "place",
     "score",
     "score_and_gradient",

@@ -1,0 +1,133 @@
+"""The complementary filters of Mahony and Madgwick: attitude with one or two gains."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from filters.gravity import ImuSample
+from filters.rotation import (
+    cross,
+    from_rotation_vector,
+    multiply,
+    normalise,
+    rotate,
+    rotate_back,
+)
+
+UP = (0.0, 0.0, 1.0)
+
+
+class MahonyGains(NamedTuple):
+    """Gains of Mahony's filter.
+
+    Attributes:
+        kp: how fast the attitude follows gravity, 1/s.
+        ki: how fast the bias follows, 1/s^2.
+        q0: attitude at the start, sensor to earth, ``(4,)``.
+    """
+
+    kp: Array
+    ki: Array
+    q0: Array
+
+
+class MahonyState(NamedTuple):
+    """Attitude ``(4,)`` and the bias that is added to the rates, rad/s, ``(3,)``."""
+
+    q: Array
+    push: Array
+
+
+@dataclass(frozen=True)
+class Mahony:
+    """The explicit complementary filter with bias; with a field it knows the heading too.
+
+    Source: Mahony, Hamel and Pflimlin, IEEE Trans. Automatic Control 53(5), 2008, (48). The field
+    is compared by its horizontal direction in the estimated attitude, earth y being north.
+
+    Attributes:
+        dt: sample time, s.
+    """
+
+    dt: float
+
+    def init(self, params: MahonyGains) -> MahonyState:
+        """The start, without bias."""
+        return MahonyState(params.q0, jnp.zeros(3))
+
+    def step(
+        self, params: MahonyGains, state: MahonyState, inputs: ImuSample
+    ) -> tuple[MahonyState, Array]:
+        """Compare directions, turn, and put out the attitude ``(4,)``."""
+        error = _apart(state.q, inputs.acceleration, jnp.array(UP))
+        if inputs.field is not None:
+            level = rotate(state.q, inputs.field)
+            north = jnp.stack([jnp.zeros(()), jnp.hypot(level[0], level[1]), level[2]])
+            error = error + _apart(state.q, inputs.field, normalise(north))
+        push = state.push + params.ki * self.dt * error
+        rate = inputs.rate + params.kp * error + push
+        q = normalise(multiply(state.q, from_rotation_vector(rate * self.dt)))
+        return MahonyState(q, push), q
+
+
+class MadgwickGain(NamedTuple):
+    """The gain of Madgwick's filter.
+
+    Attributes:
+        beta: how fast the attitude follows gravity and field, rad/s.
+        q0: attitude at the start, sensor to earth, ``(4,)``.
+    """
+
+    beta: Array
+    q0: Array
+
+
+@dataclass(frozen=True)
+class Madgwick:
+    """A gradient step of constant length towards gravity, and the field where it is given.
+
+    Source: Madgwick, Harrison and Vaidyanathan, IEEE Int. Conf. Rehabilitation Robotics, 2011.
+
+    Attributes:
+        dt: sample time, s.
+    """
+
+    dt: float
+
+    def init(self, params: MadgwickGain) -> Array:
+        """The start."""
+        return params.q0
+
+    def step(self, params: MadgwickGain, state: Array, inputs: ImuSample) -> tuple[Array, Array]:
+        """Turn by the gyroscopes less the gradient step, and put out the attitude ``(4,)``."""
+        slope = _slope(state, inputs.acceleration, jnp.array(UP))
+        if inputs.field is not None:
+            level = rotate(state, inputs.field)
+            north = jnp.stack([jnp.zeros(()), jnp.hypot(level[0], level[1]), level[2]])
+            slope = slope + _slope(state, inputs.field, normalise(north))
+        length = jnp.sqrt(jnp.maximum(slope @ slope, 1e-30))
+        moved = multiply(state, jnp.concatenate([jnp.zeros(1), inputs.rate])) / 2
+        q = normalise(state + self.dt * (moved - params.beta * slope / length))
+        return q, q
+
+
+def _apart(q: Array, measured: Array, direction: Array) -> Array:
+    """Measured direction x expected one, in sensor coordinates; 0 where nothing is measured."""
+    size = jnp.sqrt(measured @ measured)
+    seen = size > 0  # also false for NaN
+    unit = jnp.where(seen, measured, 0.0) / jnp.where(seen, size, 1.0)
+    return cross(unit, rotate_back(q, direction))
+
+
+def _slope(q: Array, measured: Array, direction: Array) -> Array:
+    """Gradient of abs(q* direction q - measured)^2 / 2 by the four entries of q."""
+    size = jnp.sqrt(measured @ measured)
+    seen = size > 0
+    unit = jnp.where(seen, measured, 0.0) / jnp.where(seen, size, 1.0)
+    expected, pull = jax.vjp(lambda q: rotate_back(q, direction), q)
+    slope: Array
+    (slope,) = pull(jnp.where(seen, expected - unit, 0.0))
+    return slope

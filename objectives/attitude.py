@@ -1,0 +1,109 @@
+"""How wrong an attitude is: in all, in heading and in inclination; and sums of such errors.
+
+Source: Laidig, Caruso, Cereatti and Seel, Data 6(7):72, 2021 (the three angles).
+"""
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from filters.rotation import conjugate, multiply
+
+Part = Literal["total", "heading", "inclination"]
+
+
+class AttitudeError(NamedTuple):
+    """Angles between an estimated and a true attitude, rad, not negative.
+
+    Attributes:
+        total: of the rotation from one to the other.
+        heading: of its part about the vertical.
+        inclination: of the rest: the angle between the two verticals.
+    """
+
+    total: Array
+    heading: Array
+    inclination: Array
+
+
+def attitude_error(estimate: Array, truth: Array) -> AttitudeError:
+    """The error of one quaternion (sensor to earth, earth z up) ``(4,)``; NaN where one has NaN.
+
+    With e = estimate truth* the angles are 2 acos abs(w), 2 atan abs(z / w) and
+    2 acos sqrt(w^2 + z^2), worked out by arc tangents, which keep their digits near zero.
+
+    >>> one = jnp.array([1.0, 0.0, 0.0, 0.0])
+    >>> [float(part) for part in attitude_error(one, one)]
+    [0.0, 0.0, 0.0]
+    """
+    e = multiply(estimate, conjugate(truth))
+    w, z = jnp.abs(e[0]), jnp.abs(e[3])
+    tilt, upright = _root(e[1] ** 2 + e[2] ** 2), _root(w**2 + z**2)
+    return AttitudeError(
+        total=2 * jnp.arctan2(_root(tilt**2 + z**2), w),
+        heading=2 * jnp.arctan2(z, w),
+        inclination=2 * jnp.arctan2(tilt, upright),
+    )
+
+
+@dataclass(frozen=True)
+class AttitudeRmse:
+    """Root mean square error of stacked quaternions ``(N, 4)``, deg.
+
+    The truth is ``(N, 4)``; samples where it is NaN do not count, which is how rest phases are left
+    out (:func:`masked`).
+
+    Attributes:
+        part: which error.
+    """
+
+    part: Part = "inclination"
+
+    def __call__(self, outputs: Array, truth: Array) -> Array:
+        """Of the samples that count, ``()``; NaN where none does."""
+        seen = ~jnp.isnan(truth).any(axis=1)
+        # Unseen samples get a truth of their own, so that no NaN enters the derivative.
+        filled = jnp.where(seen[:, None], truth, jnp.array([1.0, 0.0, 0.0, 0.0]))
+        error = getattr(jax.vmap(attitude_error)(outputs, filled), self.part)
+        return jnp.degrees(jnp.sqrt(jnp.where(seen, error**2, 0.0).sum() / seen.sum()))
+
+
+def masked(truth: Array, counts: Array) -> Array:
+    """A truth ``(N, ...)`` that only counts where ``counts`` ``(N,)`` is true: NaN elsewhere."""
+    shape = counts.shape + (1,) * (truth.ndim - 1)
+    return jnp.where(counts.reshape(shape), truth, jnp.nan)
+
+
+class AngleErrors(NamedTuple):
+    """Errors of single angles over a record, (12).
+
+    Attributes:
+        S: mean square, deg^2, ``(k,)``; the paper calls it the average absolute error.
+        M: largest absolute error, deg, ``(k,)``.
+    """
+
+    S: Array
+    M: Array
+
+
+def angle_errors(estimates: Array, truth: Array) -> AngleErrors:
+    """S and M of k angles ``(N, k)`` in rad; samples with a truth of NaN do not count.
+
+    Source: Suh, Park, Kang and Ro, 2004, (12).
+
+    >>> angle_errors(jnp.radians(jnp.array([[1.0], [3.0]])), jnp.zeros((2, 1))).M.tolist()
+    [3.0]
+    """
+    error = jnp.degrees(estimates - truth)
+    seen = ~jnp.isnan(error)
+    kept = jnp.where(seen, error, 0.0)
+    return AngleErrors((kept**2).sum(axis=0) / seen.sum(axis=0), jnp.abs(kept).max(axis=0))
+
+
+def _root(square: Array) -> Array:
+    """A square root with the derivative 0 at 0."""
+    positive = square > 0
+    return jnp.where(positive, jnp.sqrt(jnp.where(positive, square, 1.0)), 0.0)
