@@ -72,8 +72,8 @@ class Factors:
 
         They are not negative where no root is slower than ``rate``.
 
-        >>> Factors(3).coordinates(1.0, np.array([-1.0, -2.0, -3.0]))
-        (2.0, [(1.0, 0.0)])
+        >>> Factors(3).coordinates(1.0, np.array([-2.0, -3.0, -4.0]))
+        (3.0, [(3.0, 2.0)])
         """
         roots = np.asarray(roots, complex)
         u = (roots + rate) / rate
