@@ -56,6 +56,8 @@ from filters.linear import (  # noqa: E402
     Transition,
 )
 from filters.protocol import AnyFilter, Filter, run  # noqa: E402
+from filters.room import RestRule, RoomKalman, RoomNoise, RoomOutputs, RoomState, blocks  # noqa: E402
+from filters.several import Several, shared  # noqa: E402
 from filters.tilt import (  # noqa: E402
     TiltKalman,
     TiltNoise,
@@ -113,8 +115,14 @@ __all__ = [
     "MahonyState",
     "Noise",
     "Plant",
+    "RestRule",
     "RiccatiCovariance",
+    "RoomKalman",
+    "RoomNoise",
+    "RoomOutputs",
+    "RoomState",
     "Sample",
+    "Several",
     "SteadyState",
     "StoredGains",
     "TableCovariance",
@@ -126,6 +134,7 @@ __all__ = [
     "Transition",
     "Uncertainty",
     "accelerometer_steady",
+    "blocks",
     "decorrelate",
     "gyroscope_steady",
     "linearised",
@@ -135,6 +144,7 @@ __all__ = [
     "predict",
     "riccati_flow",
     "run",
+    "shared",
     "tilt_disturbance",
     "tilt_transition",
     "transitions",

@@ -9,6 +9,7 @@ from jax import Array
 
 from filters.gravity import ImuSample
 from filters.rotation import (
+    begun,
     cross,
     from_rotation_vector,
     multiply,
@@ -26,7 +27,7 @@ class MahonyGains(NamedTuple):
     Attributes:
         kp: how fast the attitude follows gravity, 1/s.
         ki: how fast the bias follows, 1/s^2.
-        q0: attitude at the start, sensor to earth, ``(4,)``.
+        q0: attitude at the start, sensor to earth, ``(4,)``; zeros: level by the first sample.
     """
 
     kp: Array
@@ -62,14 +63,15 @@ class Mahony:
         self, params: MahonyGains, state: MahonyState, inputs: ImuSample
     ) -> tuple[MahonyState, Array]:
         """Compare directions, turn, and put out the attitude ``(4,)``."""
-        error = _apart(state.q, inputs.acceleration, jnp.array(UP))
+        q = begun(state.q, inputs.acceleration)
+        error = _apart(q, inputs.acceleration, jnp.array(UP))
         if inputs.field is not None:
-            level = rotate(state.q, inputs.field)
+            level = rotate(q, inputs.field)
             north = jnp.stack([jnp.zeros(()), jnp.hypot(level[0], level[1]), level[2]])
-            error = error + _apart(state.q, inputs.field, normalise(north))
+            error = error + _apart(q, inputs.field, normalise(north))
         push = state.push + params.ki * self.dt * error
         rate = inputs.rate + params.kp * error + push
-        q = normalise(multiply(state.q, from_rotation_vector(rate * self.dt)))
+        q = normalise(multiply(q, from_rotation_vector(rate * self.dt)))
         return MahonyState(q, push), q
 
 
@@ -78,7 +80,7 @@ class MadgwickGain(NamedTuple):
 
     Attributes:
         beta: how fast the attitude follows gravity and field, rad/s.
-        q0: attitude at the start, sensor to earth, ``(4,)``.
+        q0: attitude at the start, sensor to earth, ``(4,)``; zeros: level by the first sample.
     """
 
     beta: Array
@@ -103,6 +105,7 @@ class Madgwick:
 
     def step(self, params: MadgwickGain, state: Array, inputs: ImuSample) -> tuple[Array, Array]:
         """Turn by the gyroscopes less the gradient step, and put out the attitude ``(4,)``."""
+        state = begun(state, inputs.acceleration)
         slope = _slope(state, inputs.acceleration, jnp.array(UP))
         if inputs.field is not None:
             level = rotate(state, inputs.field)

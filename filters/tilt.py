@@ -150,8 +150,8 @@ class TiltKalman:
 def tilt_transition(x: Array, dt: float) -> Array:
     """Phi of (4), ``(5, 5)``: exact for rates that do not turn the axes meanwhile."""
     W = _kinematics(x)
-    upper = jnp.concatenate([jnp.eye(2), W * dt], axis=1)
-    lower = jnp.concatenate([jnp.zeros((3, 2)), jnp.eye(3)], axis=1)
+    upper = jnp.concatenate([jnp.eye(2, dtype=x.dtype), W * dt], axis=1)
+    lower = jnp.concatenate([jnp.zeros((3, 2), x.dtype), jnp.eye(3, dtype=x.dtype)], axis=1)
     return jnp.concatenate([upper, lower])
 
 
@@ -160,7 +160,7 @@ def tilt_disturbance(x: Array, q1: Array, dt: float) -> Array:
     W = _kinematics(x)
     WW = (W[:, None, :] * W[None, :, :]).sum(axis=2)
     upper = jnp.concatenate([dt**3 / 3 * WW, dt**2 / 2 * W], axis=1)
-    lower = jnp.concatenate([dt**2 / 2 * W.T, dt * jnp.eye(3)], axis=1)
+    lower = jnp.concatenate([dt**2 / 2 * W.T, dt * jnp.eye(3, dtype=x.dtype)], axis=1)
     return q1 * jnp.concatenate([upper, lower])
 
 
@@ -172,20 +172,20 @@ def _ahead(estimate: Estimate, q1: Array, dt: float) -> Estimate:
 def _kinematics(x: Array) -> Array:
     """W of (4), ``(2, 3)``: from body rates to the rates of (theta, phi)."""
     sine, cosine, slope = jnp.sin(x[1]), jnp.cos(x[1]), jnp.tan(x[0])
-    zero, one = jnp.zeros(()), jnp.ones(())
+    zero, one = jnp.zeros((), x.dtype), jnp.ones((), x.dtype)
     return jnp.stack([zero, cosine, -sine, one, sine * slope, cosine * slope]).reshape(2, 3)
 
 
 def _slopes(x: Array, *, full: bool) -> Array:
     """C1 of (5), ``(2, 5)``."""
-    mixed = -jnp.sin(x[1]) * jnp.sin(x[0]) if full else jnp.zeros(())
-    zero = jnp.zeros(())
+    mixed = -jnp.sin(x[1]) * jnp.sin(x[0]) if full else jnp.zeros((), x.dtype)
+    zero = jnp.zeros((), x.dtype)
     rows = [jnp.cos(x[0]), zero, mixed, jnp.cos(x[1]) * jnp.cos(x[0])]
-    return jnp.concatenate([jnp.stack(rows).reshape(2, 2), jnp.zeros((2, 3))], axis=1)
+    return jnp.concatenate([jnp.stack(rows).reshape(2, 2), jnp.zeros((2, 3), x.dtype)], axis=1)
 
 
 def _gyroscopes(estimate: Estimate, rate: Array, r3: Array) -> Estimate:
     """(8), one axis after another."""
     for i in range(3):
-        estimate, _ = update(estimate, jnp.eye(5)[2 + i], r3, rate[i])
+        estimate, _ = update(estimate, jnp.eye(5, dtype=r3.dtype)[2 + i], r3, rate[i])
     return estimate

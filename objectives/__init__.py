@@ -26,6 +26,7 @@ from objectives.modes import (
     without_unseen,
 )
 from objectives.placement import Factors, place
+from objectives.records import Records
 from objectives.riccati import bucy_gain, care, dare, steady_gain, updated
 from objectives.score import (
     Data,
@@ -62,6 +63,7 @@ __all__ = [
     "Mode",
     "Objective",
     "Reading",
+    "Records",
     "Reduction",
     "SteadyKalman",
     "StepCost",

@@ -94,8 +94,8 @@ def angle_errors(estimates: Array, truth: Array) -> AngleErrors:
 
     Source: Suh, Park, Kang and Ro, 2004, (12).
 
-    >>> angle_errors(jnp.radians(jnp.array([[1.0], [3.0]])), jnp.zeros((2, 1))).M.tolist()
-    [3.0]
+    >>> angle_errors(jnp.radians(jnp.array([[1.0], [3.0]])), jnp.zeros((2, 1))).S.round(9).tolist()
+    [5.0]
     """
     error = jnp.degrees(estimates - truth)
     seen = ~jnp.isnan(error)

@@ -74,6 +74,7 @@ _HOMES = {
     "tuner.single": ("single_precision",),
     "tuner.solution": ("Certificate", "Solution", "Status"),
     "tuner.solvers": (
+        "Alternating",
         "Convex",
         "Gradient",
         "Ipopt",

@@ -20,7 +20,7 @@ class Held(NamedTuple):
         gradient: of the Lagrangian: the objective's less the shares of what holds it, ``(n,)``.
         weights: multiplier of every constraint, ``(m,)``, 0 where it has room.
         limits: multiplier of every limit that holds a coordinate, by its description.
-        tangent: orthonormal directions that keep all that holds, ``(n, k)``.
+        tangent: orthonormal directions that keep all that holds, ``(n, k)``; none along thresholds.
         excess: how far the worst constraint is exceeded, as a share of its bound.
     """
 
@@ -44,9 +44,11 @@ def hold(problem: Problem, z: np.ndarray) -> Held:
     size, count = problem.space.size, len(labels)
     touched = excess >= -ALLOWED
     rows = np.vstack([slopes[touched], limits])
+    # Along a threshold every derivative is 0 and says nothing.
+    steps = np.eye(size)[problem.space.thresholds()]
     worst, weights = float(excess.max(initial=-np.inf)), np.zeros(len(excess))
     if not len(rows) or not (np.isfinite(gradient).all() and np.isfinite(rows).all()):
-        return Held(gradient, weights, {}, np.eye(size), worst)
+        return Held(gradient, weights, {}, _orthogonal(steps, size), worst)
     from scipy.optimize import nnls
 
     # The box's own ends take their part as well, but their share stays in the gradient: a slope
@@ -54,7 +56,7 @@ def hold(problem: Problem, z: np.ndarray) -> Held:
     multipliers = nnls(np.vstack([rows, ends]).T, -gradient)[0][: len(rows)]
     weights[touched] = multipliers[: len(rows) - count]
     by_limit = dict(zip(labels, multipliers[len(rows) - count :].tolist(), strict=True))
-    tangent = _orthogonal(rows[multipliers > PUSHING], size)
+    tangent = _orthogonal(np.vstack([rows[multipliers > PUSHING], steps]), size)
     return Held(gradient + rows.T @ multipliers, weights, by_limit, tangent, worst)
 
 

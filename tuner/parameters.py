@@ -55,7 +55,11 @@ class Parameter(Protocol):
 
 @dataclass(frozen=True)
 class Positive:
-    """A positive number between ``low`` and ``high``, tuned as its natural logarithm."""
+    """A positive number between ``low`` and ``high``, tuned as its natural logarithm.
+
+    ``threshold`` says that something is switched where it is passed, so that an objective is
+    piecewise constant in it and an automatic gradient is 0 and says nothing.
+    """
 
     init: float
     low: float
@@ -63,6 +67,7 @@ class Positive:
     unit: str = ""
     size: int = 1
     limited: bool = False
+    threshold: bool = False
 
     def __post_init__(self) -> None:
         if not 0 < self.low <= self.init <= self.high < np.inf:

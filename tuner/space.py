@@ -83,6 +83,13 @@ class Space:
         kinds = [np.full(parameter.size, parameter.limited) for _, parameter in self.parameters]
         return np.concatenate(kinds)
 
+    def thresholds(self) -> np.ndarray:
+        """Which entries of z are thresholds, ``(size,)`` of bool: no gradient shows their worth."""
+        kinds = [
+            np.full(p.size, isinstance(p, Positive) and p.threshold) for _, p in self.parameters
+        ]
+        return np.concatenate(kinds)
+
     def widened(self, factor: float) -> "Space":
         """The same parameters in a wider box: positive ones up and down by a factor.
 

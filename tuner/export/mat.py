@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from tuner.export.arrays import META, from_arrays, meta
 from tuner.export.document import Document, head
-from tuner.export.matfile import variables
 from tuner.export.tuned import Tuned
+from tuner.matfile import variables
 
 _JSON = "tuner_json"
 # scipy writes the day and the system here, which would make equal files differ.

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from tuner.names import unknown
 from tuner.problem import Problem
 from tuner.solution import Solution
+from tuner.solvers.alternating import Alternating
 from tuner.solvers.convex import Convex
 from tuner.solvers.gradient import Gradient
 from tuner.solvers.ipopt import Ipopt
@@ -16,6 +17,7 @@ SOLVERS = {
     "nelder-mead": "simplex search, no gradient; fminsearch's moves, tolerances made for z",
     "l-bfgs-b": "quasi-Newton with bounds on exact gradients (scipy)",
     "trust-constr": "Newton in a trust region on exact gradients (scipy)",
+    "alternating": "gradients for what is smooth, simplex search for thresholds, in turn",
     "ipopt": "interior point with constraints (CasADi): symbolic, or calling back into JAX",
     "cma-es": "covariance matrix adaptation (Optuna), trials kept in a database",
     "tpe": "tree-structured Parzen estimator (Optuna), trials kept in a database",
@@ -47,6 +49,8 @@ def make_solver(
             return NelderMead(seed=seed, starts=starts)
         case "l-bfgs-b" | "trust-constr":
             return Gradient(name, seed=seed, starts=starts)
+        case "alternating":
+            return Alternating(seed=seed, starts=starts)
         case "ipopt":
             return Ipopt(seed=seed, starts=starts)
         case "cma-es" | "tpe":
@@ -57,6 +61,7 @@ def make_solver(
 __all__ = [
     "CONVEX",
     "SOLVERS",
+    "Alternating",
     "Convex",
     "Gradient",
     "Ipopt",

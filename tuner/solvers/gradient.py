@@ -37,22 +37,38 @@ class Gradient:
 
     def __call__(self, problem: Problem) -> Solution:
         """Solve a problem."""
-        return from_several(problem, self.name, self._descend, starts=self.starts, seed=self.seed)
+        return from_several(
+            problem, self.name, self._descend, starts=self.starts, seed=self.seed, smooth=True
+        )
 
     def _descend(self, problem: Problem, z: np.ndarray) -> Minimum:
         limits = {"gtol": self.gradient, "maxiter": self.iterations}
-        return _minimise(problem, z, self.name, limits | _TOLERANCE[self.name])
+        return minimise(problem, z, self.name, limits | _TOLERANCE[self.name], problem.space.box())
 
 
 _TOLERANCE = {"l-bfgs-b": {"ftol": 1e-15}, "trust-constr": {"xtol": 1e-9}}
 """What each method calls the least progress worth going on for."""
 
 
-def _minimise(problem: Problem, z: np.ndarray, method: str, options: dict[str, Any]) -> Minimum:
-    """One scipy descent on value / |value at the start|: its tolerances suit values near 1."""
+def minimise(
+    problem: Problem,
+    z: np.ndarray,
+    method: str,
+    options: dict[str, Any],
+    box: tuple[np.ndarray, np.ndarray],
+) -> Minimum:
+    """One scipy descent on value / |value at the start|: its tolerances suit values near 1.
+
+    Args:
+        problem: what is minimised.
+        z: the start, ``(n,)``.
+        method: scipy's name of the method.
+        options: the method's.
+        box: lowest and highest z, ``(n,)`` each; equal where a coordinate is to stay.
+    """
     from scipy.optimize import Bounds, minimize
 
-    low, high = problem.space.box()
+    low, high = box
     begin = problem.value(z)
     scale = abs(begin)
     if not 0 < scale < np.inf:

@@ -61,7 +61,13 @@ class Ipopt:
             return _descend(problem, z, statement, self.tolerance, self.iterations)
 
         return from_several(
-            problem, self.name, descend, starts=self.starts, seed=self.seed, constrained=True
+            problem,
+            self.name,
+            descend,
+            starts=self.starts,
+            seed=self.seed,
+            constrained=True,
+            smooth=True,
         )
 
 

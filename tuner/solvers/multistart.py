@@ -52,6 +52,7 @@ def from_several(
     starts: int,
     seed: int,
     constrained: bool = False,
+    smooth: bool = False,
 ) -> Solution:
     """Descend from the initial point and from the problem's others; certify the best end.
 
@@ -62,12 +63,21 @@ def from_several(
         starts: how many starts, the initial point among them.
         seed: where the random starts come from.
         constrained: whether the method keeps constraints.
+        smooth: whether the method follows gradients alone.
 
     Raises:
-        ValueError: for fewer than one start, where nothing is free, or where there are constraints
-            and the solver takes none.
+        ValueError: for fewer than one start, where nothing is free, where there are constraints
+            and the solver takes none, or thresholds and it follows gradients.
     """
     refuse(problem, solver, starts, "start", constrained=constrained)
+    steps = problem.space.thresholds()
+    if smooth and steps.any():
+        names = np.array(problem.space.coordinates)[steps]
+        raise ValueError(
+            f"{solver} follows gradients, and {problem.name} is piecewise constant in "
+            f"{', '.join(name.removeprefix('ln ') for name in names)}, whose gradient is 0 and "
+            "says nothing; fix it, or solve by alternating, nelder-mead, cma-es or tpe"
+        )
     begun = time.perf_counter()
     ends = [descend(problem, z) for z in problem.starts(starts, seed)]
     return conclude(problem, solver, ends, time.perf_counter() - begun)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 _HEADER = 128
 _MATRIX, _COMPRESSED = 14, 15
-_CHAR, _DOUBLE = 4, 6  # classes of matrices
+_CHAR, _DOUBLE, _UINT8 = 4, 6, 9  # classes of matrices; MATLAB's logical is the last
 _MAX_BYTES = 1 << 28
 # MATLAB packs the numbers of a double matrix into the smallest of these that holds them.
 _NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8"}
@@ -18,7 +18,7 @@ _TEXTS = {2: "latin-1", 4: "utf-16-native", 16: "utf-8", 17: "utf-16-native"}
 
 
 def variables(data: bytes) -> tuple[dict[str, NDArray[np.float64]], dict[str, str]]:
-    """The matrices of doubles and the texts of a MAT v5 file; all other variables are passed over.
+    """The matrices and texts of a MAT v5 file; what is neither double nor byte is passed over.
 
     Raises:
         ValueError: one sentence, where the file is damaged or none of this kind.
@@ -33,7 +33,7 @@ def variables(data: bytes) -> tuple[dict[str, NDArray[np.float64]], dict[str, st
     for body in _variables(data[_HEADER:], order):
         (_, flags), (_, sizes), (_, name), *rest = _elements(body, order)
         kind = struct.unpack_from(f"{order}I", flags)[0] & 0xFF
-        if kind == _DOUBLE:
+        if kind in (_DOUBLE, _UINT8):
             matrices[name.decode()] = _matrix(sizes, rest, order)
         elif kind == _CHAR:
             texts[name.decode()] = _text(rest, order)

@@ -1,0 +1,110 @@
+"""Suh, Park, Kang and Ro 2004: a two-step Kalman filter that distrusts a disturbed accelerometer.
+
+Equation numbers are the paper's; docs/suh2004.md tells what was found.
+"""
+
+import hashlib
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import jax
+import numpy as np
+from jax import Array
+
+from filters import AnyFilter
+from studies.suh2004.figures import figures
+from studies.suh2004.mixed import Recordings, problems, recordings, tuned_values
+from studies.suh2004.paper import DT, STATES, TWO_STEP, Settings, experiment_2, noise
+from studies.suh2004.rows import compare
+from tuner.export.tuned import Quantity
+from tuner.logs import Log
+from tuner.problem import Problem
+from tuner.single import SinglePrecision, single_precision
+from tuner.solution import Solution
+from tuner.solvers import Alternating, Gradient, NelderMead
+from tuner.study import Plan, Source, Study, Target, Task
+
+HELD_OUT = 1000
+"""Seeds of held-out records lie this far above those that are tuned on."""
+SCALE = float(np.radians(15.0))
+"""Size of the angles that the single-precision check goes by, rad."""
+
+
+def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
+    """All three filters tuned on the same records by the same means, judged on others."""
+    tuned_on = recordings(settings, settings.train, seed)
+    if settings.tune_on == "experiment2":
+        inputs = experiment_2(settings.gyro_unit)
+        still = jax.numpy.zeros((len(inputs.rate), 1, 2))
+        tuned_on = Recordings(jax.tree.map(lambda leaf: leaf[:, None], inputs), still)
+    judged_on = recordings(settings, settings.held_out, seed + HELD_OUT)
+    posed = problems(tuned_on)
+    alternating = Alternating(seed=seed, starts=settings.starts)
+    smooth = Gradient("l-bfgs-b", seed=seed, starts=settings.starts)
+    simplex = NelderMead(seed=seed, starts=1, tolerance=1e-4)
+    return Plan(
+        source=_source(settings, tuned_on, seed),
+        tasks=(
+            Task(posed["standard"], smooth, smooth.name),
+            Task(posed["simple"], alternating, alternating.name),
+            Task(posed["two_step"], alternating, alternating.name),
+            Task(posed["two_step"], simplex, simplex.name),
+        ),
+        targets=(_target(posed["two_step"], judged_on),),
+        compare=partial(compare, settings, judged_on),
+        figures=partial(figures, settings, judged_on),
+    )
+
+
+def _source(settings: Settings, tuned_on: Recordings, seed: int) -> Source:
+    made = np.asarray(tuned_on.inputs.acceleration)
+    digest = hashlib.sha256(made.tobytes()).hexdigest()
+    name = f"{tuned_on.count} simulated motions with pushes and bias, seeds from {seed}"
+    return Source(name, digest, made.shape[0] * made.shape[1], 1 / DT)
+
+
+def _target(problem: Problem, judged_on: Recordings) -> Target:
+    return Target(
+        problem=problem,
+        filter="TiltKalman",
+        states=STATES,
+        dt=DT,
+        quantities=_quantities,
+        single=partial(_single, judged_on),
+    )
+
+
+def _quantities(solution: Solution) -> tuple[Quantity, ...]:
+    return (Quantity("r3", np.array(1.0), "(rad/s)^2", "variance of the gyroscopes, held at 1"),)
+
+
+@dataclass(frozen=True)
+class _Angles:
+    """The filter, of whose outputs the angles alone are looked at."""
+
+    filter: AnyFilter
+
+    def init(self, params: Any) -> Any:
+        return self.filter.init(params)
+
+    def step(self, params: Any, state: Any, inputs: Any) -> tuple[Any, Array]:
+        state, found = self.filter.step(params, state, inputs)
+        return state, found.angles
+
+
+def _single(judged_on: Recordings, solution: Solution) -> tuple[SinglePrecision, ...]:
+    inputs = jax.tree.map(lambda leaf: leaf[:, 0], judged_on.inputs)
+    parameters = noise(tuned_values(solution))
+    return (single_precision("covariance", _Angles(TWO_STEP), parameters, inputs, scale=SCALE),)
+
+
+STUDY = Study(
+    name="suh2004",
+    title="Roll and pitch under external acceleration: a two-step Kalman filter, tuned",
+    paper="Y.-S. Suh, S.-K. Park, H.-J. Kang and Y.-S. Ro, Attitude Estimation Adaptively "
+    "Compensating External Acceleration, received 2004",
+    settings=Settings,
+    channels={},
+    plan=plan,
+)

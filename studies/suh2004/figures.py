@@ -1,0 +1,54 @@
+"""Figures 5 and 6, and a held-out record."""
+
+from collections.abc import Iterator
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from studies.suh2004.mixed import FILTERS, Recordings, tuned_values
+from studies.suh2004.paper import DT, TWO_STEP, Settings, experiment_2, noise, outputs
+from tuner.figure import Chart, Figure, Line
+from tuner.study import Solutions, best
+
+LABELS = {"standard": "standard", "simple": "simple adaptive", "two_step": "two-step"}
+
+
+def figures(settings: Settings, judged_on: Recordings, solutions: Solutions) -> Iterator[Figure]:
+    """All of them."""
+    inputs = experiment_2(settings.gyro_unit)
+    t = DT * np.arange(1, len(inputs.rate) + 1)
+    found = {name: outputs(filter, inputs, noise({})) for name, filter in FILTERS.items()}
+    for at, name in ((1, "roll"), (0, "pitch")):
+        lines = tuple(
+            Line(LABELS[each], t, np.degrees(np.asarray(o.angles)[:, at]))
+            for each, o in found.items()
+        )
+        title = f"Fig. 5: {name} estimated on the cart; the truth is 0"
+        yield Chart(f"fig5_{name}", title, "t, s", f"{name}, deg", lines)
+    for each in ("simple", "two_step"):
+        r = np.asarray(found[each].r)
+        yield Chart(
+            name=f"fig6_{each}",
+            title=f"Fig. 6: variances that the {LABELS[each]} filter takes",
+            x_label="t, s",
+            y_label="r, g^2",
+            lines=(Line("r1 (ax)", t, r[:, 0]), Line("r2 (ay)", t, r[:, 1])),
+            log="y",
+        )
+    yield _held_out(judged_on, solutions)
+
+
+def _held_out(judged_on: Recordings, solutions: Solutions) -> Chart:
+    """The roll error on the first held-out record."""
+    inputs = jax.tree.map(lambda leaf: leaf[:, 0], judged_on.inputs)
+    truth = np.asarray(judged_on.truth)[:, 0, 1]
+    t = DT * np.arange(len(truth))
+    heuristic = outputs(TWO_STEP, inputs, noise({}))
+    lines = [Line("two-step, by hand", t, np.degrees(np.asarray(heuristic.angles)[:, 1] - truth))]
+    for name, filter in FILTERS.items():
+        tuned = outputs(filter, inputs, noise(tuned_values(best(name, solutions))))
+        error = np.degrees(np.asarray(jnp.asarray(tuned.angles))[:, 1] - truth)
+        lines.append(Line(f"{LABELS[name]}, tuned", t, error))
+    title = "Roll error on a held-out record with motion, pushes and bias"
+    return Chart("held_out_roll", title, "t, s", "error, deg", tuple(lines))

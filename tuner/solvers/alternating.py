@@ -1,0 +1,94 @@
+"""Gradients for what is smooth and a simplex search for thresholds, in turn."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tuner.problem import Problem
+from tuner.solution import Solution
+from tuner.solvers.gradient import minimise
+from tuner.solvers.multistart import Minimum, from_several
+from tuner.solvers.nelder_mead import nelder_mead
+
+
+@dataclass(frozen=True)
+class Alternating:
+    """L-BFGS-B with the thresholds held, then Nelder-Mead on the thresholds alone, and again.
+
+    A threshold's worth is piecewise constant, so each turn can only lower the value. The
+    certificate speaks of the smooth coordinates.
+
+    Attributes:
+        seed: where the random starts come from.
+        starts: how many starts.
+        rounds: limit of turns for each start.
+        progress: a turn that lowers the value by less than this share is the last.
+        step: edge of the first simplex in z; 0.5 is a factor of 1.65.
+        gradient: largest component of the gradient of ln value at the end of a descent.
+        iterations: limit of each descent.
+    """
+
+    seed: int
+    starts: int = 4
+    rounds: int = 10
+    progress: float = 1e-6
+    step: float = 0.5
+    gradient: float = 1e-8
+    iterations: int = 200
+
+    name: str = "alternating"
+
+    def __call__(self, problem: Problem) -> Solution:
+        """Solve a problem.
+
+        Raises:
+            ValueError: where the problem has no threshold, or nothing else.
+        """
+        steps = problem.space.thresholds()
+        if not steps.any() or steps.all():
+            what = "thresholds alone" if steps.any() else "no threshold"
+            way = "nelder-mead" if steps.any() else "l-bfgs-b"
+            raise ValueError(f"{problem.name} has {what}, so nothing alternates: solve it by {way}")
+        return from_several(problem, self.name, self._descend, starts=self.starts, seed=self.seed)
+
+    def _descend(self, problem: Problem, z: np.ndarray) -> Minimum:
+        found = self._smooth(problem, z)
+        count = found.evaluations
+        for _ in range(self.rounds):
+            switched = self._switch(problem, found.z)
+            again = self._smooth(problem, switched.z)
+            count += switched.evaluations + again.evaluations
+            lowered = found.value - again.value
+            found = again if lowered > 0 else found
+            if lowered <= self.progress * abs(found.value):
+                break
+        return Minimum(found.z, found.value, count, found.finished, found.message)
+
+    def _smooth(self, problem: Problem, z: np.ndarray) -> Minimum:
+        steps = problem.space.thresholds()
+        low, high = (np.where(steps, z, end) for end in problem.space.box())
+        options = {"gtol": self.gradient, "maxiter": self.iterations, "ftol": 1e-15}
+        return minimise(problem, z, "l-bfgs-b", options, (low, high))
+
+    def _switch(self, problem: Problem, z: np.ndarray) -> Minimum:
+        """The best thresholds beside the other coordinates of z."""
+        steps = problem.space.thresholds()
+        low, high = (end[steps] for end in problem.space.box())
+
+        def whole(part: np.ndarray) -> np.ndarray:
+            point = z.copy()
+            point[steps] = part
+            return point
+
+        edge = np.where(z[steps] + self.step <= high, self.step, -self.step)
+        found = nelder_mead(
+            lambda part: problem.value(whole(part)),
+            np.vstack([z[steps], z[steps] + np.diag(edge)]),
+            xtol=1e-3,
+            ftol=np.inf,
+            limit=100 * len(edge),
+            box=(low, high),
+        )
+        return Minimum(
+            whole(found.z), found.value, found.evaluations, found.finished, found.message
+        )
