@@ -66,7 +66,7 @@ class Mahony:
         q = begun(state.q, inputs.acceleration)
         error = _apart(q, inputs.acceleration, jnp.array(UP))
         if inputs.field is not None:
-            level = rotate(q, inputs.field)
+            level = rotate(q, _seen(inputs.field))
             north = jnp.stack([jnp.zeros(()), jnp.hypot(level[0], level[1]), level[2]])
             error = error + _apart(q, inputs.field, normalise(north))
         push = state.push + params.ki * self.dt * error
@@ -108,7 +108,7 @@ class Madgwick:
         state = begun(state, inputs.acceleration)
         slope = _slope(state, inputs.acceleration, jnp.array(UP))
         if inputs.field is not None:
-            level = rotate(state, inputs.field)
+            level = rotate(state, _seen(inputs.field))
             north = jnp.stack([jnp.zeros(()), jnp.hypot(level[0], level[1]), level[2]])
             slope = slope + _slope(state, inputs.field, normalise(north))
         length = jnp.sqrt(jnp.maximum(slope @ slope, 1e-30))
@@ -123,6 +123,11 @@ def _apart(q: Array, measured: Array, direction: Array) -> Array:
     seen = size > 0  # also false for NaN
     unit = jnp.where(seen, measured, 0.0) / jnp.where(seen, size, 1.0)
     return cross(unit, rotate_back(q, direction))
+
+
+def _seen(field: Array) -> Array:
+    """The field, or some other where there is none: it must not be zero or NaN on its way."""
+    return jnp.where(field @ field > 0, field, jnp.array([0.0, 1.0, 0.0], field.dtype))
 
 
 def _slope(q: Array, measured: Array, direction: Array) -> Array:

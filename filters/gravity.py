@@ -115,7 +115,10 @@ class GravityKalman:
         q = multiply(begun(state.q, inputs.acceleration), turn)
         P = self._spread(params, state.P, turn)
         up = rotate_back(q, jnp.array([0.0, 0.0, 1.0], q.dtype))
-        a = inputs.acceleration / params.gravity
+        missing = jnp.isnan(inputs.acceleration)
+        # Masked before it is divided: a NaN would reach the derivative by gravity.
+        a = jnp.where(missing, 0.0, inputs.acceleration) / params.gravity
+        a = jnp.where(missing, jnp.nan, a)
         detected = jnp.abs(a @ a - 1) > params.delta
         r = self._adapted(params, state.r, a - up, detected) if self.adaptive else state.r
         # up' = up + up x error, for a small error of the body frame

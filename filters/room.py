@@ -152,15 +152,18 @@ class _Strapdown:
         rate = free - (known.matrix * free).sum(axis=1)
         q = normalise(multiply(q, from_rotation_vector(rate * self.dt)))
         axes = jnp.stack([rotate(q, axis) for axis in jnp.eye(3, dtype=q.dtype)], axis=1)
-        force = (axes * inputs.acceleration).sum(axis=1)
         down = jnp.zeros(3, q.dtype).at[2].set(noise.gravity)
+        missing = jnp.isnan(inputs.acceleration).any()
+        a = jnp.where(missing, 0.0, inputs.acceleration)
+        force = jnp.where(missing, down, (axes * a).sum(axis=1))  # then as if nothing pushed
+        seen = inputs._replace(acceleration=jnp.where(missing, quiet.force, a))
         speed = speed + (force - down) * self.dt
         place = place + speed * self.dt
         turned = (axes[:, :, None] * rate).reshape(3, 9)
         grown = Sums(axes, force, turned, rate @ rate, inputs.rate)
         sums = Sums(*(total + self.dt * part for total, part in zip(sums, grown, strict=True)))
         ahead = multiply(q, from_rotation_vector(rate * noise.lead))
-        return Reckoned(Navigation(q, speed, place), sums, self._quiet(quiet, inputs)), ahead
+        return Reckoned(Navigation(q, speed, place), sums, self._quiet(quiet, seen)), ahead
 
     def _quiet(self, quiet: Quiet, inputs: ImuSample) -> Quiet:
         rule = self.rule
@@ -202,9 +205,9 @@ class RoomOutputs(NamedTuple):
 class RoomKalman:
     """An error-state filter of strapdown navigation in a room, from six axes.
 
-    Samples come in blocks (:func:`blocks`): dead reckoning takes every one, the covariance and the
-    pseudo-measurements (speed and place are zero; at rest, so is the rate) come once a block, of a
-    tenth of a second or so.
+    Samples come in blocks (:func:`blocks`), rates without gaps: dead reckoning takes every one; the
+    covariance and the pseudo-measurements (speed and place are zero; at rest, so is the rate) come
+    once a block, of a tenth of a second or so.
 
     Attributes:
         dt: sample time, s.
@@ -230,7 +233,8 @@ class RoomKalman:
         self, params: RoomNoise, state: RoomState, inputs: ImuSample
     ) -> tuple[RoomState, RoomOutputs]:
         """Reckon through a block, then correct."""
-        at = state.at._replace(q=begun(state.at.q, inputs.acceleration.mean(axis=0)))
+        whole = jnp.nan_to_num(inputs.acceleration).sum(axis=0)
+        at = state.at._replace(q=begun(state.at.q, whole))
         reckoning = params, state.known, at, state.quiet
         (at, sums, quiet), q = run(_Strapdown(self.dt, self.rule), reckoning, inputs)
         span = self.dt * inputs.rate.shape[0]

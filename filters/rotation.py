@@ -81,10 +81,14 @@ def normalise(q: Array) -> Array:
 def begun(q: Array, acceleration: Array) -> Array:
     """q, or the level attitude of an acceleration where there is none yet: zeros, ``(4,)``.
 
+    Without an acceleration either, it is upright.
+
     >>> begun(jnp.zeros(4), jnp.array([0.0, 0.0, 9.81]))[0].item()
     1.0
     """
-    return jnp.where(q @ q > 0, q, level(acceleration))
+    upright = jnp.array([0.0, 0.0, 1.0], q.dtype)
+    measured = jnp.where(acceleration @ acceleration > 0, acceleration, upright)
+    return jnp.where(q @ q > 0, q, level(measured))
 
 
 def level(acceleration: Array) -> Array:
@@ -98,5 +102,5 @@ def level(acceleration: Array) -> Array:
     x, y, z = normalise(acceleration)
     down = z < -1 + 1e-9
     w = jnp.sqrt(jnp.where(down, 1.0, (1 + z) / 2))
-    upright = jnp.stack([w, y / (2 * w), -x / (2 * w), jnp.zeros(())])
-    return jnp.where(down, jnp.array([0.0, 1.0, 0.0, 0.0]), upright)
+    upright = normalise(jnp.stack([w, y / (2 * w), -x / (2 * w), jnp.zeros_like(w)]))
+    return jnp.where(down, jnp.array([0.0, 1.0, 0.0, 0.0], w.dtype), upright)

@@ -68,7 +68,8 @@ class AttitudeRmse:
         # Unseen samples get a truth of their own, so that no NaN enters the derivative.
         filled = jnp.where(seen[:, None], truth, jnp.array([1.0, 0.0, 0.0, 0.0]))
         error = getattr(jax.vmap(attitude_error)(outputs, filled), self.part)
-        return jnp.degrees(jnp.sqrt(jnp.where(seen, error**2, 0.0).sum() / seen.sum()))
+        mean = jnp.where(seen, error**2, 0.0).sum() / seen.sum()
+        return jnp.degrees(jnp.where(jnp.isnan(mean), mean, _root(mean)))
 
 
 def masked(truth: Array, counts: Array) -> Array:

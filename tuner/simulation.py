@@ -120,6 +120,10 @@ def simulate(
     draw = np.random.default_rng(seed)
     time = dt * np.arange(round(seconds / dt))
     angles, speed = _angles(swing, time, draw)
+    if not np.isfinite(angles).all():
+        raise ValueError(
+            f"the swing {swing} is no motion; give finite numbers, frequencies above 0"
+        )
     if np.abs(angles[:, 1]).max() > np.radians(85):
         raise ValueError(
             f"the pitch reaches {np.degrees(np.abs(angles[:, 1]).max()):.0f} deg, where roll and "
@@ -128,7 +132,7 @@ def simulate(
     q = _attitude(angles)
     pushes = np.zeros((len(time), 3)) if bursts is None else _pushes(bursts, time, draw)
     earth = pushes + np.array([0.0, 0.0, GRAVITY])
-    force = np.asarray(_to_sensor(jnp.asarray(q), jnp.asarray(earth)))
+    force = np.array(_to_sensor(jnp.asarray(q), jnp.asarray(earth)))
     return Motion(dt, angles, q, _rates(angles, speed), force, np.abs(pushes).max(axis=1) > 0)
 
 

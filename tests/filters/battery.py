@@ -12,26 +12,44 @@ from filters import (
     AccelerometerFilter,
     AnyFilter,
     ConventionalLoop,
+    ExtendedKalman,
+    ExtendedModel,
+    ExtendedSample,
     FixedGainFilter,
     Flow,
     GainCovariance,
     GainedSample,
     Gains,
     GainTable,
+    GravityKalman,
+    GravityNoise,
     GyroscopeFilter,
+    ImuSample,
     KalmanCovariance,
     LinearKalman,
     LinearModel,
     LoopGains,
     LoopStep,
+    Madgwick,
+    MadgwickGain,
+    Mahony,
+    MahonyGains,
     Noise,
+    RestRule,
     RiccatiCovariance,
+    RoomKalman,
+    RoomNoise,
     Sample,
+    Several,
     StoredGains,
     TableCovariance,
+    TiltKalman,
+    TiltNoise,
+    TiltSample,
     Transition,
     loop_step,
     riccati_flow,
+    shared,
     transitions,
 )
 
@@ -141,9 +159,125 @@ def _gained(z):
     return GainedSample(jnp.asarray(z), _GAINS)
 
 
+def swung(p, x, u):
+    """A pendulum with friction over one Euler step; p is (omega^2, q)."""
+    return jnp.stack([x[0] + 0.1 * x[1], x[1] - 0.1 * (p[0] * jnp.sin(x[0]) + 0.3 * x[1])])
+
+
+def shaken(p, x, u):
+    """More noise the further it is from rest, so that Q has a derivative by the state."""
+    return p[1] * (1 + x[0] ** 2) * jnp.array([[1e-3, 1e-2], [1e-2, 0.2]])
+
+
+def seen_from_the_side(p, x, u):
+    return jnp.stack([jnp.sin(x[0]), x[1]])
+
+
+def _pendulum(point):
+    omega, q, r = jnp.exp(point)
+    return ExtendedModel(
+        jnp.stack([omega, q]),
+        R=r * jnp.array([0.1, 0.4]),
+        x0=jnp.array([0.4, 0.1]),
+        P0=jnp.diag(jnp.array([0.2, 0.1])),
+    )
+
+
+def _tilt(point):
+    q1, r_nom, r3, alpha1, alpha2, r_big = jnp.exp(point)
+    return TiltNoise(
+        q1,
+        r_nom,
+        r3,
+        alpha1,
+        alpha2,
+        jnp.asarray(0.05),
+        r_big,
+        jnp.array([0.2, -0.3, 0.1, 0.2, -0.1]),
+        0.1 * jnp.eye(5),
+    )
+
+
+def _gravity(point):
+    gyroscope, bias, accelerometer, memory, gain, gravity = jnp.exp(point)
+    return GravityNoise(
+        gyroscope,
+        bias,
+        accelerometer,
+        memory,
+        gain,
+        jnp.asarray(0.05),
+        gravity,
+        _TURNED,
+        jnp.array([0.01, -0.02, 0.03]),
+        jnp.asarray(0.2),
+        jnp.asarray(0.1),
+    )
+
+
+def _mahony(point):
+    return MahonyGains(*jnp.exp(point), _TURNED)
+
+
+def _madgwick(point):
+    return MadgwickGain(jnp.exp(point[0]), _TURNED)
+
+
+def _imu(z):
+    """Of errors of a level accelerometer, so that a zero is not a force without direction."""
+    return ImuSample(9.81 * (jnp.asarray(z) + jnp.array([0.0, 0.0, 1.0])), _RATES)
+
+
+def _room(point):
+    speed, place, accelerometer, turning, matrix0, lead = jnp.exp(point)
+    small = jnp.asarray(1e-3)
+    return RoomNoise(
+        speed,
+        place,
+        accelerometer,
+        small,
+        turning,
+        small,
+        matrix0,
+        jnp.asarray(0.1),
+        jnp.asarray(0.2),
+        lead,
+        jnp.asarray(9.81),
+        _TURNED,
+    )
+
+
+def _three_a_block(z):
+    """Each sample thrice."""
+    force = 9.81 * (jnp.asarray(z) + jnp.array([0.0, 0.0, 1.0]))
+    return ImuSample(*(jnp.repeat(part[:, None], 3, axis=1) for part in (force, _RATES)))
+
+
+def _compass(z):
+    z = jnp.asarray(z) + jnp.array([0.0, 0.0, 1.0, 0.0, 0.8, -0.6])
+    return ImuSample(9.81 * z[:, :3], _RATES, 48.0 * z[:, 3:])
+
+
 _POINT = np.log([0.3, 2.0, 1.5])
 _COUNTED = np.zeros(N)
 _GAINS = jnp.asarray(0.3 * np.random.default_rng(1981).normal(size=(N, 2, 2)))
+
+_TWO_RATES = 0.4 * np.random.default_rng(1970).normal(size=(N, 2))
+_TWO_RATES[np.arange(N) % 3 != 1, 1] = np.nan  # the second sensor is three times as slow
+
+# What is detected depends on the record, on delta and on gravity. No point moves delta, and these
+# samples are further from it than a step of gravity reaches, so no difference crosses it. Half of
+# the samples are disturbed. Where a residual is zero abs(e) has a kink: these seeds have none
+# within a step's reach.
+_SHAKING = np.random.default_rng(2004)
+_RATES = jnp.asarray(0.5 * _SHAKING.normal(size=(N, 3)))
+_FORCES = 0.3 * _SHAKING.normal(size=(N, 3)) * (np.arange(N) // 3 % 2)[:, None]
+_FORCES += 0.01 * _SHAKING.normal(size=(N, 3))
+_FIELDS = np.hstack([_FORCES, 0.2 * _SHAKING.normal(size=(N, 3))])
+_SIX = np.hstack([_FORCES + np.array([0.0, 0.0, 1.0]), 0.5 * _SHAKING.normal(size=(N, 3))])
+_TURNED = jnp.array([0.9, 0.3, -0.3, 0.1])
+_TILTED = np.log([1.0, 0.05, 1.0, 0.4, 10.0, 5.0])
+_TURNING = np.log([1e-3, 1e-4, 1e-2, 0.5, 2.0, 9.81])
 
 CASES = [
     Case("accelerometer", AccelerometerFilter(0.1), _noise, _POINT, _ONE),
@@ -186,4 +320,46 @@ CASES = [
         lambda z: jnp.asarray(z)[:, 0],
     ),
     Case("stored gains", StoredGains(), _seen, _POINT, _TWO, _gained),
+    Case(
+        "extended, two rates",
+        ExtendedKalman(swung, shaken, seen_from_the_side),
+        _pendulum,
+        np.log([4.0, 0.3, 1.0]),
+        _TWO_RATES,
+        lambda z: ExtendedSample(jnp.asarray(z)),
+    ),
+    # A gradient takes seconds to compile, so what is the same filter is here once: the standard law
+    # is the simple one with r_big = r_nom, and a gravity filter that does not adapt is one with
+    # the gain 0. test_tilt.py and test_gravity.py see to that.
+    *(
+        Case(
+            f"tilt, {law}",
+            TiltKalman(0.05, law),
+            _tilt,
+            _TILTED,
+            _SIX,
+            lambda z: TiltSample(jnp.asarray(z)[:, :3], jnp.asarray(z)[:, 3:]),
+        )
+        for law in ("two-step", "simple")
+    ),
+    # The filters below integrate the rates: a missing one is no missing measurement, so the holes
+    # are in what corrects them.
+    Case("gravity, adaptive", GravityKalman(0.05), _gravity, _TURNING, _FORCES, _imu),
+    Case("Mahony, field", Mahony(0.05), _mahony, np.log([2.0, 0.5]), _FIELDS, _compass),
+    Case("Madgwick, field", Madgwick(0.05), _madgwick, np.log([0.4]), _FIELDS, _compass),
+    Case(
+        "room",
+        RoomKalman(0.05, RestRule(seconds=0.3)),
+        _room,
+        np.log([0.3, 0.2, 0.05, 5e-3, 3e-3, 0.02]),
+        _FORCES,
+        _three_a_block,
+    ),
+    Case(
+        "several records",
+        Several(GyroscopeFilter(0.1)),
+        lambda point: shared(_noise(point), 2),
+        _POINT,
+        _TWO,
+    ),
 ]

@@ -15,7 +15,7 @@ from scipy.io import loadmat, savemat
 
 from tests.tuner.export_cases import EDGES, gyroscope, nasty, tuned, tuned_filters
 from tuner.export import FORMATS, Quantity, dump, load, suffix
-from tuner.export.matfile import variables
+from tuner.matfile import variables
 
 
 @pytest.mark.parametrize("format", FORMATS)

@@ -1,0 +1,127 @@
+"""BROAD: inclination of a moving inertial sensor, on real recordings with optical truth.
+
+The benchmark is that of Laidig, Caruso, Cereatti and Seel, Data 6(7):72, 2021; its files stay where
+the user has them. docs/broad.md tells what was found.
+"""
+
+import hashlib
+from functools import partial
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from studies.broad.contest import problem
+from studies.broad.figures import figures
+from studies.broad.rows import compare, fold_name
+from studies.broad.trials import AccUnit, GyrUnit, Trial, read
+from tuner.export.tuned import Quantity
+from tuner.logs import Log
+from tuner.problem import Problem
+from tuner.solution import Solution
+from tuner.solvers import Alternating, Gradient
+from tuner.study import Plan, Source, Study, Target, Task
+
+Contestant = Literal["room", "room_now", "gravity", "two_step", "mahony", "madgwick"]
+ROOM_STATES = (
+    *(f"turn_{axis}" for axis in "xyz"),
+    *(f"bias_{axis}" for axis in "xyz"),
+    *(f"speed_{axis}" for axis in "xyz"),
+    *(f"place_{axis}" for axis in "xyz"),
+    *(f"matrix_{row}{column}" for row in "xyz" for column in "xyz"),
+)
+ENOUGH = 3e-4
+"""Slope of ln error at which a search may end: a tenth of a factor e more changes nothing."""
+
+
+class Settings(BaseModel):
+    """Where the recordings are, and what is tuned on them."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    folder: str = Field("", description="folder of the benchmark's .mat files")
+    acc_unit: AccUnit = Field("m/s^2", description="unit of imu_acc")
+    gyr_unit: GyrUnit = Field("rad/s", description="unit of imu_gyr")
+    contestants: tuple[Contestant, ...] = Field(
+        ("room", "room_now", "gravity", "two_step", "mahony", "madgwick"),
+        description="filters that are tuned on all trials; the room filter always is",
+    )
+    folds: int | None = Field(
+        None, ge=0, description="trials to leave out in turn, the first so many; all if unset"
+    )
+    seconds: float | None = Field(None, gt=0, description="only so much of each trial, s")
+
+
+def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
+    """Every filter tuned on all trials; the room filter also without each of them in turn."""
+    trials = read(settings.folder, settings.acc_unit, settings.gyr_unit, settings.seconds)
+    tuned = tuple(dict.fromkeys(("room", *settings.contestants)))
+    count = len(trials) if settings.folds is None else min(settings.folds, len(trials))
+    folds = range(count if len(trials) > 1 else 0)
+    gradient = Gradient("l-bfgs-b", seed=seed, starts=1, gradient=ENOUGH, iterations=40)
+    alternating = Alternating(
+        seed=seed, starts=1, rounds=3, progress=1e-3, gradient=ENOUGH, iterations=40
+    )
+    tasks = []
+    posed = {name: problem(name, name, trials) for name in tuned}
+    for name, each in posed.items():
+        solver = alternating if name == "two_step" else gradient
+        tasks.append(Task(each, solver, solver.name))
+    for at in folds:
+        others = [trial for i, trial in enumerate(trials) if i != at]
+        left = problem(fold_name(trials[at]), "room", others)
+        tasks.append(Task(left, gradient, gradient.name))
+    tasks += _transfer(trials, gradient)
+    return Plan(
+        source=_source(trials),
+        tasks=tuple(tasks),
+        targets=(_target(posed["room"], trials[0].rate_hz),),
+        compare=partial(compare, trials, folds, tuned),
+        figures=partial(figures, trials, folds, tuned),
+    )
+
+
+def _transfer(trials: list[Trial], gradient: Gradient) -> list[Task]:
+    calm = [trial for trial in trials if not trial.disturbed]
+    if not calm or len(calm) == len(trials):
+        return []
+    return [Task(problem("undisturbed", "room", calm), gradient, gradient.name)]
+
+
+def _source(trials: list[Trial]) -> Source:
+    digest = hashlib.sha256("".join(trial.sha256 for trial in trials).encode()).hexdigest()
+    samples = sum(len(trial.rate) for trial in trials)
+    return Source(f"{len(trials)} trials of BROAD", digest, samples, trials[0].rate_hz)
+
+
+def _target(posed: Problem, rate_hz: float) -> Target:
+    return Target(
+        problem=posed,
+        filter="RoomKalman",
+        states=ROOM_STATES,
+        dt=1 / rate_hz,
+        quantities=_quantities,
+        single=lambda _: (),
+    )
+
+
+def _quantities(solution: Solution) -> tuple[Quantity, ...]:
+    fixed: dict[str, tuple[Any, str, str]] = {
+        "bias0": (0.02, "rad/s", "deviation of the gyroscopes' bias at the start"),
+        "tilt0": (0.03, "rad", "deviation of the attitude at the start"),
+    }
+    return tuple(
+        Quantity(name, np.array(value), unit, meaning)
+        for name, (value, unit, meaning) in fixed.items()
+    )
+
+
+STUDY = Study(
+    name="broad",
+    title="Inclination of a moving inertial sensor, on the BROAD recordings",
+    paper="D. Laidig, M. Caruso, A. Cereatti and T. Seel, BROAD - A Benchmark for Robust Inertial "
+    "Orientation Estimation, Data 6(7):72, 2021",
+    settings=Settings,
+    channels={},
+    plan=plan,
+)

@@ -1,0 +1,201 @@
+"""The benchmark's published recordings, read from the user's folder and checked."""
+
+import hashlib
+import struct
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from filters.rotation import multiply, rotate
+from tuner.matfile import variables
+
+GRAVITY = 9.81
+NEEDED = {"imu_acc": 3, "imu_gyr": 3, "opt_quat": 4, "movement": 1, "sampling_rate": 1}
+SHORTEST = 1.0
+"""A rest phase before the movement has to last this long, s, so that a filter can begin."""
+APART = 5.0
+"""At rest the truth's vertical and the accelerometers' may differ by so many degrees."""
+
+AccUnit = Literal["m/s^2", "g"]
+GyrUnit = Literal["rad/s", "deg/s"]
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """One recording.
+
+    Attributes:
+        name: its file's, without the ending.
+        acceleration: specific force, m/s^2, ``(N, 3)``.
+        rate: angular rate, rad/s, ``(N, 3)``.
+        truth: optical attitude, sensor to earth, ``(N, 4)``; NaN where it is missing or the sensor
+            rests, so that it does not count.
+        rate_hz: sample rate.
+        sha256: of the file.
+    """
+
+    name: str
+    acceleration: np.ndarray
+    rate: np.ndarray
+    truth: np.ndarray
+    rate_hz: float
+    sha256: str
+
+    @property
+    def disturbed(self) -> bool:
+        """Whether its name says so."""
+        return "_disturbed_" in self.name
+
+
+def read(folder: str, acc_unit: AccUnit, gyr_unit: GyrUnit, seconds: float | None) -> list[Trial]:
+    """All trials of a folder, by name.
+
+    Args:
+        folder: with the benchmark's .mat files.
+        acc_unit, gyr_unit: in which they are written.
+        seconds: only so much of each from its beginning; None for all.
+
+    Raises:
+        ValueError: for a folder without trials, and for a trial that cannot be used: says why.
+    """
+    paths = sorted(Path(folder).glob("*.mat")) if folder else []
+    if not paths:
+        where = f"in {folder}" if folder else "without a folder"
+        raise ValueError(
+            f"there are no recordings {where}; give the folder of the benchmark's .mat files, "
+            "--set folder=PATH"
+        )
+    trials = [_read(path, acc_unit, gyr_unit, seconds) for path in paths]
+    rates = sorted({trial.rate_hz for trial in trials})
+    if len(rates) > 1:
+        raise ValueError(
+            f"the trials have sample rates from {rates[0]:g} to {rates[-1]:g} Hz; give those of "
+            "one rate, for their parameters are shared"
+        )
+    return trials
+
+
+def _read(path: Path, acc_unit: AccUnit, gyr_unit: GyrUnit, seconds: float | None) -> Trial:
+    data = path.read_bytes()
+    try:
+        found, _ = variables(data)
+    except (ValueError, struct.error, zlib.error, IndexError) as error:
+        raise ValueError(f"{path.name} is no MAT v5 file that can be read: {error}") from None
+    missing = [name for name in NEEDED if name not in found]
+    if missing:
+        raise ValueError(
+            f"{path.name} has no {', '.join(missing)}; a trial has {', '.join(NEEDED)}"
+        )
+    rate_hz = float(np.ravel(found["sampling_rate"])[0])
+    if not 0 < rate_hz < np.inf:
+        raise ValueError(f"{path.name} has a sampling_rate of {rate_hz:g} Hz; it must be positive")
+    count = None if seconds is None else max(round(seconds * rate_hz), 1)
+    parts = {name: found[name][:count] for name in ("imu_acc", "imu_gyr", "opt_quat")}
+    moving = np.ravel(found["movement"])[:count] > 0
+    for name, part in parts.items():
+        if part.shape != (len(moving), NEEDED[name]):
+            raise ValueError(
+                f"{name} of {path.name} has the shape {part.shape}; {len(moving)} samples of "
+                f"movement need {(len(moving), NEEDED[name])}"
+            )
+    return _checked(path.stem, parts, moving, rate_hz, (acc_unit, gyr_unit), data)
+
+
+def _checked(
+    name: str,
+    parts: dict[str, np.ndarray],
+    moving: np.ndarray,
+    rate_hz: float,
+    units: tuple[AccUnit, GyrUnit],
+    data: bytes,
+) -> Trial:
+    acc = parts["imu_acc"] * (GRAVITY if units[0] == "g" else 1.0)
+    gyr = np.radians(parts["imu_gyr"]) if units[1] == "deg/s" else parts["imu_gyr"]
+    truth = parts["opt_quat"]
+    for what, values in (("imu_acc", acc), ("imu_gyr", gyr)):
+        if not np.isfinite(values).all():
+            first = int(np.argwhere(~np.isfinite(values))[0][0])
+            raise ValueError(f"{what} of {name} has no number at sample {first}; fill or cut it")
+    begins = int(np.argmax(moving)) if moving.any() else 0
+    if begins < SHORTEST * rate_hz:
+        raise ValueError(
+            f"{name} rests for {begins / rate_hz:.2g} s before its movement; {SHORTEST:g} s are "
+            "needed for a filter to begin"
+        )
+    truth = truth / np.linalg.norm(truth, axis=1, keepdims=True)
+    if np.isnan(truth[moving]).any(axis=1).all():
+        raise ValueError(f"opt_quat of {name} is NaN throughout the movement: there is no truth")
+    _check_force(name, acc[:begins])
+    _check_axes(name, acc[:begins], truth[:begins])
+    _check_rate(name, gyr, truth, rate_hz)
+    masked = np.where(moving[:, None], truth, np.nan)
+    return Trial(name, acc, gyr, masked, rate_hz, hashlib.sha256(data).hexdigest())
+
+
+def _check_force(name: str, acc: np.ndarray) -> None:
+    size = float(np.median(np.linalg.norm(acc, axis=1)))
+    if 0.9 < size < 1.1:
+        raise ValueError(
+            f"the accelerometers of {name} read {size:.3g} at rest, which is in g, not m/s^2; "
+            "say so with --set acc_unit=g"
+        )
+    if not 0.9 * GRAVITY < size < 1.1 * GRAVITY:
+        raise ValueError(
+            f"the accelerometers of {name} read {size:.4g} m/s^2 at rest, and gravity is "
+            f"{GRAVITY:g}; check their unit and their scale"
+        )
+
+
+def _check_axes(name: str, acc: np.ndarray, truth: np.ndarray) -> None:
+    """At rest the accelerometers point up, in the truth's earth axes."""
+    seen = ~np.isnan(truth).any(axis=1)
+    if not seen.any():
+        return
+    up = np.asarray(_rotated(jnp.asarray(truth[seen]), jnp.asarray(acc[seen]))).mean(axis=0)
+    angle = float(np.degrees(np.arccos(np.clip(up[2] / np.linalg.norm(up), -1, 1))))
+    if angle > APART:
+        raise ValueError(
+            f"at rest the accelerometers of {name} point {angle:.0f} deg away from the truth's "
+            "vertical, so their axes do not match: opt_quat has to turn sensor into earth "
+            "coordinates (w, x, y, z), earth z up"
+        )
+
+
+def _check_rate(name: str, gyr: np.ndarray, truth: np.ndarray, rate_hz: float) -> None:
+    """The gyroscopes' rate against the truth's, over a tenth of a second each."""
+    step = max(round(0.1 * rate_hz), 1)
+    picked = truth[::step]
+    turned = np.asarray(_apart(jnp.asarray(picked[:-1]), jnp.asarray(picked[1:])))
+    optical = 2 * np.arcsin(np.clip(turned, 0, 1)) * rate_hz / step
+    size = np.linalg.norm(gyr[: step * len(optical)].reshape(len(optical), step, 3).mean(1), axis=1)
+    seen = ~np.isnan(optical) & (optical > 0.2)
+    if not seen.any():
+        return
+    ratio = float(np.median(size[seen] / optical[seen]))
+    if 0.8 < ratio < 1.25:
+        return
+    if 0.8 < ratio / np.degrees(1.0) < 1.25:
+        raise ValueError(
+            f"the gyroscopes of {name} read {ratio:.3g} times the rate of the truth, so they are "
+            "in deg/s, not rad/s; say so with --set gyr_unit=deg/s"
+        )
+    raise ValueError(
+        f"the gyroscopes of {name} read {ratio:.3g} times the rate of the truth; check their unit, "
+        "and sampling_rate"
+    )
+
+
+_rotated = jax.jit(jax.vmap(rotate))
+
+
+@jax.jit
+@jax.vmap
+def _apart(p: jax.Array, q: jax.Array) -> jax.Array:
+    """The sine of half the angle between two attitudes."""
+    turned = multiply(p * jnp.array([1.0, -1.0, -1.0, -1.0]), q)
+    return jnp.sqrt((turned[1:] ** 2).sum())
