@@ -10,6 +10,7 @@ from tuner.figure import Figure
 from tuner.names import unknown
 
 if TYPE_CHECKING:
+    from jax import Array
     from pydantic import BaseModel
 
     from tuner.export.tuned import Quantity
@@ -59,6 +60,13 @@ def best(problem: str, solutions: Solutions) -> "Solution":
     lowest = min(s.value for s in candidates)
     equals = [s for s in candidates if s.value <= lowest + 1e-6 * abs(lowest)]
     return min(equals, key=lambda s: (not s.status.trusted, s.value))
+
+
+def tuned_values(solution: "Solution") -> "dict[str, Array]":
+    """The parameters that a solution found, by name, as filters take them."""
+    import jax.numpy as jnp
+
+    return {name: jnp.asarray(p.value) for name, p in solution.parameters.items()}
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,14 @@ the user has them. docs/broad.md tells what was found.
 """
 
 import hashlib
+from dataclasses import replace
 from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from studies.broad.contest import problem
+from studies.broad.contest import SPEED, problem
 from studies.broad.figures import figures
 from studies.broad.rows import compare, fold_name
 from studies.broad.trials import AccUnit, GyrUnit, Trial, read
@@ -59,6 +60,7 @@ def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
     count = len(trials) if settings.folds is None else min(settings.folds, len(trials))
     folds = range(count if len(trials) > 1 else 0)
     gradient = Gradient("l-bfgs-b", seed=seed, starts=1, gradient=ENOUGH, iterations=40)
+    quick = replace(gradient, curvature=False)
     alternating = Alternating(
         seed=seed, starts=1, rounds=3, progress=1e-3, gradient=ENOUGH, iterations=40
     )
@@ -70,8 +72,8 @@ def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
     for at in folds:
         others = [trial for i, trial in enumerate(trials) if i != at]
         left = problem(fold_name(trials[at]), "room", others)
-        tasks.append(Task(left, gradient, gradient.name))
-    tasks += _transfer(trials, gradient)
+        tasks.append(Task(left, quick, quick.name))
+    tasks += _transfer(trials, quick)
     return Plan(
         source=_source(trials),
         tasks=tuple(tasks),
@@ -107,6 +109,7 @@ def _target(posed: Problem, rate_hz: float) -> Target:
 
 def _quantities(solution: Solution) -> tuple[Quantity, ...]:
     fixed: dict[str, tuple[Any, str, str]] = {
+        "speed": (SPEED, "m/s^0.5", "of the measurement that the sensor stands still, held"),
         "bias0": (0.02, "rad/s", "deviation of the gyroscopes' bias at the start"),
         "tilt0": (0.03, "rad", "deviation of the attitude at the start"),
     }

@@ -34,6 +34,8 @@ BLOCK = 0.196
 """How often the room filter corrects, s; 10 to 200 ms give the same errors."""
 THINNED = 60.0
 """Rate at which the gravity filters run, Hz; rates and forces are averaged down to it."""
+SPEED = 0.3
+"""Held: all noises of the room filter share a scale that only the start's deviations see."""
 LEVEL = jnp.zeros(4)
 """No attitude to begin with: the first samples say where up is."""
 
@@ -53,8 +55,9 @@ OBJECTIVE = Records(Inclination())
 
 def room(values: dict[str, Array]) -> RoomNoise:
     """Parameters of the room filter."""
-    fixed = {"gyroscope": 0.0, "bias0": 0.02, "tilt0": 0.03, "gravity": GRAVITY, "lead": 0.0}
-    return RoomNoise(**(_arrays(fixed) | values), q0=LEVEL)
+    fixed = {"speed": SPEED, "gyroscope": 0.0, "bias0": 0.02, "tilt0": 0.03, "lead": 0.0}
+    numbers = _arrays(fixed | {"gravity": GRAVITY}) | values
+    return RoomNoise(**numbers, q0=LEVEL)
 
 
 def gravity(values: dict[str, Array]) -> GravityNoise:
@@ -82,7 +85,6 @@ PLAIN: dict[str, Parameter] = {
 LEAD = Limited(0.0, -0.02, 0.02, "s", scale=2e-3, limited=False)
 FREE: dict[str, dict[str, Parameter]] = {
     "room": {
-        "speed": Positive(0.3, 1e-3, 1e2, "m/s^0.5"),
         "place": Positive(0.2, 1e-3, 1e2, "m s^0.5"),
         "accelerometer": Positive(0.03, 1e-4, 1e1, "m/s^1.5"),
         "turning": Positive(5e-4, 1e-6, 1e-1, "s^0.5"),

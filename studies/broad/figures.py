@@ -11,9 +11,8 @@ from objectives import attitude_error
 from studies.broad.contest import PARAMETERS, filter_of, judged, side_by_side
 from studies.broad.rows import LABELS, left_out
 from studies.broad.trials import Trial
-from studies.suh2004.mixed import tuned_values
 from tuner.figure import Chart, Figure, Line
-from tuner.study import Solutions, best
+from tuner.study import Solutions, best, tuned_values
 
 
 def figures(

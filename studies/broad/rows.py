@@ -8,9 +8,8 @@ import numpy as np
 from studies.broad.contest import FREE, judged
 from studies.broad.peers import vqf
 from studies.broad.trials import Trial
-from studies.suh2004.mixed import tuned_values
 from tuner.comparison import Comparison, Verdict, claim
-from tuner.study import Solutions, best
+from tuner.study import Solutions, best, tuned_values
 
 REACH = 0.70
 """What a filter of this project has to reach on trials that it was not tuned on, deg."""

@@ -19,7 +19,7 @@ from tuner.problem import Problem
 from tuner.single import SinglePrecision, single_precision
 from tuner.solution import Solution
 from tuner.solvers import NelderMead, make_solver
-from tuner.study import Plan, Source, Study, Target, Task
+from tuner.study import Plan, Source, Study, Target, Task, tuned_values
 
 
 def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
@@ -80,7 +80,7 @@ def _quantities(bench: Bench, solution: Solution) -> tuple[Quantity, ...]:
 
 
 def _single(bench: Bench, solution: Solution) -> tuple[SinglePrecision, ...]:
-    parameters = noise({name: jnp.asarray(p.value) for name, p in solution.parameters.items()})
+    parameters = noise(tuned_values(solution))
     k1, k2, _ = bench.steady(solution.derived["q_over_r"])
     fixed = FixedGainFilter(bench.dt, (2,)), Gains(np.array(k1), np.array(k2))
     check = partial(single_precision, inputs=bench.signals, scale=bench.settings.step)

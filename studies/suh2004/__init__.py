@@ -14,7 +14,7 @@ from jax import Array
 
 from filters import AnyFilter
 from studies.suh2004.figures import figures
-from studies.suh2004.mixed import Recordings, problems, recordings, tuned_values
+from studies.suh2004.mixed import Recordings, problems, recordings
 from studies.suh2004.paper import DT, STATES, TWO_STEP, Settings, experiment_2, noise
 from studies.suh2004.rows import compare
 from tuner.export.tuned import Quantity
@@ -23,7 +23,7 @@ from tuner.problem import Problem
 from tuner.single import SinglePrecision, single_precision
 from tuner.solution import Solution
 from tuner.solvers import Alternating, Gradient, NelderMead
-from tuner.study import Plan, Source, Study, Target, Task
+from tuner.study import Plan, Source, Study, Target, Task, tuned_values
 
 HELD_OUT = 1000
 """Seeds of held-out records lie this far above those that are tuned on."""

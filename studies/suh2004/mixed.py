@@ -22,7 +22,6 @@ from studies.suh2004.paper import (
 from tuner.parameters import Bounded, Parameter, Positive
 from tuner.problem import Problem
 from tuner.simulation import GRAVITY, Bursts, Motion, Sensor, Swing, measure, simulate
-from tuner.solution import Solution
 from tuner.space import Space
 
 SWING = Swing(size=(np.radians(15.0), np.radians(12.0), np.radians(60.0)))
@@ -118,11 +117,6 @@ def problems(tuned_on: Recordings) -> dict[str, Problem]:
 def held_out(name: str, values: dict[str, Array], judged_on: Recordings) -> float:
     """A filter's error on other records, deg."""
     return float(_score(FILTERS[name], shared(noise(values), judged_on.count), judged_on.data))
-
-
-def tuned_values(solution: Solution) -> dict[str, Array]:
-    """The parameters that a solution found."""
-    return {name: jnp.asarray(p.value) for name, p in solution.parameters.items()}
 
 
 @jax.jit(static_argnums=0)

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from filters import TiltKalman
-from studies.suh2004.mixed import Recordings, held_out, tuned_values
+from studies.suh2004.mixed import Recordings, held_out
 from studies.suh2004.paper import (
     ACC_VARIANCE,
     DT,
@@ -24,7 +24,7 @@ from studies.suh2004.paper import (
     outputs,
 )
 from tuner.comparison import Comparison, Verdict, claim
-from tuner.study import Solutions, best
+from tuner.study import Solutions, best, tuned_values
 
 THETA, PHI = 0, 1
 ALIKE = 0.01

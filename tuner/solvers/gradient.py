@@ -23,6 +23,9 @@ class Gradient:
         starts: how many starts.
         gradient: largest component of the gradient of ln value at the end.
         iterations: limit for each start.
+        curvature: whether the certificate looks at second derivatives, at the cost of two
+            gradients for each parameter; without them nothing is called flat, and no parameter
+            has an interval.
     """
 
     name: Literal["l-bfgs-b", "trust-constr"]
@@ -30,6 +33,7 @@ class Gradient:
     starts: int = 4
     gradient: float = 1e-8
     iterations: int = 200
+    curvature: bool = True
 
     def __post_init__(self) -> None:
         if self.name not in _TOLERANCE:
@@ -38,7 +42,13 @@ class Gradient:
     def __call__(self, problem: Problem) -> Solution:
         """Solve a problem."""
         return from_several(
-            problem, self.name, self._descend, starts=self.starts, seed=self.seed, smooth=True
+            problem,
+            self.name,
+            self._descend,
+            starts=self.starts,
+            seed=self.seed,
+            smooth=True,
+            curvature=self.curvature,
         )
 
     def _descend(self, problem: Problem, z: np.ndarray) -> Minimum:

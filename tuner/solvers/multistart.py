@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from tuner.certify import certify, estimates, is_stationary, spectrum
+from tuner.certify import certify, estimates, is_stationary, spectrum, unknown_spectrum
 from tuner.constraint import ALLOWED
 from tuner.multipliers import hold
 from tuner.problem import Problem
@@ -53,6 +53,7 @@ def from_several(
     seed: int,
     constrained: bool = False,
     smooth: bool = False,
+    curvature: bool = True,
 ) -> Solution:
     """Descend from the initial point and from the problem's others; certify the best end.
 
@@ -64,6 +65,7 @@ def from_several(
         seed: where the random starts come from.
         constrained: whether the method keeps constraints.
         smooth: whether the method follows gradients alone.
+        curvature: whether the certificate looks at second derivatives.
 
     Raises:
         ValueError: for fewer than one start, where nothing is free, where there are constraints
@@ -80,7 +82,7 @@ def from_several(
         )
     begun = time.perf_counter()
     ends = [descend(problem, z) for z in problem.starts(starts, seed)]
-    return conclude(problem, solver, ends, time.perf_counter() - begun)
+    return conclude(problem, solver, ends, time.perf_counter() - begun, curvature=curvature)
 
 
 def refuse(
@@ -102,11 +104,18 @@ def refuse(
         )
 
 
-def conclude(problem: Problem, solver: str, ends: list[Minimum], seconds: float) -> Solution:
+def conclude(
+    problem: Problem,
+    solver: str,
+    ends: list[Minimum],
+    seconds: float,
+    *,
+    curvature: bool = True,
+) -> Solution:
     """The solution that the best of several ends amounts to."""
     best = best_of(ends)
     held = hold(problem, best.z)
-    curved = spectrum(problem, best.z, held)
+    curved = spectrum(problem, best.z, held) if curvature else unknown_spectrum(problem.space.size)
     certificate = certify(problem, best.z, held, curved, _agreement(ends, best))
     status = _status(problem, best, certificate)
     return Solution(
