@@ -78,8 +78,8 @@ def madgwick(values: dict[str, Array]) -> MadgwickGain:
 
 
 PLAIN: dict[str, Parameter] = {
-    "gyroscope": Positive(1e-6, 1e-10, 1e-2, "rad^2/s"),
-    "bias": Positive(1e-9, 1e-13, 1e-4, "rad^2/s^3"),
+    "gyroscope": Positive(1e-6, 1e-14, 1e-2, "rad^2/s"),
+    "bias": Positive(1e-9, 1e-17, 1e-4, "rad^2/s^3"),
     "accelerometer": Positive(1.0, 1e-4, 1e4),
 }
 LEAD = Limited(0.0, -0.02, 0.02, "s", scale=2e-3, limited=False)

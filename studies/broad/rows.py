@@ -79,7 +79,7 @@ def _peer(trials: Sequence[Trial]) -> Comparison:
             unit="deg",
             tolerance=None,
             verdict=Verdict.NOT_IDENTIFIABLE,
-            note="the package vqf is not installed: pip install vqf",
+            note="the package vqf is not installed: it comes with the extra 'peers'",
         )
     mean = float(found.default.mean())
     return claim(

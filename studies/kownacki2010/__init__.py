@@ -6,7 +6,6 @@ Equation and table numbers are the paper's; docs/kownacki2010.md tells what was 
 import hashlib
 from functools import partial
 
-import jax.numpy as jnp
 import numpy as np
 
 from filters import FixedGainFilter, Gains
