@@ -91,7 +91,10 @@ def _read(path: Path, acc_unit: AccUnit, gyr_unit: GyrUnit, seconds: float | Non
         raise ValueError(
             f"{path.name} has no {', '.join(missing)}; a trial has {', '.join(NEEDED)}"
         )
-    rate_hz = float(np.ravel(found["sampling_rate"])[0])
+    rates = np.ravel(found["sampling_rate"])
+    if rates.size != 1:
+        raise ValueError(f"{path.name} has {rates.size} numbers as sampling_rate; give one, in Hz")
+    rate_hz = float(rates[0])
     if not 0 < rate_hz < np.inf:
         raise ValueError(f"{path.name} has a sampling_rate of {rate_hz:g} Hz; it must be positive")
     count = None if seconds is None else max(round(seconds * rate_hz), 1)
@@ -121,13 +124,19 @@ def _checked(
         if not np.isfinite(values).all():
             first = int(np.argwhere(~np.isfinite(values))[0][0])
             raise ValueError(f"{what} of {name} has no number at sample {first}; fill or cut it")
-    begins = int(np.argmax(moving)) if moving.any() else 0
+    if not moving.any():
+        raise ValueError(
+            f"{name} never moves (movement is false throughout), so nothing can be judged; take "
+            "more of it, or leave it out"
+        )
+    begins = int(np.argmax(moving))
     if begins < SHORTEST * rate_hz:
         raise ValueError(
             f"{name} rests for {begins / rate_hz:.2g} s before its movement; {SHORTEST:g} s are "
             "needed for a filter to begin"
         )
-    truth = truth / np.linalg.norm(truth, axis=1, keepdims=True)
+    length = np.linalg.norm(truth, axis=1, keepdims=True)
+    truth = np.where(length > 0, truth, np.nan) / np.where(length > 0, length, 1.0)
     if np.isnan(truth[moving]).any(axis=1).all():
         raise ValueError(f"opt_quat of {name} is NaN throughout the movement: there is no truth")
     _check_force(name, acc[:begins])

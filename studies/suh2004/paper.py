@@ -66,7 +66,7 @@ def experiment_1(unit: GyroUnit, samples: int = SAMPLES) -> TiltSample:
     """At rest: chirps sqrt(2) sin(a k^2) with the printed variances in place of the noise."""
     k = np.arange(1, samples + 1)
     a = 1.0 + 0.1 * np.arange(6)
-    chirps = np.sqrt(2) * np.sin(a * k[:, None] ** 2)
+    chirps = np.sqrt(2) * np.sin(a * k[:, None] * k[:, None])
     scale = np.radians(1.0) if unit == "deg/s" else 1.0
     acceleration = chirps[:, :3] * np.sqrt(ACC_VARIANCE) + [0.0, 0.0, 1.0]
     rate = chirps[:, 3:] * np.sqrt(GYR_VARIANCE) * scale

@@ -142,6 +142,7 @@ REFUSED = {
     "missing array": ({"opt_quat": None}, "01_undisturbed_swing.mat has no opt_quat"),
     "missing rate": ({"sampling_rate": None}, "has no sampling_rate"),
     "rate zero": ({"sampling_rate": 0.0}, "has a sampling_rate of 0 Hz; it must be positive"),
+    "rate empty": ({"sampling_rate": np.zeros((0, 0))}, "sampling_rate"),
     "rate NaN": ({"sampling_rate": np.nan}, "has a sampling_rate of nan Hz"),
     "transposed": (
         {"imu_gyr": made(1)["imu_gyr"].T},
@@ -160,6 +161,10 @@ REFUSED = {
     "no truth in motion": (
         holed("opt_quat", slice(RESTING, None)),
         "is NaN throughout the movemen",
+    ),
+    "truth of zeros": (
+        {"opt_quat": np.zeros((SAMPLES, 4))},
+        "opt_quat of 01_undisturbed_swing",
     ),
     "g": (scaled("imu_acc", 1 / GRAVITY), "which is in g, not m/s^2; say so with --set acc_unit=g"),
     "twice": (scaled("imu_acc", 2.0), "read 19.62 m/s^2 at rest, and gravity is 9.81; check"),

@@ -70,12 +70,10 @@ def paper(law, **settings):
 def test_experiment_2_is_the_textbooks(unit):
     inputs = experiment_2(unit)
     acceleration, rate = oracle.experiment2(unit.partition("/")[0])
-    # The arguments of the sines, up to 1.5 * 480^2, are products in another order: two last bits
-    # of theirs, times sqrt(2) and a deviation, is what the numbers can differ by.
-    bit = 2 * np.sqrt(2) * np.spacing(1.5 * 480**2)
-    deviations = np.array(oracle.deviations(unit.partition("/")[0]))
-    assert (np.abs(inputs.acceleration - acceleration) <= bit * deviations[:3]).all()
-    assert (np.abs(inputs.rate - rate) <= bit * deviations[3:]).all()
+    # The same products in the same order: the sines' arguments reach 3.5e5, whose last bit alone
+    # would be 6e-11 of the noise.
+    np.testing.assert_allclose(inputs.acceleration, acceleration, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(inputs.rate, rate, rtol=0, atol=1e-15)
     assert float(inputs.acceleration[:, 1].sum()) == printed("0.0238196081")
 
 

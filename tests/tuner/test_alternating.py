@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from objectives import Data, Records
+from objectives import Records
 from tuner.parameters import Bounded, Covariance, Fixed, Positive
 from tuner.problem import Problem
 from tuner.solution import Status
@@ -209,25 +209,3 @@ def test_records_make_one_number(objective, value):
 def test_every_record_needs_its_weight(over):
     with pytest.raises(ValueError, match="2 weights for 3 records; give one for each"):
         Records(mean, (1.0, 2.0), over)(OUTPUTS, TRUTH)
-
-
-class Echo:
-    """A filter that puts out its inputs plus its parameter."""
-
-    def init(self, params):
-        return ()
-
-    def step(self, params, state, inputs):
-        return state, inputs + params
-
-
-def test_records_are_tuned_together():
-    """Their mean square is lowest where the offsets' mean is made up for."""
-    space = Space.of(a=Positive(1.0, 1e-2, 1e2))
-    square = Records(lambda outputs, truth: ((outputs - truth) ** 2).mean())
-    build = lambda values: values["a"]  # noqa: E731
-    data = Data(OUTPUTS, OUTPUTS + jnp.array([1.0, 2.0, 6.0]))
-    solution = Gradient("l-bfgs-b", seed=0, starts=1)(
-        Problem("offsets", space, Echo(), build, square, data)
-    )
-    assert solution.parameters["a"].value == pytest.approx(3.0, rel=1e-6)
