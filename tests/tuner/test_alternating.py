@@ -101,13 +101,12 @@ def test_a_start_that_is_no_number_is_left():
     assert solution.value == pytest.approx(1.0, abs=1e-12)
 
 
-def test_nothing_alternates_without_both_kinds():
-    with pytest.raises(
-        ValueError, match="toy has no threshold, so nothing alternates: .* l-bfgs-b"
-    ):
-        Alternating(seed=0)(posed(a=positive(), b=positive()))
-    with pytest.raises(ValueError, match="toy has thresholds alone, .* solve it by nelder-mead"):
-        Alternating(seed=0)(posed(switch=switch(), a=Fixed(1.0), b=Fixed(1.0)))
+def test_one_kind_alone_is_searched_as_it_can_be():
+    smooth = posed(a=positive(), b=positive(), switch=Fixed(0.5))
+    found, plain = Alternating(seed=0)(smooth), Gradient("l-bfgs-b", seed=0)(smooth)
+    assert found.value == pytest.approx(plain.value, rel=1e-9)
+    steps = posed(switch=switch(), a=Fixed(1.0), b=Fixed(1.0))
+    assert Alternating(seed=0)(steps).value <= NelderMead(seed=0)(steps).value * (1 + 1e-9)
     with pytest.raises(ValueError, match="alternating needs at least one start, got 0"):
         Alternating(seed=0, starts=0)(posed())
 

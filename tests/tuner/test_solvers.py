@@ -48,6 +48,7 @@ class Case:
 # samplers learn where to draw.
 SMOOTH = {
     "l-bfgs-b": 1e-6,
+    "alternating": 1e-6,
     "ipopt": 1e-6,
     "trust-constr": 1e-4,
     "nelder-mead": 1e-4,

@@ -1,6 +1,6 @@
 """Gradients for what is smooth and a simplex search for thresholds, in turn."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,8 +15,8 @@ from tuner.solvers.nelder_mead import nelder_mead
 class Alternating:
     """L-BFGS-B with the thresholds held, then Nelder-Mead on the thresholds alone, and again.
 
-    A threshold's worth is piecewise constant, so each turn can only lower the value. The
-    certificate speaks of the smooth coordinates.
+    Each turn can only lower the value. Without thresholds it is L-BFGS-B alone. The certificate
+    speaks of the smooth coordinates.
 
     Attributes:
         seed: where the random starts come from.
@@ -39,22 +39,13 @@ class Alternating:
     name: str = "alternating"
 
     def __call__(self, problem: Problem) -> Solution:
-        """Solve a problem.
-
-        Raises:
-            ValueError: where the problem has no threshold, or nothing else.
-        """
-        steps = problem.space.thresholds()
-        if not steps.any() or steps.all():
-            what = "thresholds alone" if steps.any() else "no threshold"
-            way = "nelder-mead" if steps.any() else "l-bfgs-b"
-            raise ValueError(f"{problem.name} has {what}, so nothing alternates: solve it by {way}")
+        """Solve a problem."""
         return from_several(problem, self.name, self._descend, starts=self.starts, seed=self.seed)
 
     def _descend(self, problem: Problem, z: np.ndarray) -> Minimum:
         found = self._smooth(problem, z)
         count = found.evaluations
-        for _ in range(self.rounds):
+        for _ in range(self.rounds if problem.space.thresholds().any() else 0):
             switched = self._switch(problem, found.z)
             again = self._smooth(problem, switched.z)
             count += switched.evaluations + again.evaluations
@@ -62,10 +53,12 @@ class Alternating:
             found = again if lowered > 0 else found
             if lowered <= self.progress * abs(found.value):
                 break
-        return Minimum(found.z, found.value, count, found.finished, found.message)
+        return replace(found, evaluations=count)
 
     def _smooth(self, problem: Problem, z: np.ndarray) -> Minimum:
         steps = problem.space.thresholds()
+        if steps.all():
+            return Minimum(z, problem.value(z), 1, True, "nothing is smooth")
         low, high = (np.where(steps, z, end) for end in problem.space.box())
         options = {"gtol": self.gradient, "maxiter": self.iterations, "ftol": 1e-15}
         return minimise(problem, z, "l-bfgs-b", options, (low, high))
