@@ -328,7 +328,7 @@ CASES = [
         _TWO_RATES,
         lambda z: ExtendedSample(jnp.asarray(z)),
     ),
-    # A gradient takes seconds to compile, so one law stands for all three, and a gravity filter that
+    # A gradient takes seconds to compile, so one law stands for all, and a gravity filter that
     # does not adapt is one with the gain 0. test_tilt.py and test_gravity.py see to the rest.
     Case(
         "tilt, two-step",
