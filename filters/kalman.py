@@ -7,6 +7,7 @@ split by a written-out LDL' factorisation.
 
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 from jax import Array
 
@@ -59,7 +60,8 @@ def predict(estimate: Estimate, F: Array, W: Array) -> Estimate:
         F: transition matrix, ``(n, n)``.
         W: covariance of the noise that enters in this step, ``(n, n)``.
     """
-    return Estimate(matmul(F, estimate.x), matmul(matmul(F, estimate.P), F.T) + W)
+    P = matmul(matmul(F, estimate.P), F.T) + W
+    return Estimate(matmul(F, estimate.x), (P + P.T) / 2)
 
 
 def update(estimate: Estimate, h: Array, r: Array, z: Array) -> tuple[Estimate, Innovation]:
@@ -80,11 +82,14 @@ def update(estimate: Estimate, h: Array, r: Array, z: Array) -> tuple[Estimate, 
     missing = jnp.any(jnp.isnan(z))
     g = matmul(P, h)
     s = matmul(h, g) + r
-    k = jnp.where(missing, 0.0, g / s)
+    weight = jnp.where(missing, 0.0, 1 / s)
+    k = g * weight
     y = jnp.where(missing, 0.0, z - matmul(h, x))
-    A = P - jnp.outer(k, g)
-    P = A - jnp.outer(matmul(A, h) - r * k, k)
-    return Estimate(x + jnp.multiply.outer(k, y), (P + P.T) / 2), Innovation(y, s, k)
+    A = P - jnp.outer(g, g) * weight
+    # A h' = r k but for rounding: so it is no function of anything.
+    lost = jax.lax.stop_gradient(jnp.outer(matmul(A, h) - r * k, k))
+    P = A - (lost + lost.T) / 2
+    return Estimate(x + jnp.multiply.outer(k, y), P), Innovation(y, s, k)
 
 
 def decorrelate(H: Array, R: Array, z: Array) -> tuple[Array, Array, Array]:
