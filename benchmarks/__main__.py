@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from benchmarks import accuracy, batch, cliff, equations, others, single, startup
+from benchmarks import accuracy, batch, cliff, equations, extended, others, single, startup
 from benchmarks.baseline import Baseline, NoCompilerError, baseline
 from benchmarks.machine import machine
 from benchmarks.page import page
@@ -63,6 +63,7 @@ def _measure(work: Work, limit: Baseline | None, said: Console) -> list[Row]:
         "batches": lambda: batch.rows(work, limit),
         "accuracy": lambda: accuracy.rows(work, limit),
         "compilation and start": lambda: startup.rows(work),
+        "the extended filter": lambda: extended.rows(limit),
         "equations": equations.rows,
         "the loop option": lambda: cliff.rows(work),
         "other libraries": lambda: others.rows(work, limit),

@@ -1,4 +1,4 @@
-"""The C limit: baseline.c, compiled for this very machine when it is needed."""
+"""The C limit: baseline.c and tilt.c, compiled for this very machine when it is needed."""
 
 import ctypes
 import os
@@ -13,11 +13,17 @@ import numpy as np
 
 from benchmarks.work import DT
 
-SOURCE = Path(__file__).with_name("baseline.c")
+SOURCES = tuple(Path(__file__).with_name(name) for name in ("baseline.c", "tilt.c"))
 OPTIONS = ("-O3", "-march=native", "-shared", "-fPIC")
 _LANES = 32  # costs() takes whole groups of vectors
 _ARRAY = np.ctypeslib.ndpointer(dtype=np.float64, flags="C_CONTIGUOUS")
-_SIGNATURES = {"forward": (1, 2), "two_signals": (1, 2), "costs": (2, 7), "gradients": (2, 9)}
+_SIGNATURES = {  # how many sizes, numbers and arrays
+    "forward": (1, 3, 2),
+    "two_signals": (1, 3, 2),
+    "costs": (2, 1, 7),
+    "gradients": (2, 1, 9),
+    "tilt": (1, 3, 4),
+}
 
 
 class NoCompilerError(Exception):
@@ -59,6 +65,18 @@ class Baseline:
         self.library.gradients(len(z), len(Rs), DT, Rs, Qs, z, *weights.arrays, *found)
         return found[:, : len(points)]
 
+    def tilt(
+        self,
+        numbers: tuple[float, float, float],
+        acceleration: np.ndarray,
+        rate: np.ndarray,
+        noise: np.ndarray,
+        out: np.ndarray,
+    ) -> np.ndarray:
+        """The extended filter's angles ``(N, 2)``: sample time, delta and P0; its six numbers."""
+        self.library.tilt(len(rate), *numbers, acceleration, rate, noise, out)
+        return out
+
     @property
     def vector_bits(self) -> int:
         """The widest vector the compiler uses here."""
@@ -98,7 +116,7 @@ def baseline() -> Baseline:
 def _compile(compiler: str) -> ctypes.CDLL:
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         target = Path(folder) / "baseline.so"
-        command = [compiler, *OPTIONS, str(SOURCE), "-o", str(target)]
+        command = [compiler, *OPTIONS, *map(str, SOURCES), "-o", str(target), "-lm"]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode:
             raise NoCompilerError(f"the C compiler refused: {done.stderr.strip().splitlines()[0]}")
@@ -106,9 +124,9 @@ def _compile(compiler: str) -> ctypes.CDLL:
 
 
 def _signed(library: ctypes.CDLL) -> ctypes.CDLL:
-    for name, (sizes, arrays) in _SIGNATURES.items():
+    for name, (sizes, numbers, arrays) in _SIGNATURES.items():
         function = getattr(library, name)
-        scalars = (ctypes.c_double,) * (3 if sizes == 1 else 1)
+        scalars = (ctypes.c_double,) * numbers
         function.argtypes = (*(ctypes.c_size_t,) * sizes, *scalars, *(_ARRAY,) * arrays)
         function.restype = None
     return library

@@ -17,9 +17,9 @@ and worth publishing only where the noise is below 10 %.
 
 ## How to read it
 
-The **C limit** is the same recursion in C (`benchmarks/baseline.c`), compiled for the very machine
-when the benchmark starts. A sequential filter cannot be faster than the chain of operations from
-one sample to the next; C spends its time waiting for that chain.
+The **C limit** is the same recursion in C (`benchmarks/*.c`), compiled for the very machine when
+the benchmark starts. A sequential filter cannot be faster than the chain of operations from one
+sample to the next; C spends its time waiting for that chain.
 
 - All calls that are compared run in one process and take turns, A B C A B C. **figure** is the
   median over the rounds of each call's time over that of its neighbours; **at best** is the ratio

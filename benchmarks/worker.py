@@ -8,6 +8,7 @@ from functools import partial
 import jax
 import jax.numpy as jnp
 
+from benchmarks import extended
 from benchmarks.baseline import NoCompilerError, baseline
 from benchmarks.loops import scalar_loop
 from benchmarks.single import compiled, passes
@@ -51,7 +52,17 @@ def compiling(samples: int) -> dict[str, float]:
     return found
 
 
-TASKS = {"gradient": gradient, "compiling": compiling}
+def compiling_extended(_: int) -> dict[str, float]:
+    """The same of the extended filter."""
+    noise, inputs = jnp.array(extended.NOISE), extended.record()
+    found = {}
+    for name, call in extended.compiled().items():
+        times = [_seconds(partial(call, noise, inputs)) for _ in range(2)]
+        found[name] = times[0] - times[1]
+    return found
+
+
+TASKS = {"gradient": gradient, "compiling": compiling, "compiling_extended": compiling_extended}
 
 
 def _generic_gradient(work: Work) -> Call:

@@ -20,6 +20,7 @@ from benchmarks.timing import Times, interleave
 from benchmarks.work import DT, STEP, Q, R, Work, pairs
 from filters.backend import LOOP_OPTION
 from objectives import Reading
+from tests import oracles_suh2004 as oracle
 from tuner import values, values_and_gradients
 
 WORK = Work(4000, 1)
@@ -115,6 +116,19 @@ def test_ratios_are_those_of_neighbours():
 
 
 # --- the table ----------------------------------------------------------------------------------
+
+
+def test_c_runs_the_papers_tilt_filter(limit):
+    acceleration, rate = map(np.ascontiguousarray, oracle.experiment2())
+    r = oracle.DEFAULTS["r_nom"]
+    names = ("alpha1", "alpha2")
+    numbers = [oracle.DEFAULTS["q1"], r, r, oracle.DEFAULTS["r3"]]
+    numbers += [oracle.DEFAULTS[name] for name in names]
+    settings = (oracle.DEFAULTS["T"], oracle.DEFAULTS["delta"], 0.0)
+    found = limit.tilt(settings, acceleration, rate, np.array(numbers), np.empty((len(rate), 2)))
+    expected = oracle.run(acceleration, rate, "two-step")
+    np.testing.assert_allclose(found[:, 0], expected["theta"], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(found[:, 1], expected["phi"], rtol=0, atol=1e-12)
 
 
 def test_targets_are_judged_by_the_figure():
