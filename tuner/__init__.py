@@ -69,6 +69,7 @@ _HOMES = {
     "tuner.export": ("Provenance", "Quantity", "Tuned"),
     "tuner.logs": ("Log", "LogError", "parse_mapping", "read_log"),
     "tuner.observer": ("fastest_observer", "h2_observer"),
+    "tuner.possibilistic": ("tanaka", "tanaka_program", "tanaka_simplex", "tanaka_windows"),
     "tuner.problem": ("Problem",),
     "tuner.simulation": ("Bursts", "Sensor", "Swing", "measure", "simulate"),
     "tuner.single": ("single_precision",),

@@ -1,0 +1,229 @@
+"""Tanaka's regression against exact fractions, HiGHS and cvxpy; ties, windows, bad input."""
+
+import re
+from fractions import Fraction
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import tests.oracles_tanaka as oracle
+from filters.possibilistic import dual_vertices, line
+from tuner import tanaka, tanaka_program, tanaka_simplex, tanaka_windows
+from tuner.convex import solve
+from tuner.possibilistic import Outcome
+
+EXACT = 1e-9
+
+
+def floats(values):
+    return np.array([float(Fraction(value)) for value in values])
+
+
+def close(found, wanted, size=1.0):
+    np.testing.assert_allclose(
+        found, [float(v) for v in np.atleast_1d(wanted)], rtol=0, atol=EXACT * size
+    )
+
+
+def agrees(found, exact):
+    """A regression with an exact one."""
+    size = 1 + max(abs(float(v)) for v in (*exact.p, *exact.c, exact.J))
+    assert found.unique == exact.unique
+    close(found.objective, exact.J, size)
+    close(found.center, exact.p, size)
+    close(found.spread, exact.c, size)
+    assert found.violation <= EXACT * size
+    assert abs(found.gap) <= EXACT * size
+
+
+@pytest.mark.parametrize("name", oracle.SETS)
+def test_the_table_of_the_notes(name):
+    given = oracle.SETS[name]
+    found = tanaka(floats(given.t), floats(given.x), 0.0, floats(given.e))
+    close(found.objective, Fraction(given.J))
+    close(found.center, [Fraction(v) for v in given.p])
+    close(found.spread, [Fraction(v) for v in given.c])
+    assert found.unique == given.unique
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_random_fractions_are_solved_exactly(seed):
+    """Ties, repeated rows, missing rank, fuzzy samples and both signs are all among them."""
+    rng = np.random.default_rng(seed)
+    m = int(rng.integers(1, 7))
+    t = rng.integers(-3, 5, (m, int(rng.integers(1, 3)) if m < 6 else 1))
+    x, h = rng.integers(-6, 7, m), Fraction(int(rng.integers(0, 4)), 4)
+    e = rng.integers(0, 4, m) if seed % 2 else np.zeros(m, int)
+    exact = oracle.fit(t.tolist(), x.tolist(), h, e.tolist(), scaled=True)
+    agrees(tanaka(t, x, float(h), e), exact)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_multipliers_prove_the_objective(seed):
+    """Summed up here by hand: feasible for the dual, and worth as much as the primal."""
+    rng = np.random.default_rng(100 + seed)
+    t, x, e, h = rng.normal(size=(9, 2)), rng.normal(size=9), rng.uniform(0, 1, 9), 0.3
+    found = tanaka(t, x, h, e)
+    T = np.column_stack([np.ones(9), t])
+    u, v, w = found.above, found.below, found.least
+    assert min(u.min(), v.min(), w.min()) >= 0
+    close((u - v) @ T, np.zeros(3))
+    close((1 - h) * (u + v) @ abs(T) + w, abs(T).sum(axis=0))
+    close((u - v) @ x + (1 - h) * (u + v) @ e, found.objective, 10)
+    assert (abs(x - T @ found.center) <= (1 - h) * (abs(T) @ found.spread - e) + EXACT).all()
+
+
+def test_for_crisp_samples_h_scales_the_spread_alone():
+    """Where the optimum is unique, and where it is not."""
+    for t, x in (((1, 2, 3, 4, 5), (8.0, 6.4, 9.5, 13.5, 13.0)), ((0, 1, 2), (0.0, 1.0, 0.0))):
+        plain, half = tanaka(t, x), tanaka(t, x, 0.5)
+        close(half.center, plain.center)
+        close(half.spread, 2 * plain.spread)
+        close(half.objective, 2 * plain.objective)
+
+
+@pytest.mark.parametrize("size", [1e-12, 1.0, 1e12])
+@pytest.mark.parametrize("span", [1e-12, 1.0, 1e12])
+def test_units_do_not_matter(size, span):
+    t, x = np.arange(1.0, 6.0), np.array([8.0, 6.4, 9.5, 13.5, 13.0])
+    found = tanaka(span * t, size * x)
+    assert found.unique
+    close(found.center / size * np.array([1.0, span]), floats(("89/20", "11/6")), 10)
+    close(found.spread / size * np.array([1.0, span]), floats(("103/60", "0")), 10)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_highs_and_cvxpy_agree_on_the_objective(seed):
+    rng = np.random.default_rng(seed)
+    t, x = rng.normal(size=(8, 2)), rng.normal(size=8)
+    found = tanaka(t, x)
+    close(tanaka_simplex(t, x).objective, found.objective, 10)
+    close(tanaka_simplex(t, x).center, found.center, 10)
+    answer = solve(tanaka_program(t), {"x": x})
+    np.testing.assert_allclose(answer.value, found.objective, rtol=1e-7)
+    np.testing.assert_allclose(answer.variables["center"], found.center, atol=1e-6)
+
+
+def test_one_program_takes_many_samples():
+    program = tanaka_program([0, 1, 2, 3], h=0.5)
+    for x in ([1.0, 3.0, 5.0, 8.0], [2.0, 0.0, 1.0, 0.0]):
+        wanted = tanaka([0, 1, 2, 3], x, 0.5, [0.1, 0.2, 0.0, 0.3])
+        answer = solve(program, {"x": x, "e": [0.1, 0.2, 0.0, 0.3]})
+        np.testing.assert_allclose(answer.value, wanted.objective, rtol=1e-7)
+        np.testing.assert_allclose(answer.duals["above"], wanted.above, atol=1e-5)
+
+
+# --- many windows -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("m", [2, 3, 6, 7])
+@pytest.mark.parametrize("fuzzy", [False, True])
+def test_windows_are_those_of_one_by_one(m, fuzzy):
+    """An odd number of samples has many ties; signs of t make another dual."""
+    rng = np.random.default_rng(m)
+    t = np.arange(m) - (2.0 if fuzzy else 0.0)
+    x = rng.integers(-3, 4, (25, m)).astype(float)
+    e = rng.uniform(0, 1, x.shape) if fuzzy else None
+    found = tanaka_windows(t, x, 0.25, e)
+    for i, row in enumerate(x):
+        one = tanaka(t, row, 0.25, None if e is None else e[i])
+        assert found.unique[i] == one.unique
+        close(found.objective[i], one.objective, 10)
+        close(found.center[i], one.center, 10)
+        close(found.spread[i], one.spread, 10)
+
+
+def test_windows_of_too_many_samples_or_of_one_time_are_solved_all_the_same():
+    rng = np.random.default_rng(0)
+    long = rng.normal(size=(2, 40))
+    found = tanaka_windows(np.arange(40), long)
+    close(found.center[1], tanaka(np.arange(40), long[1]).center)
+    still = tanaka_windows([2, 2, 2], [[0.0, 1.0, 3.0]])
+    assert not still.unique[0]
+    close(still.objective, Fraction(9, 2))
+    assert tanaka_windows([0, 1], np.empty((0, 2))).center.shape == (0, 2)
+
+
+def test_the_vertices_know_where_a_tie_may_be():
+    even, odd = (np.stack([np.ones(m), np.arange(float(m))], axis=1) for m in (6, 5))
+    assert dual_vertices(even).decided
+    assert not dual_vertices(odd).decided
+
+
+# --- inside a time loop -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("m", [2, 4, 6])
+def test_a_line_inside_the_time_loop(m):
+    rng = np.random.default_rng(m)
+    window = rng.normal(size=(m, 5))
+    found = jax.jit(line, static_argnums=(1, 2))(jnp.asarray(window), 0.25, 0.5)
+    for i, x in enumerate(window.T):
+        exact = oracle.strip([0.25 * j for j in range(m)], x.tolist(), 0.5, number=float)
+        close(found.center[i, 1], exact.p1[0])
+        close(found.spread[i, 1], exact.c1[0])
+
+
+def test_its_derivative_is_that_of_the_solution():
+    window = np.random.default_rng(0).normal(size=(6, 1))
+    slope = lambda x: line(x[:, None], 1.0).center[0, 1]  # noqa: E731
+    gradient = jax.grad(slope)(jnp.asarray(window[:, 0]))
+    for j, step in enumerate(1e-6 * np.eye(6)):
+        ahead, behind = (tanaka(np.arange(6), window[:, 0] + s).center[1] for s in (step, -step))
+        np.testing.assert_allclose(gradient[j], (ahead - behind) / 2e-6, atol=1e-8)
+
+
+def test_an_odd_number_of_samples_is_refused_there():
+    with pytest.raises(ValueError, match="a line through 5 equally spaced samples need not be"):
+        line(jnp.zeros((5, 1)), 1.0)
+
+
+# --- bad input ----------------------------------------------------------------------------------
+
+REFUSED = {
+    "empty": (([], []), {}, "the window is empty; give at least one sample"),
+    "nan": (([0, 1, 2], [0, np.nan, 1]), {}, "x is nan at 1; leave the sample out"),
+    "infinite t": (([[0, 1], [np.inf, 2]], [0, 1]), {}, "t is inf at (1, 0); leave the sample"),
+    "h = 1": (([0, 1], [0, 1]), {"h": 1.0}, "h must be at least 0 and below 1"),
+    "negative h": (([0, 1], [0, 1]), {"h": -0.1}, "got -0.1"),
+    "nan h": (([0, 1], [0, 1]), {"h": np.nan}, "got nan"),
+    "shapes": (([0, 1, 2], [0, 1]), {}, "t has the shape (3,), x (2,) and e (2,)"),
+    "spread": (([0, 1], [0, 1]), {"e": [0.0, -1.0]}, "a spread e is -1 at 1"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+@pytest.mark.parametrize("function", [tanaka, tanaka_simplex])
+def test_refused(name, function):
+    given, more, said = REFUSED[name]
+    with pytest.raises(ValueError, match=re.escape(said)):
+        function(*given, **more)
+
+
+def test_windows_refuse_what_one_does():
+    with pytest.raises(ValueError, match="x is nan in window 1 at 0; leave the window out"):
+        tanaka_windows([0, 1], [[0.0, 1.0], [np.nan, 1.0]])
+    with pytest.raises(ValueError, match=r"x has the shape \(2,\); W windows"):
+        tanaka_windows([0, 1], [0.0, 1.0])
+    with pytest.raises(ValueError, match="a spread e is -1"):
+        tanaka_windows([0, 1], [[0.0, 1.0]], e=[0.0, -1.0])
+
+
+@pytest.mark.parametrize(
+    ("t", "x"),
+    [([3], [5.0]), ([2, 2, 2], [0.0, 1.0, 3.0]), ([[1, 2], [3, 5]], [1.0, 2.0]), ([0], [1.0])],
+)
+def test_what_t_does_not_determine_is_said(t, x):
+    found = tanaka(t, x)
+    assert not found.unique
+    assert found.status is Outcome.UNDETERMINED
+    assert "do not determine" in found.message
+    assert (abs(found.violation) + abs(found.gap)) <= EXACT
+
+
+def test_a_tie_is_said():
+    found = tanaka([0, 0, 1], [0.0, 1.0, 0.5])
+    assert found.status is Outcome.SEVERAL
+    assert "several centers" in found.message

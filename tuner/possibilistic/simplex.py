@@ -1,0 +1,50 @@
+"""A second opinion: the same program by HiGHS, which ends at a vertex."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tuner.possibilistic.window import window
+
+
+class Vertex(NamedTuple):
+    """An optimal vertex: center and spread, ``(k + 1,)``, and the objective."""
+
+    center: np.ndarray
+    spread: np.ndarray
+    objective: float
+
+
+def tanaka_simplex(
+    t: ArrayLike, x: ArrayLike, h: float = 0.0, e: ArrayLike | None = None
+) -> Vertex:
+    """One optimum of :func:`tuner.tanaka`'s program, by the simplex method of HiGHS.
+
+    Its objective is that of :func:`tuner.tanaka`; its center is another one where several are
+    optimal. Where t does not determine the center, neither does the vertex.
+
+    Raises:
+        ValueError: as :func:`tuner.tanaka`.
+        ArithmeticError: where HiGHS does not get there.
+
+    >>> tanaka_simplex([0.0, 1.0, 2.0], [1.0, 1.5, 2.0]).center.round(9).tolist()
+    [1.0, 0.5]
+    """
+    from scipy.optimize import linprog
+
+    asked = window(t, x, h, e)
+    of = asked.of
+    bounds = [(None, None)] * of.rank + [(0, None)] * int(of.used.sum())
+    rows = 2 * len(asked.values)  # the rest are the bounds
+    found = linprog(
+        of.cost,
+        A_ub=-of.rows[:rows],
+        b_ub=-asked.sides[:rows],
+        bounds=bounds,
+        method="highs-ds",
+    )
+    if found.status:
+        raise ArithmeticError(f"HiGHS did not get there: {found.message}")
+    center, spread = asked.restored(np.asarray(found.x))
+    return Vertex(center, spread, float(found.fun) * asked.size / (1 - h))

@@ -1,0 +1,153 @@
+"""One window of samples for the regression: checked, and scaled so that no size matters."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from filters.possibilistic import constraint_rows
+
+_RANK = 1e-11
+"""Singular values below this share of the largest count as zero."""
+
+
+@dataclass(frozen=True, eq=False)
+class Regressors:
+    """What the regression makes of t alone: m samples of k regressors, n = k + 1 columns.
+
+    The program's unknowns z are the center's coordinates, as many as the rank of t, and (1 - h)
+    times the spreads of the columns that are not zero throughout.
+
+    Attributes:
+        columns: rows (1, t_j1, .., t_jk), each column scaled to a largest entry of 1, ``(m, n)``.
+        scale: of the columns, ``(n,)``; 1 for one of zeros.
+        used: which columns are not zero throughout, ``(n,)`` of bool.
+        basis: orthonormal coordinates of the centers that the samples can tell apart,
+            ``(n, rank)``.
+        unseen: orthonormal changes of the center, in the user's scale, that no sample shows,
+            ``(n, n - rank)``.
+        rows: what has to be at least the window's sides, of z: ``(2m + used, rank + used)``.
+        cost: what is minimised, of z.
+        matrix: the negative rows as Clarabel takes them.
+    """
+
+    columns: np.ndarray
+    scale: np.ndarray
+    used: np.ndarray
+    basis: np.ndarray
+    unseen: np.ndarray
+    rows: np.ndarray
+    cost: np.ndarray
+    matrix: Any
+
+    @property
+    def rank(self) -> int:
+        """How many coordinates of the center the samples determine."""
+        return int(self.basis.shape[1])
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """m samples; values are scaled to a half range of 1 about 0.
+
+    Attributes:
+        of: the regressors.
+        values: scaled centres, ``(m,)``.
+        spreads: (1 - h) times the scaled spreads, ``(m,)``.
+        h: degree to which samples have to belong to the regression.
+        middle, size: of the values.
+    """
+
+    of: Regressors
+    values: np.ndarray
+    spreads: np.ndarray
+    h: float
+    middle: float
+    size: float
+
+    @property
+    def sides(self) -> np.ndarray:
+        """The right-hand sides of the rows."""
+        m = len(self.values)
+        sides = np.zeros(len(self.of.rows))
+        sides[:m] = self.spreads + self.values
+        sides[m : 2 * m] = self.spreads - self.values
+        return sides
+
+    def restored(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Center, the shortest that fits, and spread in the user's scale."""
+        of = self.of
+        center = self.size * (of.basis @ z[: of.rank]) / of.scale
+        center[0] += self.middle
+        if of.unseen.shape[1]:
+            center -= of.unseen @ (of.unseen.T @ center)
+        spread = np.zeros(len(of.scale))
+        factor = self.size / (1 - self.h) / of.scale[of.used]
+        spread[of.used] = np.maximum(z[of.rank :], 0.0) * factor
+        return center, spread
+
+
+def window(t: ArrayLike, x: ArrayLike, h: float, e: ArrayLike | None) -> Window:
+    """Check and scale.
+
+    Raises:
+        ValueError: for an empty window, shapes that do not fit, numbers that are not finite,
+            spreads below 0, or an h outside 0 to below 1.
+    """
+    t, x = _finite("t", t), _finite("x", x)
+    spreads = np.zeros(x.shape) if e is None else _finite("e", e)
+    if not 0 <= h < 1:
+        raise ValueError(f"h must be at least 0 and below 1, where spreads are infinite; got {h:g}")
+    if x.ndim != 1 or t.ndim not in (1, 2) or len(t) != len(x) or spreads.shape != x.shape:
+        raise ValueError(
+            f"t has the shape {t.shape}, x {x.shape} and e {spreads.shape}; m samples of k "
+            "regressors are (m,) or (m, k), and (m,)"
+        )
+    if not len(x):
+        raise ValueError("the window is empty; give at least one sample")
+    if spreads.min() < 0:
+        raise ValueError(f"a spread e is {spreads.min():g} at {spreads.argmin()}; none is below 0")
+    low, high = float((x - spreads).min()), float((x + spreads).max())
+    size, middle = high / 2 - low / 2 or 1.0, low / 2 + high / 2
+    values = (x - middle) / size
+    of = _regressors(t.tobytes(), t.shape)
+    return Window(of, values, (1 - h) / size * spreads, float(h), middle, size)
+
+
+@lru_cache(maxsize=64)
+def _regressors(t: bytes, shape: tuple[int, ...]) -> Regressors:
+    given = np.frombuffer(t).reshape(shape[0], -1)
+    columns = np.column_stack([np.ones(len(given)), given])
+    scale = np.abs(columns).max(axis=0)
+    used = scale > 0
+    scale = np.where(used, scale, 1.0)
+    columns = columns / scale
+    _, singular, right = np.linalg.svd(columns)
+    rank = int((singular > _RANK * singular[0]).sum())
+    basis = right[:rank].T
+    rows, n = constraint_rows(columns), len(scale)
+    rows = np.hstack([rows[:, :n] @ basis, rows[:, n:][:, used]])
+    rows = np.vstack([rows, np.eye(rows.shape[1])[rank:]])
+    cost = np.concatenate([np.zeros(rank), np.abs(columns).sum(axis=0)[used]])
+    unseen = np.linalg.qr(right[rank:].T / scale[:, None])[0]
+    return Regressors(columns, scale, used, basis, unseen, rows, cost, _sparse(-rows))
+
+
+def _sparse(matrix: np.ndarray) -> Any:
+    """All entries, zeros too."""
+    from scipy.sparse import csc_matrix
+
+    rows, columns = matrix.shape
+    indices, starts = np.tile(np.arange(rows), columns), rows * np.arange(columns + 1)
+    return csc_matrix((matrix.ravel(order="F"), indices, starts), shape=matrix.shape)
+
+
+def _finite(name: str, values: ArrayLike) -> np.ndarray:
+    array = np.asarray(values, float)
+    if not np.isfinite(array).all():
+        at = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        where = at[0] if len(at) == 1 else at
+        raise ValueError(f"{name} is {array[at]} at {where}; leave the sample out")
+    return array
