@@ -1,0 +1,77 @@
+"""Process noise from the residuals of a Kalman filter's own updates.
+
+Chauhan, Patil, Sinha and Halder 2009, (18): Q grows with the square of the rate at which a
+residual dx = K nu changes. A fuzzy law takes the rate from a possibilistic line through the last
+residuals; a random law, its competitor, draws it; a constant Q is the third.
+"""
+
+from typing import Literal, NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+
+from filters.possibilistic import line
+
+Law = Literal["constant", "fuzzy", "random"]
+
+
+class ResidualNoise(NamedTuple):
+    """What the laws take, for n states.
+
+    Attributes:
+        Q: diagonal of the process noise's density, ``(n,)``: constant, or until a law has one.
+        floor: the least a law may set, ``()``: a constant residual has the rate 0.
+        scale: of the random law: the rate for a draw of 1, ``(n,)``.
+    """
+
+    Q: Array
+    floor: Array
+    scale: Array
+
+
+class Residuals(NamedTuple):
+    """The last residuals, the newest at the end, ``(m, n)``, and how many there have been."""
+
+    window: Array
+    taken: Array
+
+
+def no_residuals(samples: int, states: int) -> Residuals:
+    """Before the first update."""
+    return Residuals(jnp.zeros((samples, states)), jnp.zeros((), int))
+
+
+def remembered(residuals: Residuals, residual: Array, seen: Array) -> Residuals:
+    """With one more, if there was an update."""
+    grown = jnp.concatenate([residuals.window[1:], residual[None]])
+    return Residuals(jnp.where(seen, grown, residuals.window), residuals.taken + seen)
+
+
+def fuzzy_noise(
+    residuals: Residuals, noise: ResidualNoise, dt: float, h: float, *, edge: bool
+) -> Array:
+    """The square of the line's slope times dt; Q while there are fewer than two residuals.
+
+    Args:
+        residuals: as many as an even number of samples allows are used, from t = 0 on.
+        noise: Q and floor.
+        dt: time between updates, s.
+        h: of the regression; without ``edge`` it has no effect.
+        edge: whether the slope is abs(p1) + c1, that of the band's steeper edge, not p1.
+    """
+    samples = residuals.window.shape[0]
+    found = noise.Q
+    for count in range(2, samples + 1, 2):
+        fit = line(residuals.window[samples - count :], dt, h)
+        rate = jnp.abs(fit.center[:, 1]) + (fit.spread[:, 1] if edge else 0.0)
+        found = jnp.where(residuals.taken >= count, _floored(rate, noise, dt), found)
+    return found
+
+
+def random_noise(draw: Array, noise: ResidualNoise, dt: float) -> Array:
+    """The same for a drawn rate; ``draw`` is uniform from 0 to 1, ``(n,)``."""
+    return _floored(noise.scale * draw, noise, dt)
+
+
+def _floored(rate: Array, noise: ResidualNoise, dt: float) -> Array:
+    return jnp.maximum(rate**2 * dt, noise.floor)
