@@ -96,8 +96,7 @@ class EulerKalman:
         every: ticks between measurements.
         law: constant Q, fuzzy by :func:`filters.residual_noise.fuzzy_noise`, or random.
         samples: residuals in the window, an even number.
-        h: of the regression.
-        slope: center, or edge, where alone h matters.
+        slope: of the fuzzy law's line: its center's, or that of the band's edge, with h.
         kinematics: half of Omega q; printed: (3) without the half, twice the rate.
         propagation: psd, (I + T A) P (I + T A)' + T Q; printed: (6), which drops T^2 A P A'.
         euler: homogeneous, blind along q; unit: asin of (2 (q0 q2 - q1 q3)) alone.
@@ -108,7 +107,6 @@ class EulerKalman:
     every: int = 4
     law: Law = "constant"
     samples: int = 6
-    h: float = 0.0
     slope: Literal["center", "edge"] = "center"
     kinematics: Literal["half", "printed"] = "half"
     propagation: Literal["psd", "printed"] = "psd"
@@ -178,7 +176,7 @@ class EulerKalman:
     def _noise(self, noise: ResidualNoise, residuals: Residuals, draw: Array | None) -> Array:
         dt = self.dt * self.every
         if self.law == "fuzzy":
-            return fuzzy_noise(residuals, noise, dt, self.h, edge=self.slope == "edge")
+            return fuzzy_noise(residuals, noise, dt, edge=self.slope == "edge")
         if self.law == "random":
             if draw is None:
                 raise ValueError("the random law needs uniform numbers: give draw with each sample")

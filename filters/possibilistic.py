@@ -142,7 +142,7 @@ class Line(NamedTuple):
     spread: Array
 
 
-def line(window: Array, dt: float, h: float = 0.0) -> Line:
+def line(window: Array, dt: float, h: Array | float = 0.0) -> Line:
     """Tanaka's line through equally spaced samples, inside a time loop and differentiable.
 
     The derivative is that of the solution where it is unique; at a tie, of one of those that tie.

@@ -22,11 +22,13 @@ class ResidualNoise(NamedTuple):
         Q: diagonal of the process noise's density, ``(n,)``: constant, or until a law has one.
         floor: the least a law may set, ``()``: a constant residual has the rate 0.
         scale: of the random law: the rate for a draw of 1, ``(n,)``.
+        h: of the fuzzy law's regression, 0 to below 1; it matters for a band's edge alone.
     """
 
     Q: Array
     floor: Array
     scale: Array
+    h: Array
 
 
 class Residuals(NamedTuple):
@@ -47,22 +49,19 @@ def remembered(residuals: Residuals, residual: Array, seen: Array) -> Residuals:
     return Residuals(jnp.where(seen, grown, residuals.window), residuals.taken + seen)
 
 
-def fuzzy_noise(
-    residuals: Residuals, noise: ResidualNoise, dt: float, h: float, *, edge: bool
-) -> Array:
+def fuzzy_noise(residuals: Residuals, noise: ResidualNoise, dt: float, *, edge: bool) -> Array:
     """The square of the line's slope times dt; Q while there are fewer than two residuals.
 
     Args:
         residuals: as many as an even number of samples allows are used, from t = 0 on.
-        noise: Q and floor.
+        noise: Q, floor and h.
         dt: time between updates, s.
-        h: of the regression; without ``edge`` it has no effect.
         edge: whether the slope is abs(p1) + c1, that of the band's steeper edge, not p1.
     """
     samples = residuals.window.shape[0]
     found = noise.Q
     for count in range(2, samples + 1, 2):
-        fit = line(residuals.window[samples - count :], dt, h)
+        fit = line(residuals.window[samples - count :], dt, noise.h)
         rate = jnp.abs(fit.center[:, 1]) + (fit.spread[:, 1] if edge else 0.0)
         found = jnp.where(residuals.taken >= count, _floored(rate, noise, dt), found)
     return found
