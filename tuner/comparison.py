@@ -89,6 +89,19 @@ def claim(
     return Comparison(quantity, where, None, ours, unit, None, verdict, note)
 
 
+def undecided(
+    quantity: str,
+    where: str,
+    *,
+    paper: float | None = None,
+    ours: float | None = None,
+    unit: str = "",
+    note: str,
+) -> Comparison:
+    """A quantity that cannot be compared, with the reason, and the numbers there are."""
+    return Comparison(quantity, where, paper, ours, unit, None, Verdict.NOT_IDENTIFIABLE, note)
+
+
 def _size(paper: float, ours: float) -> str:
     if paper == 0 or not math.isfinite(ours / paper):
         return f"{ours:.4g} against {paper:.4g}"

@@ -7,12 +7,13 @@ the user has them. docs/broad.md tells what was found.
 import hashlib
 from dataclasses import replace
 from functools import partial
-from typing import Any, Literal
+from typing import Any, get_args
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from studies.broad.contest import SPEED, problem
+from studies.broad.contest import Contest
+from studies.broad.contestants import SPEED, Contestant, takes_field
 from studies.broad.figures import figures
 from studies.broad.rows import compare, fold_name
 from studies.broad.trials import AccUnit, GyrUnit, Trial, read
@@ -23,7 +24,6 @@ from tuner.solution import Solution
 from tuner.solvers import Alternating, Gradient
 from tuner.study import Plan, Source, Study, Target, Task
 
-Contestant = Literal["room", "room_now", "gravity", "two_step", "mahony", "madgwick"]
 ROOM_STATES = (
     *(f"turn_{axis}" for axis in "xyz"),
     *(f"bias_{axis}" for axis in "xyz"),
@@ -43,9 +43,10 @@ class Settings(BaseModel):
     folder: str = Field("", description="folder of the benchmark's .mat files")
     acc_unit: AccUnit = Field("m/s^2", description="unit of imu_acc")
     gyr_unit: GyrUnit = Field("rad/s", description="unit of imu_gyr")
-    contestants: tuple[Contestant, ...] = Field(
-        ("room", "room_now", "gravity", "two_step", "mahony", "madgwick"),
-        description="filters that are tuned on all trials; the room filter always is",
+    contestants: tuple[Contestant, ...] | None = Field(
+        None,
+        description="filters that are tuned on all trials; the room filter always is; unset: all "
+        "that the trials allow",
     )
     folds: int | None = Field(
         None, ge=0, description="trials to leave out in turn, the first so many; all if unset"
@@ -56,7 +57,8 @@ class Settings(BaseModel):
 def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
     """Every filter tuned on all trials; the room filter also without each of them in turn."""
     trials = read(settings.folder, settings.acc_unit, settings.gyr_unit, settings.seconds)
-    tuned = tuple(dict.fromkeys(("room", *settings.contestants)))
+    contest = Contest(tuple(trials), whole=settings.seconds is None)
+    tuned = _contestants(settings, trials)
     count = len(trials) if settings.folds is None else min(settings.folds, len(trials))
     folds = range(count if len(trials) > 1 else 0)
     gradient = Gradient("l-bfgs-b", seed=seed, starts=1, gradient=ENOUGH, iterations=40)
@@ -65,29 +67,42 @@ def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
         seed=seed, starts=1, rounds=3, progress=1e-3, gradient=ENOUGH, iterations=40
     )
     tasks = []
-    posed = {name: problem(name, name, trials) for name in tuned}
+    posed = {name: contest.problem(name, name) for name in tuned}
     for name, each in posed.items():
         solver = alternating if name == "two_step" else gradient
         tasks.append(Task(each, solver, solver.name))
     for at in folds:
-        others = [trial for i, trial in enumerate(trials) if i != at]
-        left = problem(fold_name(trials[at]), "room", others)
-        tasks.append(Task(left, quick, quick.name))
-    tasks += _transfer(trials, quick)
+        others = contest.of([trial for i, trial in enumerate(trials) if i != at])
+        tasks.append(Task(others.problem(fold_name(trials[at]), "room"), quick, quick.name))
+    tasks += _transfer(contest, quick)
     return Plan(
         source=_source(trials),
         tasks=tuple(tasks),
-        targets=(_target(posed["room"], trials[0].rate_hz),),
-        compare=partial(compare, trials, folds, tuned),
-        figures=partial(figures, trials, folds, tuned),
+        targets=(_target(posed["room"], contest.rate_hz),),
+        compare=partial(compare, contest, folds, tuned),
+        figures=partial(figures, contest, folds, tuned),
     )
 
 
-def _transfer(trials: list[Trial], gradient: Gradient) -> list[Task]:
-    calm = [trial for trial in trials if not trial.disturbed]
-    if not calm or len(calm) == len(trials):
+def _contestants(settings: Settings, trials: list[Trial]) -> tuple[str, ...]:
+    """The filters to tune: those that are asked for, or all that the trials allow."""
+    silent = [trial.name for trial in trials if trial.start is None]
+    if settings.contestants is None:
+        return tuple(name for name in get_args(Contestant) if not (silent and takes_field(name)))
+    asked = [name for name in settings.contestants if takes_field(name)]
+    if asked and silent:
+        raise ValueError(
+            f"{' and '.join(asked)} need a magnetic field (imu_mag) before the movement, and "
+            f"{', '.join(silent)} has none; leave them out of contestants"
+        )
+    return tuple(dict.fromkeys(("room", *settings.contestants)))
+
+
+def _transfer(contest: Contest, gradient: Gradient) -> list[Task]:
+    calm = [trial for trial in contest.trials if not trial.disturbed]
+    if not calm or len(calm) == len(contest.trials):
         return []
-    return [Task(problem("undisturbed", "room", calm), gradient, gradient.name)]
+    return [Task(contest.of(calm).problem("undisturbed", "room"), gradient, gradient.name)]
 
 
 def _source(trials: list[Trial]) -> Source:

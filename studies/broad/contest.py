@@ -1,148 +1,141 @@
-"""The filters that compete, and the problems they are tuned by."""
+"""Trials side by side, the problems that filters are tuned by on them, and how they do."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any, Literal
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Literal, NamedTuple, get_args
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import (
-    AnyFilter,
-    GravityKalman,
-    GravityNoise,
-    ImuSample,
-    Madgwick,
-    MadgwickGain,
-    Mahony,
-    MahonyGains,
-    RoomKalman,
-    RoomNoise,
-    Several,
-    run,
-    shared,
-)
-from objectives import AttitudeRmse, Data, Records
-from studies.broad.trials import GRAVITY, Trial
-from tuner.parameters import Limited, Parameter, Positive
+from filters import AnyFilter, ImuSample, Several, run
+from objectives import AttitudeRmse, Data, Records, attitude_error
+from objectives.attitude import Part
+from studies.broad.contestants import FREE, PARAMETERS, Build, filter_of, group, takes_field
+from studies.broad.trials import Trial
 from tuner.problem import Problem
 from tuner.space import Space
 
-BLOCK = 0.196
-"""How often the room filter corrects, s; 10 to 200 ms give the same errors."""
-THINNED = 60.0
-"""Rate at which the gravity filters run, Hz; rates and forces are averaged down to it."""
-SPEED = 0.3
-"""Held: all noises of the room filter share a scale that only the start's deviations see."""
-LEVEL = jnp.zeros(4)
-"""No attitude to begin with: the first samples say where up is."""
-
 
 @dataclass(frozen=True)
-class Inclination:
-    """Root mean square inclination error of one trial, deg."""
+class Error:
+    """Root mean square error of one trial's attitude, deg.
+
+    Attributes:
+        part: which error.
+    """
+
+    part: Part = "inclination"
 
     def __call__(self, outputs: Any, truth: Array) -> Array:
         """Of quaternions, or of outputs that have some; in blocks or not."""
         q = getattr(outputs, "q", outputs)
-        return AttitudeRmse()(q.reshape(-1, 4), truth.reshape(-1, 4))
+        return AttitudeRmse(self.part)(q.reshape(-1, 4), truth.reshape(-1, 4))
 
 
-OBJECTIVE = Records(Inclination())
+class Outcome(NamedTuple):
+    """How a filter did on k trials, deg.
+
+    Attributes:
+        errors: root mean square errors by trial, ``(k,)``: the inclination's, and for a filter with
+            a field the total and the heading's.
+        last: inclination error of the last trial in time, ``(N,)``; NaN where no truth is known.
+    """
+
+    errors: dict[Part, np.ndarray]
+    last: np.ndarray
+
+    @property
+    def inclination(self) -> np.ndarray:
+        """The errors of inclination by trial, ``(k,)``."""
+        return self.errors["inclination"]
 
 
-def room(values: dict[str, Array]) -> RoomNoise:
-    """Parameters of the room filter."""
-    fixed = {"speed": SPEED, "gyroscope": 0.0, "bias0": 0.02, "tilt0": 0.03, "lead": 0.0}
-    numbers = _arrays(fixed | {"gravity": GRAVITY}) | values
-    return RoomNoise(**numbers, q0=LEVEL)
+@dataclass(frozen=True, eq=False)
+class Contest:
+    """Trials of one sample rate; data that filters take, and what came of them, is made once.
 
+    Attributes:
+        trials: at least one.
+        whole: whether they are complete, so that published errors are those of the same samples.
+    """
 
-def gravity(values: dict[str, Array]) -> GravityNoise:
-    """Parameters of the gravity filter; the adaptive ones do nothing where it is not."""
-    fixed = {"memory": 1.0, "gain": 0.0, "delta": 1e3, "bias0": 0.02, "tilt0": 0.03}
-    numbers = _arrays(fixed | {"gravity": GRAVITY}) | values
-    return GravityNoise(**numbers, q0=LEVEL, b0=jnp.zeros(3))
+    trials: tuple[Trial, ...]
+    whole: bool = True
+    _outcomes: dict[Any, Outcome] = field(default_factory=dict, init=False, repr=False)
 
+    def of(self, trials: Sequence[Trial]) -> "Contest":
+        """The contest on some of the trials."""
+        return Contest(tuple(trials), self.whole)
 
-def mahony(values: dict[str, Array]) -> MahonyGains:
-    """Gains of Mahony's filter."""
-    return MahonyGains(**values, q0=LEVEL)
+    @property
+    def rate_hz(self) -> float:
+        """The sample rate that all have."""
+        return self.trials[0].rate_hz
 
+    def data(self, name: str) -> Data:
+        """The trials as a filter takes them."""
+        if takes_field(name):
+            return self._with_field
+        if name.startswith("room"):
+            return self._blocks
+        return self._groups if group(name, self.rate_hz) > 1 else self._samples
 
-def madgwick(values: dict[str, Array]) -> MadgwickGain:
-    """The gain of Madgwick's filter."""
-    return MadgwickGain(**values, q0=LEVEL)
+    def problem(self, title: str, name: str) -> Problem:
+        """A filter tuned on all trials: by inclination, or with a field by the total error."""
+        return Problem(
+            name=title,
+            space=Space.of(**FREE[name]),
+            filter=Several(filter_of(name, self.rate_hz)),
+            build=self._build(name),
+            objective=Records(Error("total" if takes_field(name) else "inclination")),
+            data=self.data(name),
+        )
 
+    def judged(self, name: str, values: dict[str, Array]) -> Outcome:
+        """How a filter does with parameters that all trials share."""
+        return self.judged_each(name, [values] * len(self.trials))
 
-PLAIN: dict[str, Parameter] = {
-    "gyroscope": Positive(1e-6, 1e-14, 1e-2, "rad^2/s"),
-    "bias": Positive(1e-9, 1e-17, 1e-4, "rad^2/s^3"),
-    "accelerometer": Positive(1.0, 1e-4, 1e4),
-}
-LEAD = Limited(0.0, -0.02, 0.02, "s", scale=2e-3, limited=False)
-FREE: dict[str, dict[str, Parameter]] = {
-    "room": {
-        "place": Positive(0.2, 1e-3, 1e2, "m s^0.5"),
-        "accelerometer": Positive(0.03, 1e-4, 1e1, "m/s^1.5"),
-        "turning": Positive(5e-4, 1e-6, 1e-1, "s^0.5"),
-        "bias": Positive(2e-4, 1e-7, 1e-1, "rad/s^1.5"),
-        "matrix0": Positive(3e-3, 1e-5, 1e-1),
-        "lead": LEAD,
-    },
-    "gravity": PLAIN,
-    "two_step": PLAIN
-    | {
-        "memory": Positive(0.5, 1e-2, 1e2, "s"),
-        "gain": Positive(10.0, 1e-4, 1e6),
-        "delta": Positive(0.05, 1e-3, 1.0, threshold=True),
-    },
-    "mahony": {
-        "kp": Positive(0.74, 1e-3, 1e2, "1/s"),
-        "ki": Positive(0.0012, 1e-7, 1e1, "1/s^2"),
-    },
-    "madgwick": {"beta": Positive(0.12, 1e-4, 1e1, "rad/s")},
-}
-"""What is tuned, and where it begins: round numbers, or the gains published for the benchmark."""
-FREE["room_now"] = {name: p for name, p in FREE["room"].items() if name != "lead"}
-"""The room filter without a lead: the attitude of the last sample, whatever the sensor's delay."""
-PARAMETERS: dict[str, Callable[[dict[str, Array]], Any]] = {
-    "room": room,
-    "room_now": room,
-    "gravity": gravity,
-    "two_step": gravity,
-    "mahony": mahony,
-    "madgwick": madgwick,
-}
+    def judged_each(self, name: str, values: Sequence[dict[str, Array]]) -> Outcome:
+        """How a filter does with parameters for every trial: one time loop for all."""
+        rows = [PARAMETERS[name](each) for each in values]
+        # Arrays of NumPy are float64 whatever they were made of, so all share one compilation.
+        params = jax.tree.map(lambda *leaves: np.stack(leaves, dtype=float), *rows)
+        params = params._replace(q0=np.array(self._build(name).starts))
+        filter = filter_of(name, self.rate_hz)
+        parts: tuple[Part, ...] = get_args(Part) if takes_field(name) else ("inclination",)
+        key = filter, parts, *(leaf.tobytes() for leaf in params)
+        if key not in self._outcomes:
+            errors, last = _judged(filter, parts, params, self.data(name))
+            found = {part: np.asarray(each) for part, each in zip(parts, errors, strict=True)}
+            self._outcomes[key] = Outcome(found, np.asarray(last))
+        return self._outcomes[key]
 
+    def _build(self, name: str) -> Build:
+        level = 4 * (0.0,)
+        starts = [trial.start if takes_field(name) else None for trial in self.trials]
+        return Build(name, tuple(level if q is None else tuple(q.tolist()) for q in starts))
 
-@dataclass(frozen=True)
-class Build:
-    """From parameters by name to those of k filters side by side."""
+    @cached_property
+    def _blocks(self) -> Data:
+        return side_by_side("room", self.trials)
 
-    name: str
-    count: int
+    @cached_property
+    def _groups(self) -> Data:
+        return side_by_side("gravity", self.trials)
 
-    def __call__(self, values: dict[str, Array]) -> Any:
-        """The same for every trial."""
-        return shared(PARAMETERS[self.name](values), self.count)
+    @cached_property
+    def _samples(self) -> Data:
+        return side_by_side("mahony", self.trials)
 
-
-def filter_of(name: str, rate_hz: float) -> AnyFilter:
-    """A filter by name."""
-    dt = 1 / rate_hz
-    slow = dt * _group(name, rate_hz)
-    filters: dict[str, AnyFilter] = {
-        "room": RoomKalman(dt),
-        "room_now": RoomKalman(dt),
-        "gravity": GravityKalman(slow, adaptive=False),
-        "two_step": GravityKalman(slow),
-        "mahony": Mahony(dt),
-        "madgwick": Madgwick(dt),
-    }
-    return filters[name]
+    @cached_property
+    def _with_field(self) -> Data:
+        plain = self._samples
+        fields = [trial.field for trial in self.trials if trial.field is not None]
+        seen = _cut(fields, len(plain.truth), 1, "edge")[:, :, 0]
+        return Data(plain.inputs._replace(field=seen), plain.truth)
 
 
 def side_by_side(name: str, trials: Sequence[Trial]) -> Data:
@@ -151,7 +144,7 @@ def side_by_side(name: str, trials: Sequence[Trial]) -> Data:
     For the room filter samples are in blocks, for the gravity filters averaged in groups, whose
     truth is that of their last sample.
     """
-    length = _group(name, trials[0].rate_hz)
+    length = group(name, trials[0].rate_hz)
     count = max(len(trial.rate) for trial in trials) // length
     acceleration = _cut([trial.acceleration for trial in trials], count, length, "edge")
     rate = _cut([trial.rate for trial in trials], count, length, "zero")
@@ -160,13 +153,6 @@ def side_by_side(name: str, trials: Sequence[Trial]) -> Data:
         return Data(ImuSample(acceleration, rate), truth)
     samples = ImuSample(acceleration.mean(axis=2), rate.mean(axis=2))
     return Data(samples, truth[:, :, -1])
-
-
-def _group(name: str, rate_hz: float) -> int:
-    """How many samples a step of a filter takes."""
-    if name.startswith("room"):
-        return max(round(BLOCK * rate_hz), 1)
-    return max(round(rate_hz / THINNED), 1) if name in ("gravity", "two_step") else 1
 
 
 def _cut(
@@ -182,35 +168,15 @@ def _cut(
     return jnp.asarray(np.stack(whole, axis=1))
 
 
-def problem(title: str, name: str, trials: Sequence[Trial]) -> Problem:
-    """A filter tuned on trials.
-
-    Args:
-        title: what the problem is called.
-        name: the filter's.
-        trials: what it is tuned on.
-    """
-    return Problem(
-        name=title,
-        space=Space.of(**FREE[name]),
-        filter=Several(filter_of(name, trials[0].rate_hz)),
-        build=Build(name, len(trials)),
-        objective=OBJECTIVE,
-        data=side_by_side(name, trials),
-    )
-
-
-def judged(name: str, values: dict[str, Array], trials: Sequence[Trial]) -> np.ndarray:
-    """The errors of single trials, deg, ``(k,)``."""
-    params = shared(PARAMETERS[name](values), len(trials))
-    data = side_by_side(name, trials)
-    return np.asarray(_judged(filter_of(name, trials[0].rate_hz), params, data))
-
-
-@jax.jit(static_argnums=0)
-def _judged(filter: AnyFilter, params: Any, data: Data) -> Array:
-    return OBJECTIVE.each(run(Several(filter), params, data.inputs)[1], data.truth)
-
-
-def _arrays(numbers: dict[str, float]) -> dict[str, Array]:
-    return {name: jnp.asarray(number) for name, number in numbers.items()}
+# Run a few times only: optimised less it takes a third longer, and half the time to compile.
+@jax.jit(static_argnums=(0, 1), compiler_options={"xla_backend_optimization_level": 1})
+def _judged(
+    filter: AnyFilter, parts: tuple[Part, ...], params: Any, data: Data
+) -> tuple[list[Array], Array]:
+    """The errors by part, each ``(k,)``, and the last trial's inclination error in time."""
+    found = run(Several(filter), params, data.inputs)[1]
+    q = getattr(found, "q", found)
+    end, truth = q[:, -1].reshape(-1, 4), data.truth[:, -1].reshape(-1, 4)
+    angle = jnp.degrees(jax.vmap(attitude_error)(end, truth).inclination)
+    last = jnp.where(jnp.isnan(truth).any(axis=1), jnp.nan, angle)
+    return [Records(Error(part)).each(q, data.truth) for part in parts], last

@@ -2,59 +2,77 @@
 
 from collections.abc import Iterator, Sequence
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
-from filters import Several, run, shared
-from objectives import attitude_error
-from studies.broad.contest import PARAMETERS, filter_of, judged, side_by_side
-from studies.broad.rows import LABELS, left_out
-from studies.broad.trials import Trial
+from studies.broad.contest import Contest
+from studies.broad.rows import judged_at, left_out
 from tuner.figure import Chart, Figure, Line
-from tuner.study import Solutions, best, tuned_values
+from tuner.study import Solutions
+
+WINDOW = 1.0
+"""Errors in time are root mean squares over so many seconds: single samples only blacken."""
 
 
 def figures(
-    trials: Sequence[Trial], folds: Sequence[int], tuned: Sequence[str], solutions: Solutions
+    contest: Contest, folds: Sequence[int], tuned: Sequence[str], solutions: Solutions
 ) -> Iterator[Figure]:
     """All of them."""
-    at = 1.0 + np.arange(len(trials))
-    lines = [
-        Line(LABELS[name], at, judged(name, tuned_values(best(name, solutions)), trials))
-        for name in tuned
-    ]
+    found = {name: judged_at(name, contest, solutions) for name in tuned}
+    at, label = _numbers(contest)
+    every = range(len(contest.trials))
+    lines = [_by_trial(name, contest, at, every, one.inclination) for name, one in found.items()]
     if folds:
-        errors = left_out(trials, folds, solutions)
-        lines.insert(0, Line("room, trial left out", at[list(folds)], errors))
-    names = ", ".join(f"{i + 1}: {trial.name[:2]}" for i, trial in enumerate(trials))
+        errors = left_out(contest, folds, solutions)
+        lines.insert(0, _by_trial("room, trial left out", contest, at, folds, errors))
     yield Chart(
         name="by_trial",
-        title=f"Inclination error in motion by trial ({names})",
-        x_label="trial",
+        title="Inclination error in motion by trial",
+        x_label=label,
         y_label="RMSE, deg",
         lines=tuple(lines),
         log="y",
     )
-    yield _in_time(trials[-1], tuned, solutions)
-
-
-def _in_time(trial: Trial, tuned: Sequence[str], solutions: Solutions) -> Chart:
-    lines = []
-    for name in tuned:
-        data = side_by_side(name, [trial])
-        params = shared(PARAMETERS[name](tuned_values(best(name, solutions))), 1)
-        found = run(Several(filter_of(name, trial.rate_hz)), params, data.inputs)[1]
-        q = jnp.reshape(getattr(found, "q", found), (-1, 4))
-        truth = jnp.reshape(data.truth, (-1, 4))
-        error = np.degrees(np.asarray(jax.vmap(attitude_error)(q, truth).inclination))
-        t = np.linspace(0, len(trial.rate) / trial.rate_hz, len(error))
-        step = max(len(t) // 4000, 1)
-        lines.append(Line(LABELS[name], t[::step], error[::step]))
-    return Chart(
+    yield Chart(
         name="in_time",
-        title=f"Inclination error of {trial.name}",
+        title=f"Inclination error in motion of {contest.trials[-1].name}",
         x_label="t, s",
-        y_label="error, deg",
-        lines=tuple(lines),
+        y_label=f"RMS over {WINDOW:g} s, deg",
+        lines=tuple(Line(name, *_in_time(contest, one.last)) for name, one in found.items()),
+        log="y",
     )
+
+
+def _numbers(contest: Contest) -> tuple[np.ndarray, str]:
+    """Where trials stand along the axis: at the numbers that their names begin with, if all do."""
+    heads = [trial.name.split("_")[0] for trial in contest.trials]
+    if len(set(heads)) == len(heads) and all(head.isdecimal() for head in heads):
+        return np.array(heads, float), "number of the trial"
+    return 1.0 + np.arange(len(heads)), "trial, in the order of their names"
+
+
+def _by_trial(
+    name: str, contest: Contest, at: np.ndarray, of: Sequence[int], errors: np.ndarray
+) -> Line:
+    """Errors of some trials, with a gap where disturbed trials follow undisturbed ones."""
+    x, y = at[list(of)], errors
+    disturbed = [contest.trials[i].disturbed for i in of]
+    calm = disturbed.count(False)
+    if (
+        disturbed == sorted(disturbed) and 1 < calm < len(of) - 1
+    ):  # a lone point beside the gap would not be drawn
+        x, y = np.insert(x, calm, np.nan), np.insert(y, calm, np.nan)
+    return Line(name, x, y)
+
+
+def _in_time(contest: Contest, error: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Middles of windows in motion, s, and errors, deg; NaN where no truth is known."""
+    step = round(len(contest.data("mahony").truth) / len(error))  # some filters thin the samples
+    rate_hz = contest.rate_hz / step
+    width = max(round(WINDOW * rate_hz), 1)
+    cut = error[: len(error) // width * width].reshape(-1, width)
+    known = ~np.isnan(cut)
+    mean = np.where(known, cut**2, 0.0).sum(axis=1) / np.maximum(known.sum(axis=1), 1)
+    at = (np.arange(len(cut)) + 0.5) * width / rate_hz
+    seen = known.any(axis=1)
+    span = slice(int(np.argmax(seen)), len(seen) - int(np.argmax(seen[::-1])))
+    return at[span], np.where(seen, np.sqrt(mean), np.nan)[span]

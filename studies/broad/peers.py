@@ -1,13 +1,14 @@
 """VQF by its own implementation, where it is installed."""
 
-from collections.abc import Sequence
+from functools import cache
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
-from studies.broad.contest import Inclination
-from studies.broad.trials import Trial
+from objectives import Records
+from studies.broad.contest import Contest, Error
 from tuner.solvers import nelder_mead
 
 
@@ -25,23 +26,26 @@ class Peer(NamedTuple):
     tau: float
 
 
-def vqf(trials: Sequence[Trial]) -> Peer | None:
+def vqf(contest: Contest) -> Peer | None:
     """VQF (Laidig and Seel, Information Fusion 91, 2023), six axes; None where it is missing."""
     try:
         import vqf as package
     except ImportError:
         return None
+    samples = [
+        [np.ascontiguousarray(part) for part in (trial.rate, trial.acceleration)]
+        for trial in contest.trials
+    ]
+    truth = contest.data("mahony").truth
+    q = np.ones(truth.shape)
 
+    @cache
     def errors(tau: float) -> np.ndarray:
-        found = []
-        for trial in trials:
-            filter = package.VQF(1 / trial.rate_hz, tauAcc=tau)
-            rate, acceleration = (np.ascontiguousarray(x) for x in (trial.rate, trial.acceleration))
-            q = filter.updateBatch(rate, acceleration)["quat6D"]
-            found.append(float(Inclination()(jnp.asarray(q), jnp.asarray(trial.truth))))
-        return np.array(found)
+        for i, (rate, acceleration) in enumerate(samples):
+            filter = package.VQF(1 / contest.rate_hz, tauAcc=tau)
+            q[: len(rate), i] = filter.updateBatch(rate, acceleration)["quat6D"]
+        return np.asarray(_errors(jnp.asarray(q), truth))
 
-    default = errors(_DEFAULT)
     best = nelder_mead(
         lambda z: float(errors(float(np.exp(z[0]))).mean()),
         np.log([[_DEFAULT], [1.3 * _DEFAULT]]),
@@ -50,8 +54,9 @@ def vqf(trials: Sequence[Trial]) -> Peer | None:
         limit=15,
     )
     tau = float(np.exp(best.z[0]))
-    return Peer(default, errors(tau), tau)
+    return Peer(errors(_DEFAULT), errors(tau), tau)
 
 
+_errors = jax.jit(Records(Error()).each)
 _DEFAULT = 3.0
 """VQF's own time constant for the accelerometers, s."""

@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-import jax
-import jax.numpy as jnp
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from filters.rotation import multiply, rotate
 from tuner.matfile import variables
 
 GRAVITY = 9.81
-NEEDED = {"imu_acc": 3, "imu_gyr": 3, "opt_quat": 4, "movement": 1, "sampling_rate": 1}
+NEEDED = ("imu_acc", "imu_gyr", "opt_quat", "movement", "sampling_rate")
+WIDTHS = {"imu_acc": 3, "imu_gyr": 3, "opt_quat": 4, "imu_mag": 3}
 SHORTEST = 1.0
 """A rest phase before the movement has to last this long, s, so that a filter can begin."""
 APART = 5.0
@@ -33,6 +32,9 @@ class Trial:
         name: its file's, without the ending.
         acceleration: specific force, m/s^2, ``(N, 3)``.
         rate: angular rate, rad/s, ``(N, 3)``.
+        field: magnetic field in any unit, ``(N, 3)``; NaN where it is missing; None without any.
+        start: attitude by gravity and field, sensor to earth with y to magnetic north, ``(4,)``,
+            at the first sample that has both; None where no field is known before the movement.
         truth: optical attitude, sensor to earth, ``(N, 4)``; NaN where it is missing or the sensor
             rests, so that it does not count.
         rate_hz: sample rate.
@@ -42,6 +44,8 @@ class Trial:
     name: str
     acceleration: np.ndarray
     rate: np.ndarray
+    field: np.ndarray | None
+    start: np.ndarray | None
     truth: np.ndarray
     rate_hz: float
     sha256: str
@@ -98,13 +102,13 @@ def _read(path: Path, acc_unit: AccUnit, gyr_unit: GyrUnit, seconds: float | Non
     if not 0 < rate_hz < np.inf:
         raise ValueError(f"{path.name} has a sampling_rate of {rate_hz:g} Hz; it must be positive")
     count = None if seconds is None else max(round(seconds * rate_hz), 1)
-    parts = {name: found[name][:count] for name in ("imu_acc", "imu_gyr", "opt_quat")}
+    parts = {name: found[name][:count] for name in WIDTHS if name in found}
     moving = np.ravel(found["movement"])[:count] > 0
     for name, part in parts.items():
-        if part.shape != (len(moving), NEEDED[name]):
+        if part.shape != (len(moving), WIDTHS[name]):
             raise ValueError(
                 f"{name} of {path.name} has the shape {part.shape}; {len(moving)} samples of "
-                f"movement need {(len(moving), NEEDED[name])}"
+                f"movement need {(len(moving), WIDTHS[name])}"
             )
     return _checked(path.stem, parts, moving, rate_hz, (acc_unit, gyr_unit), data)
 
@@ -143,7 +147,23 @@ def _checked(
     _check_axes(name, acc[:begins], truth[:begins])
     _check_rate(name, gyr, truth, rate_hz)
     masked = np.where(moving[:, None], truth, np.nan)
-    return Trial(name, acc, gyr, masked, rate_hz, hashlib.sha256(data).hexdigest())
+    field = parts.get("imu_mag")
+    start = None if field is None else _start(name, acc[:begins], field)
+    return Trial(name, acc, gyr, field, start, masked, rate_hz, hashlib.sha256(data).hexdigest())
+
+
+def _start(name: str, acc: np.ndarray, field: np.ndarray) -> np.ndarray | None:
+    """The attitude at rest that gravity and the field point to, at the first sample with both."""
+    if np.isinf(field).any():
+        first = int(np.argwhere(np.isinf(field))[0][0])
+        raise ValueError(f"imu_mag of {name} is infinite at sample {first}; use NaN if missing")
+    east = np.cross(field[: len(acc)], acc)
+    known = np.flatnonzero((east**2).sum(axis=1) > 0)  # false for NaN
+    if not known.size:
+        return None
+    up, east = acc[known[0]], east[known[0]]
+    axes = np.array([axis / np.linalg.norm(axis) for axis in (east, np.cross(up, east), up)])
+    return np.asarray(Rotation.from_matrix(axes).as_quat(scalar_first=True))
 
 
 def _check_force(name: str, acc: np.ndarray) -> None:
@@ -165,8 +185,9 @@ def _check_axes(name: str, acc: np.ndarray, truth: np.ndarray) -> None:
     seen = ~np.isnan(truth).any(axis=1)
     if not seen.any():
         return
-    up = np.asarray(_rotated(jnp.asarray(truth[seen]), jnp.asarray(acc[seen]))).mean(axis=0)
-    angle = float(np.degrees(np.arccos(np.clip(up[2] / np.linalg.norm(up), -1, 1))))
+    turned = Rotation.from_quat(truth[seen], scalar_first=True)
+    up = turned.apply(acc[seen]).mean(axis=0)
+    angle = float(np.degrees(np.arctan2(np.hypot(up[0], up[1]), up[2])))
     if angle > APART:
         raise ValueError(
             f"at rest the accelerometers of {name} point {angle:.0f} deg away from the truth's "
@@ -179,10 +200,13 @@ def _check_rate(name: str, gyr: np.ndarray, truth: np.ndarray, rate_hz: float) -
     """The gyroscopes' rate against the truth's, over a tenth of a second each."""
     step = max(round(0.1 * rate_hz), 1)
     picked = truth[::step]
-    turned = np.asarray(_apart(jnp.asarray(picked[:-1]), jnp.asarray(picked[1:])))
-    optical = 2 * np.arcsin(np.clip(turned, 0, 1)) * rate_hz / step
-    size = np.linalg.norm(gyr[: step * len(optical)].reshape(len(optical), step, 3).mean(1), axis=1)
-    seen = ~np.isnan(optical) & (optical > 0.2)
+    count = len(picked) - 1
+    size = np.linalg.norm(gyr[: step * count].reshape(count, step, 3).mean(axis=1), axis=1)
+    known = ~np.isnan(picked).any(axis=1)
+    filled = np.where(known[:, None], picked, [1.0, 0.0, 0.0, 0.0])
+    turns = Rotation.from_quat(filled, scalar_first=True)
+    optical = (turns[:-1].inv() * turns[1:]).magnitude() * rate_hz / step
+    seen = known[:-1] & known[1:] & (optical > 0.2)
     if not seen.any():
         return
     ratio = float(np.median(size[seen] / optical[seen]))
@@ -197,14 +221,3 @@ def _check_rate(name: str, gyr: np.ndarray, truth: np.ndarray, rate_hz: float) -
         f"the gyroscopes of {name} read {ratio:.3g} times the rate of the truth; check their unit, "
         "and sampling_rate"
     )
-
-
-_rotated = jax.jit(jax.vmap(rotate))
-
-
-@jax.jit
-@jax.vmap
-def _apart(p: jax.Array, q: jax.Array) -> jax.Array:
-    """The sine of half the angle between two attitudes."""
-    turned = multiply(p * jnp.array([1.0, -1.0, -1.0, -1.0]), q)
-    return jnp.sqrt((turned[1:] ** 2).sum())

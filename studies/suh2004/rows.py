@@ -23,7 +23,7 @@ from studies.suh2004.paper import (
     noise,
     outputs,
 )
-from tuner.comparison import Comparison, Verdict, claim
+from tuner.comparison import Comparison, Verdict, claim, undecided
 from tuner.study import Solutions, best, tuned_values
 
 THETA, PHI = 0, 1
@@ -104,14 +104,12 @@ def _at_rest(settings: Settings) -> Iterator[Comparison]:
     found = {unit: errors(TWO_STEP, experiment_1(unit)).M for unit in UNITS}
     for at, name, paper in ((THETA, "M_theta", 0.733), (PHI, "M_phi", 0.909)):
         each = ", ".join(f"{float(M[at]):.3g} in ({unit})^2" for unit, M in found.items())
-        yield Comparison(
-            quantity=f"exp1.{name}",
-            where="section 5",
+        yield undecided(
+            f"exp1.{name}",
+            "section 5",
             paper=paper,
             ours=float(found[settings.gyro_unit][at]),
             unit="deg",
-            tolerance=None,
-            verdict=Verdict.NOT_IDENTIFIABLE,
             note=f"the unit of the gyroscopes' variances is not given: {each}; misalignment and "
             "conversion, which the paper blames, are not given either",
         )

@@ -4,6 +4,7 @@ import re
 import shutil
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import jax
 import jax.numpy as jnp
@@ -13,10 +14,13 @@ from scipy.io import savemat
 from scipy.spatial.transform import Rotation
 
 from filters import ImuSample, blocks, run
-from studies.broad import contest
-from studies.broad.contest import BLOCK, FREE, filter_of, judged, room, side_by_side
+from studies.broad import Settings, contest, peers, plan, published, rows
+from studies.broad.contest import Contest, Outcome, side_by_side
+from studies.broad.contestants import BLOCK, filter_of, room, start
+from studies.broad.figures import figures
 from studies.broad.trials import GRAVITY, read
 from tuner.cli import invoke
+from tuner.comparison import Verdict
 from tuner.simulation import Sensor, Swing, measure, simulate
 
 REAL = Path(__file__).parents[2].parent / "shared" / "data" / "broad" / "data_mat"
@@ -26,15 +30,20 @@ QUICK = {"xla_backend_optimization_level": 0}
 compiled = jax.jit(run, static_argnums=0, compiler_options=QUICK)
 LOST = slice(300, 310)
 """Samples in motion of which the cameras have lost the truth."""
+FIELD = np.array([0.0, 20.0, -44.0])
+"""Of the earth, microtesla: y is north, and it points down."""
+MOUNTED = Rotation.from_euler("zyx", [140.0, -50.0, 70.0], degrees=True)
+"""A sensor turned by this against that of :func:`made`."""
 
 
 @pytest.fixture(scope="module", autouse=True)
 def quick():
     """Without the compiler's optimisation, which changes no formula and takes most of the time."""
     with pytest.MonkeyPatch.context() as patch:
-        for module, name in [(contest, "_judged")]:
-            function = getattr(module, name).__wrapped__
-            patch.setattr(module, name, jax.jit(function, static_argnums=0, compiler_options=QUICK))
+        function = contest._judged.__wrapped__
+        patch.setattr(
+            contest, "_judged", jax.jit(function, static_argnums=(0, 1), compiler_options=QUICK)
+        )
         yield
 
 
@@ -65,7 +74,7 @@ def made(seed):
     return {
         "imu_acc": np.asarray(sample.acceleration),
         "imu_gyr": np.asarray(sample.rate),
-        "imu_mag": np.ones((SAMPLES, 3)),
+        "imu_mag": Rotation.from_quat(whole.q, scalar_first=True).inv().apply(FIELD),
         "opt_quat": truth,
         "opt_pos": np.zeros((SAMPLES, 3)),
         "movement": (np.arange(SAMPLES) >= RESTING)[:, None],
@@ -78,6 +87,18 @@ def written(folder, name="01_undisturbed_swing", seed=1, **changed):
     arrays = {key: value for key, value in (made(seed) | changed).items() if value is not None}
     savemat(folder / f"{name}.mat", arrays)
     return folder
+
+
+def mounted(seed=1):
+    """The same motion, felt by a sensor that is mounted askew."""
+    whole = made(seed)
+    turns = Rotation.from_quat(np.nan_to_num(whole["opt_quat"], nan=0.5), scalar_first=True)
+    truth = (turns * MOUNTED).as_quat(scalar_first=True)
+    truth[LOST] = np.nan
+    felt = {
+        key: MOUNTED.inv().apply(np.array(whole[key])) for key in ("imu_acc", "imu_gyr", "imu_mag")
+    }
+    return felt | {"opt_quat": truth}
 
 
 def only(folder, acc_unit="m/s^2", gyr_unit="rad/s", seconds=None):
@@ -125,6 +146,49 @@ def test_units_are_converted(tmp_path):
     np.testing.assert_allclose(trial.rate, whole["imu_gyr"], rtol=1e-15)
 
 
+def test_a_field_is_read_and_says_where_north_is(tmp_path):
+    trial = only(written(tmp_path, **mounted()))
+    np.testing.assert_array_equal(trial.field, mounted()["imu_mag"])
+    begins = Rotation.from_quat(trial.start, scalar_first=True)
+    # the accelerometers' noise of 0.02 m/s^2 is 0.1 deg
+    assert np.degrees((begins * MOUNTED.inv()).magnitude()) < 0.5
+
+
+@pytest.mark.parametrize("missing", [np.nan, 0.0])
+def test_a_field_that_comes_late(missing, tmp_path):
+    whole = mounted()
+    late = whole | {"imu_mag": whole["imu_mag"].copy()}
+    late["imu_mag"][:40] = missing
+    begins = Rotation.from_quat(only(written(tmp_path, **late)).start, scalar_first=True)
+    assert np.degrees((begins * MOUNTED.inv()).magnitude()) < 0.5
+    late["imu_mag"][:RESTING] = missing
+    trial = only(written(tmp_path, **late))
+    assert trial.start is None
+    assert trial.field.shape == (SAMPLES, 3)
+
+
+def test_without_a_magnetometer_six_axes_compete(tmp_path):
+    written(tmp_path, "01_undisturbed_swing")
+    assert "mahony_field" in [task.problem.name for task in planned(tmp_path).tasks]
+    written(tmp_path, "02_undisturbed_swing", seed=2, imu_mag=None)
+    assert [trial.field is None for trial in read(str(tmp_path), "m/s^2", "rad/s", None)] == [
+        False,
+        True,
+    ]
+    names = [task.problem.name for task in planned(tmp_path).tasks]
+    assert names == [
+        *("room", "room_now", "gravity", "two_step", "mahony", "madgwick"),
+        *("without_01_undisturbed_swing", "without_02_undisturbed_swing"),
+    ]
+    sentence = r"^madgwick_field need a magnetic field .* 02_undisturbed_swing has none; leave .*"
+    with pytest.raises(ValueError, match=sentence):
+        planned(tmp_path, contestants=("madgwick_field",))
+
+
+def planned(folder, **settings):
+    return plan(Settings(folder=str(folder), **settings), None, 0, "")
+
+
 # ------------------------------------------------------------------------------------ refusing
 
 
@@ -148,6 +212,15 @@ REFUSED = {
         {"imu_gyr": made(1)["imu_gyr"].T},
         "imu_gyr of 01_undisturbed_swing.mat has the shape (3, 600); 600 samples of movement need "
         "(600, 3)",
+    ),
+    "field": (
+        {"imu_mag": np.ones((SAMPLES, 2))},
+        "imu_mag of 01_undisturbed_swing.mat has the shape (600, 2); 600 samples of movement need "
+        "(600, 3)",
+    ),
+    "infinite field": (
+        {"imu_mag": np.where(np.arange(SAMPLES)[:, None] == 8, np.inf, FIELD)},
+        "imu_mag of 01_undisturbed_swing is infinite at sample 8; use NaN if missing",
     ),
     "short": ({"opt_quat": made(1)["opt_quat"][:-1]}, "opt_quat of 01_undisturbed_swing.mat has"),
     "NaN": (holed("imu_acc", (7, 1)), "imu_acc of 01_undisturbed_swing has no number at sample 7"),
@@ -251,10 +324,6 @@ def test_the_command_line_says_so_in_one_line(words, tmp_path, monkeypatch, capf
 # ------------------------------------------------------------------------------------- judging
 
 
-def start(name="room"):
-    return {key: p.constrain(jnp.asarray(p.start())) for key, p in FREE[name].items()}
-
-
 def inclination_rmse(q, truth):
     """In NumPy: the angle between the two verticals, where there is a truth, deg."""
     seen = ~np.isnan(truth).any(axis=1)
@@ -268,29 +337,266 @@ def alone(trial):
     """The error of one trial, by hand: in its own blocks, without an unfinished one."""
     samples = ImuSample(jnp.asarray(trial.acceleration), jnp.asarray(trial.rate))
     cut = blocks(samples, round(BLOCK * trial.rate_hz))
-    _, found = compiled(filter_of("room", trial.rate_hz), room(start()), cut)
+    _, found = compiled(filter_of("room", trial.rate_hz), room(start("room")), cut)
     q = np.asarray(found.q).reshape(-1, 4)
     return inclination_rmse(q, trial.truth[: len(q)])
 
 
-def test_errors_of_trials_side_by_side(tmp_path):
-    """The shorter trial, filled up beside the longer, has the error that it has alone."""
-    written(tmp_path, "01_undisturbed_swing", seed=1)
+@pytest.fixture(scope="module")
+def pair(tmp_path_factory):
+    """A longer and a shorter trial."""
+    folder = tmp_path_factory.mktemp("pair")
+    written(folder, "01_undisturbed_swing", seed=1)
     short = {k: v[:500] if np.size(v) > 1 else v for k, v in made(2).items()}
-    written(tmp_path, "02_undisturbed_swing", seed=2, **short)
-    trials = read(str(tmp_path), "m/s^2", "rad/s", None)
-    assert [len(trial.rate) for trial in trials] == [SAMPLES, 500]
-    errors = judged("room", start(), trials)
+    written(folder, "02_undisturbed_swing", seed=2, **short)
+    return Contest(tuple(read(str(folder), "m/s^2", "rad/s", None)))
+
+
+def test_errors_of_trials_side_by_side(pair):
+    """The shorter trial, filled up beside the longer, has the error that it has alone."""
+    assert [len(trial.rate) for trial in pair.trials] == [SAMPLES, 500]
+    found = pair.judged("room", start("room"))
+    errors = found.inclination
     assert errors.shape == (2,)
     assert (errors < 0.5).all()
     # a compilation of its own: rounding, which the corrections keep small
-    assert errors[1] == pytest.approx(alone(trials[1]), rel=1e-9)
-    filled = side_by_side("room", trials)
+    assert errors[1] == pytest.approx(alone(pair.trials[1]), rel=1e-9)
+    np.testing.assert_array_equal(np.isnan(found.last[:500]), np.isnan(pair.trials[1].truth[:, 0]))
+    assert np.sqrt(np.nanmean(found.last**2)) == pytest.approx(errors[1], rel=1e-9)
+    filled = side_by_side("room", pair.trials)
     assert filled.inputs.rate.shape == (SAMPLES // 10, 2, 10, 3)
     at_rest = filled.inputs.acceleration[50:, 1].reshape(-1, 3)
-    np.testing.assert_array_equal(at_rest, np.tile(trials[1].acceleration[-1], (100, 1)))
+    np.testing.assert_array_equal(at_rest, np.tile(pair.trials[1].acceleration[-1], (100, 1)))
     assert not filled.inputs.rate[50:, 1].any()
     assert np.isnan(filled.truth[50:, 1]).all()
+
+
+def test_what_was_judged_is_kept(pair):
+    assert pair.judged("room", start("room")) is pair.judged("room", start("room"))
+    assert pair.judged("room_now", start("room_now")) is pair.judged("room", start("room"))
+    assert pair.data("room") is pair.data("room_now")
+
+
+def test_a_field_gives_the_heading(tmp_path):
+    """From a start 140 deg away from heading 0; the second trial has gaps in its field."""
+    written(tmp_path, "01_undisturbed_swing", **mounted(1))
+    gaps = mounted(2)
+    gaps["imu_mag"][::3] = np.nan
+    written(tmp_path, "02_undisturbed_swing", seed=2, **gaps)
+    both = Contest(tuple(read(str(tmp_path), "m/s^2", "rad/s", None)))
+    field = both.data("mahony_field").inputs.field
+    np.testing.assert_array_equal(field[:, 0], mounted(1)["imu_mag"])
+    np.testing.assert_array_equal(field[:, 1], gaps["imu_mag"])
+    assert both.data("mahony").inputs.field is None
+    found = both.judged("mahony_field", start("mahony_field"))
+    assert (found.errors["total"] < 2.0).all()
+    for part in ("heading", "inclination"):
+        assert (found.errors[part] < found.errors["total"]).all()
+
+
+# ------------------------------------------------------------------------------------ comparing
+
+
+def solution(factor=1.0, **changed):
+    values = {key: np.asarray(value) * factor for key, value in start("room").items()} | changed
+    return SimpleNamespace(
+        value=0.0,
+        status=SimpleNamespace(trusted=True),
+        parameters={key: SimpleNamespace(value=value) for key, value in values.items()},
+    )
+
+
+def test_trials_left_out_are_judged_by_the_parameters_of_the_others(pair):
+    folds = [solution(2.0), solution(0.5)]
+    names = [f"without_{trial.name}" for trial in pair.trials]
+    found = {(name, "x"): each for name, each in zip(names, folds, strict=True)}
+    errors = rows.left_out(pair, range(2), found)
+    for i in range(2):
+        values = {key: p.value for key, p in folds[i].parameters.items()}
+        assert errors[i] == pytest.approx(pair.judged("room", values).inclination[i], rel=1e-12)
+    assert errors[0] != pair.judged("room", start("room")).inclination[0]
+    np.testing.assert_array_equal(rows.left_out(pair, [1], found), errors[1:])
+
+
+PEERS = {"worse": (0.9, Verdict.HOLDS), "better": (1e-3, Verdict.FAILS)}
+
+
+@pytest.mark.parametrize("case", PEERS)
+def test_the_room_filter_is_held_against_peers(case, pair, monkeypatch):
+    error, verdict = PEERS[case]
+    peer = peers.Peer(np.array([5.0, error]), np.array([5.0, error]), 2.0)
+    monkeypatch.setattr(rows, "vqf", lambda contest: peer)
+    found = {("room", "x"): solution(), ("without_02_undisturbed_swing", "x"): solution()}
+    table = {row.quantity: row for row in rows.compare(pair, [1], ["room"], found)}
+    own = pair.judged("room", start("room")).inclination
+    assert table["inclination_loo_deg"].ours == own[1]
+    for state, theirs in (("_default", ""), ("", "_tuned")):
+        row = table[f"inclination_vqf{theirs}_deg"]
+        # only the trial that was left out decides; the number is that of all
+        assert (row.verdict, row.ours) == (verdict, pytest.approx((5.0 + error) / 2))
+        assert table[f"inclination_room{state}_deg"].ours == pytest.approx(own.mean())
+        assert table[f"inclination_room{state}_deg"].verdict is Verdict.HOLDS
+    assert table["mahony_published_total_deg"].verdict is Verdict.NOT_IDENTIFIABLE
+    assert "01_undisturbed_swing" in table["mahony_published_total_deg"].note
+
+
+def test_without_vqf_nothing_is_claimed_of_it(pair, monkeypatch):
+    monkeypatch.setattr(rows, "vqf", lambda contest: None)
+    table = rows.compare(pair, [], ["room"], {("room", "x"): solution()})
+    found = {row.quantity: row for row in table}
+    assert found["inclination_vqf_tuned_deg"].verdict is Verdict.NOT_IDENTIFIABLE
+    assert found["inclination_vqf_deg"].ours is None
+    assert "inclination_loo_deg" not in found
+
+
+def test_vqf_is_judged_like_the_others(pair):
+    package = pytest.importorskip("vqf")
+    found = peers.vqf(pair)
+    for i, trial in enumerate(pair.trials):
+        rate, acceleration = (np.ascontiguousarray(x) for x in (trial.rate, trial.acceleration))
+        q = package.VQF(1 / HZ).updateBatch(rate, acceleration)["quat6D"]
+        assert found.default[i] == pytest.approx(inclination_rmse(q, trial.truth), rel=1e-9)
+    assert found.tuned.mean() <= found.default.mean()
+
+
+# ------------------------------------------------------------------------------------ published
+
+PAPER = {"madgwick": (4.96, 3.92, 2.71), "mahony": (7.49, 6.30, 3.70)}
+
+
+@pytest.mark.parametrize("name", PAPER)
+def test_published_errors_of_all_trials_are_those_of_the_paper(name):
+    assert len(published.NAMES) == 39
+    found = published.means(name, published.NAMES)
+    assert tuple(found) == published.PARTS
+    np.testing.assert_allclose(list(found.values()), PAPER[name], rtol=0, atol=0.005)
+
+
+# The group means of the authors' files, which catch what a mean over all would let pass.
+GROUPS = {
+    "rotation": (range(1, 10), (2.5874, 2.2215, 1.2717), (4.3982, 4.1535, 1.4129)),
+    "translation": (range(10, 19), (5.1372, 3.7517, 3.2740), (10.1456, 8.5910, 5.1571)),
+    "combined": (range(19, 24), (5.8077, 4.7018, 3.0617), (5.7569, 4.1563, 3.9268)),
+    "tapping": (range(24, 26), (2.8423, 2.0004, 2.0192), (4.0932, 3.7591, 1.6059)),
+    "vibration": (range(26, 28), (6.7604, 6.3828, 1.6916), (5.4778, 5.1740, 1.6213)),
+    "stationary magnet": (range(28, 32), (6.6357, 5.0063, 3.7976), (8.0382, 5.5062, 5.8256)),
+    "attached magnet": (range(32, 37), (6.9240, 5.4072, 3.7874), (13.0808, 11.5164, 5.3152)),
+    "office": (range(37, 39), (5.6688, 4.7851, 2.9299), (4.2592, 3.2974, 2.6948)),
+}
+
+
+@pytest.mark.parametrize("group", GROUPS)
+def test_published_errors_of_groups(group):
+    numbers, *means = GROUPS[group]
+    names = [name for name in published.NAMES if int(name[:2]) in numbers]
+    assert len(names) == len(numbers)
+    for name, expected in zip(("madgwick", "mahony"), means, strict=True):
+        found = list(published.means(name, names).values())
+        np.testing.assert_allclose(found, expected, rtol=0, atol=6e-4)  # three decimals are kept
+
+
+def test_nothing_is_published_of_other_trials():
+    with pytest.raises(ValueError, match=r"^nothing is published of 40_walk: .*not of BROAD\Z"):
+        published.means("mahony", ["40_walk", published.NAMES[0]])
+
+
+def stand_in(names=published.NAMES[:3], factor=1.0, whole=True, start=True):
+    """A contest in which filters do as published, times a factor."""
+
+    def judged(name, values):
+        found = published.means(name.removesuffix("_field"), names)
+        return Outcome({part: np.array([factor * error]) for part, error in found.items()}, None)
+
+    trials = [SimpleNamespace(name=name, start=start or None) for name in names]
+    return SimpleNamespace(trials=trials, whole=whole, judged=judged)
+
+
+@pytest.mark.parametrize(
+    ("factor", "verdict"),
+    [(1.0, Verdict.MATCH), (0.985, Verdict.MATCH), (1.03, Verdict.DIFFERS)],
+)
+def test_published_errors_are_those_of_the_same_trials(factor, verdict):
+    found = list(rows._published(stand_in(factor=factor)))
+    assert [row.quantity for row in found] == [
+        f"{name}_published_{part}_deg"
+        for name in ("madgwick", "mahony")
+        for part in ("total", "heading", "inclination")
+    ]
+    assert {row.verdict for row in found} == {verdict}
+    assert found[0].paper == pytest.approx((2.310 + 1.497 + 2.471) / 3)
+    assert found[0].ours == pytest.approx(factor * found[0].paper)
+    assert "3 of 39 trials" in found[0].where
+    assert found[3].note.startswith("7.49 over all")
+
+
+INCOMPARABLE = {
+    "foreign": ({"names": published.NAMES[:1]}, "40_walk", "nothing is published of 40_walk"),
+    "cut": ({"whole": False}, None, "only a part of each trial"),
+    "no field": ({"start": False}, None, "no imu_mag at rest in 01_undisturbed_slow_rotation_A"),
+}
+
+
+@pytest.mark.parametrize("case", INCOMPARABLE)
+def test_other_samples_than_the_published_ones_are_not_compared(case):
+    changed, name, sentence = INCOMPARABLE[case]
+    contest = stand_in(**changed)
+    if name:
+        contest.trials.append(SimpleNamespace(name=name, start=True))
+    found = list(rows._published(contest))
+    assert [(row.verdict, row.ours) for row in found] == 6 * [(Verdict.NOT_IDENTIFIABLE, None)]
+    assert found[0].note.startswith(sentence)
+
+
+# ------------------------------------------------------------------------------------ drawing
+
+
+class Judged:
+    """Trials of 4 s at 50 Hz whose errors are their numbers; in the last, 1.2 s to 3 s count."""
+
+    def __init__(self, names):
+        self.trials = [
+            SimpleNamespace(name=name, disturbed="_disturbed_" in name) for name in names
+        ]
+        self.rate_hz = 50.0
+
+    def data(self, name):
+        return SimpleNamespace(truth=np.zeros((200, len(self.trials), 4)))
+
+    def judged(self, name, values):
+        errors = 1.0 + np.arange(len(self.trials))
+        last = np.full(200, np.nan)
+        last[50:150] = np.repeat([3.0, 4.0], 50)
+        last[50:60] = np.nan
+        last[100:125] = 0.0
+        return Outcome({"inclination": errors}, last)
+
+    def judged_each(self, name, values):
+        return self.judged(name, None)
+
+
+def test_figures(monkeypatch):
+    names = ["01_calm", "03_calm", "26_disturbed_a", "28_disturbed_b"]
+    found = {("room", "x"): solution()} | {(f"without_{n}", "x"): solution() for n in names}
+    by_trial, in_time = figures(Judged(names), [0, 2], ["room"], found)
+    left, room = by_trial.lines
+    np.testing.assert_array_equal(left.x, [1, 26])
+    np.testing.assert_array_equal(left.y, [1, 3])
+    np.testing.assert_array_equal(room.x, [1, 3, np.nan, 26, 28])
+    np.testing.assert_array_equal(room.y, [1, 2, np.nan, 3, 4])
+    assert by_trial.x_label == "number of the trial"
+    (line,) = in_time.lines
+    np.testing.assert_allclose(line.x, [1.5, 2.5])
+    # half of the second window has no error at all
+    np.testing.assert_allclose(line.y, [3.0, 4.0 / np.sqrt(2)])
+
+
+def test_trials_without_numbers_stand_in_a_row():
+    by_trial, _ = figures(Judged(["a", "b_disturbed_x"]), [], ["room"], {("room", "x"): solution()})
+    np.testing.assert_array_equal(by_trial.lines[0].x, [1, 2])
+    assert by_trial.x_label == "trial, in the order of their names"
+
+
+# --------------------------------------------------------------------------------- real trials
 
 
 @pytest.mark.skipif(not REAL.is_dir(), reason="no recordings of BROAD beside the repository")
@@ -301,3 +607,14 @@ def test_a_real_trial_at_the_start_values(tmp_path):
     assert trial.rate_hz == pytest.approx(2000 / 7)
     assert not trial.disturbed
     assert 0.2 < alone(trial) < 0.7
+
+
+@pytest.mark.skipif(not REAL.is_dir(), reason="no recordings of BROAD beside the repository")
+def test_a_real_trial_has_the_published_errors(tmp_path):
+    """Mahony's filter with a magnetometer, which the authors ran in single precision."""
+    (path,) = REAL.glob("16_*.mat")
+    shutil.copy(path, tmp_path)
+    trial = only(tmp_path)
+    found = Contest((trial,)).judged("mahony_field", start("mahony_field"))
+    for part, error in published.means("mahony", [trial.name]).items():
+        assert found.errors[part][0] == pytest.approx(error, rel=rows.CLOSE)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tuner.comparison import Comparison, Verdict, claim, number
+from tuner.comparison import Comparison, Verdict, claim, number, undecided
 
 numbers = st.floats(1e-12, 1e12) | st.floats(-1e12, -1e-12)
 
@@ -97,6 +97,14 @@ def test_claims(holds):
     assert found.within(None)
     assert found.within(0.0)
     assert found.deviation is None
+
+
+def test_what_cannot_be_compared_keeps_its_numbers_and_the_reason():
+    found = undecided("M", "section 5", paper=0.7, ours=0.9, unit="deg", note="no unit is given")
+    assert found == Comparison(
+        "M", "section 5", 0.7, 0.9, "deg", None, Verdict.NOT_IDENTIFIABLE, "no unit is given"
+    )
+    assert found.within(0.0)
 
 
 def test_words_of_the_verdicts():
