@@ -1,138 +1,19 @@
-"""Tanaka's possibilistic regression on windows that share their times: exact, without iteration.
+"""Tanaka's possibilistic line through equally spaced samples, exact and inside a time loop.
 
-For centres x_j, spreads e_j and rows T_j = (1, t_j1, .., t_jk) it minimises sum_j c'abs(T_j) with
-abs(x_j - p'T_j) <= (1 - h) (c'abs(T_j) - e_j) and c >= 0 (Tanaka, Uejima and Asai, IEEE Trans.
-SMC 12(6), 1982). With s = (1 - h) c its dual,
-
-    maximise   sum_j (u_j - v_j) x_j + (1 - h) (u_j + v_j) e_j
-    subject to sum_j (u_j - v_j) T_j = 0, sum_j (u_j + v_j) abs(T_j) + w = sum_j abs(T_j),
-
-with u, v, w >= 0, knows the times alone. Its vertices are found once; a window then takes a
-product with them, and its solution is linear in the window's values.
+For samples x_j at t_j it minimises sum_j (c0 + c1 t_j) with abs(x_j - p0 - p1 t_j) <= (1 - h)
+(c0 + c1 t_j) and c >= 0 (Tanaka, Uejima and Asai, IEEE Trans. SMC 12(6), 1982). The sum depends
+on the band's width at the mean time alone: its edges are the lines that support the samples' upper
+and lower hull there. Where these would cross before the first sample, c1 = 0 and the band is the
+narrowest parallel strip.
 """
 
 from functools import cache
 from itertools import combinations
-from math import comb
 from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-
-MOST = 300_000
-"""Bases that are tried at most: 21 times for one regressor."""
-_ZERO = 1e-9  # a multiplier below this, of columns whose largest entry is 1, is none
-
-
-class Vertices(NamedTuple):
-    """The vertices of the dual for given times, V of them; m times, n = k + 1 columns.
-
-    Attributes:
-        difference: u - v, ``(V, m)``.
-        total: u + v, ``(V, m)``.
-        by_x: (p, s) from the centres where the vertex is the best, ``(V, 2n, m)``.
-        by_e: the same from (1 - h) times the spreads, ``(V, 2n, m)``.
-        sharp: so many come first that have 2n positive multipliers: where one of these is the
-            best, the solution is unique.
-    """
-
-    difference: np.ndarray
-    total: np.ndarray
-    by_x: np.ndarray
-    by_e: np.ndarray
-    sharp: int
-
-    @property
-    def decided(self) -> bool:
-        """Whether all windows have one solution, but for ties among their own values."""
-        return bool((np.abs(self.difference[self.sharp :]) < _ZERO).all())
-
-
-def bases(samples: int, columns: int) -> int:
-    """How many bases :func:`dual_vertices` would try."""
-    return comb(2 * samples + columns, 2 * columns)
-
-
-def dual_vertices(T: np.ndarray) -> Vertices:
-    """All vertices of the dual, by trying every basis.
-
-    Args:
-        T: rows (1, t_j1, .., t_jk), ``(m, n)``, of rank n, without a column of zeros.
-
-    Raises:
-        ValueError: where there are more than :data:`MOST` bases.
-
-    >>> vertices = dual_vertices(np.stack([np.ones(6), np.arange(6.0)], axis=1))
-    >>> vertices.sharp, vertices.decided
-    (121, True)
-    """
-    m, n = T.shape
-    if bases(m, n) > MOST:
-        raise ValueError(
-            f"{m} times and {n} columns have {bases(m, n)} bases, more than {MOST}; solve such "
-            "windows one by one"
-        )
-    scale = np.abs(T).max(axis=0)
-    rows = np.vstack([constraint_rows(T / scale), np.eye(2 * n)[n:]])
-    cost = np.concatenate([np.zeros(n), np.abs(T / scale).sum(axis=0)])
-    chosen = np.array(list(combinations(range(len(rows)), 2 * n)))
-    regular = np.abs(np.linalg.det(rows[chosen])) > _ZERO
-    chosen = chosen[regular]
-    inverse = np.linalg.inv(rows[chosen])
-    y = cost @ inverse
-    kept, sharp = _once(chosen, y, len(rows))
-    chosen, y, inverse = chosen[kept], y[kept], inverse[kept]
-    u, v, by_u, by_v = (
-        np.zeros((len(kept), *shape)) for shape in ((m,), (m,), (2 * n, m), (2 * n, m))
-    )
-    for vertex, basis in enumerate(chosen):
-        for at, row in enumerate(basis):
-            if row < 2 * m:
-                multiplier, by = (u, by_u) if row < m else (v, by_v)
-                multiplier[vertex, row % m] = y[vertex, at]
-                by[vertex, :, row % m] = inverse[vertex, :, at] / np.tile(scale, 2)
-    return Vertices(u - v, u + v, by_u - by_v, by_u + by_v, sharp)
-
-
-def constraint_rows(T: np.ndarray) -> np.ndarray:
-    """What has to be at least (x + e', e' - x), with e' = (1 - h) e, of (p, s): ``(2m, 2n)``."""
-    return np.block([[T, np.abs(T)], [-T, np.abs(T)]])
-
-
-def _once(chosen: np.ndarray, y: np.ndarray, rows: int) -> tuple[np.ndarray, int]:
-    """Indices of bases without negative multipliers, one for each vertex; how many are sharp."""
-    found = np.flatnonzero((y > -_ZERO).all(axis=1))
-    whole = np.zeros((len(found), rows))
-    np.put_along_axis(whole, chosen[found], y[found], axis=1)
-    _, first = np.unique(whole.round(9), axis=0, return_index=True)
-    kept = found[first]
-    sharp = (y[kept] > _ZERO).all(axis=1)
-    return np.concatenate([kept[sharp], kept[~sharp]]), int(sharp.sum())
-
-
-@cache
-def line_vertices(samples: int, dt: float) -> Vertices:
-    """Those of a line through equally spaced samples, t = 0, dt, ..; the sharp ones.
-
-    Raises:
-        ValueError: for a number of samples whose line need not be unique: an odd one, where a
-            sample lies at the mean time.
-    """
-    found = dual_vertices(np.stack([np.ones(samples), dt * np.arange(samples)], axis=1))
-    if not found.decided:
-        raise ValueError(
-            f"a line through {samples} equally spaced samples need not be unique; take an even "
-            "number of them"
-        )
-    sharp = slice(found.sharp)
-    return Vertices(
-        found.difference[sharp],
-        found.total[sharp],
-        found.by_x[sharp],
-        found.by_e[sharp],
-        found.sharp,
-    )
 
 
 class Line(NamedTuple):
@@ -143,21 +24,78 @@ class Line(NamedTuple):
 
 
 def line(window: Array, dt: float, h: Array | float = 0.0) -> Line:
-    """Tanaka's line through equally spaced samples, inside a time loop and differentiable.
+    """Tanaka's line through samples at t = 0, dt, ..
 
     The derivative is that of the solution where it is unique; at a tie, of one of those that tie.
 
     Args:
-        window: crisp samples of s signals at t = 0, dt, .., an even number, ``(m, s)``.
+        window: crisp samples of s signals, an even number, ``(m, s)``; of an odd one, one sample
+            lies at the mean time, and the line need not be unique.
         dt: their distance.
         h: degree to which the samples have to belong to the line, 0 to below 1.
+
+    Raises:
+        ValueError: for an odd number of samples.
 
     >>> line(jnp.array([[1.0], [3.0], [5.0], [7.0]]), 0.5).center.round(12).tolist()
     [[1.0, 4.0]]
     """
-    vertices = line_vertices(window.shape[0], dt)
-    values = vertices.difference @ window
-    best = jnp.argmax(values, axis=0)
-    by_x = jnp.asarray(vertices.by_x)[best]
-    found = (by_x * window.T[:, None, :]).sum(axis=2)
-    return Line(found[:, :2], found[:, 2:] / (1 - h))
+    m = window.shape[0]
+    if m % 2 or not m:
+        raise ValueError(
+            f"a line through {m} equally spaced samples need not be unique; take an even number"
+        )
+    mean = dt * (m - 1) / 2
+    upper, above = _support(window, dt, 1)
+    lower, below = _support(window, dt, -1)
+    # In the sample's unit, with s = (1 - h) c.
+    p1, s1 = (above + below) / 2, (above - below) / 2
+    center = jnp.stack([(upper + lower) / 2 - p1 * mean, p1], axis=1)
+    spread = jnp.stack([(upper - lower) / 2 - s1 * mean, s1], axis=1)
+    if m > 2:
+        strip, width = _strip(window, dt)
+        crossed = (s1 < 0)[:, None]
+        center = jnp.where(crossed, strip, center)
+        spread = jnp.where(crossed, jnp.stack([width, 0 * width], axis=1), spread)
+    return Line(center, spread / (1 - h))
+
+
+def _support(window: Array, dt: float, sign: int) -> tuple[Array, Array]:
+    """Height at the mean time and slope of the line that supports the hull there, ``(s,)`` each."""
+    m = window.shape[0]
+    half = (m - 1) / 2
+    left, right = (np.array(part) for part in zip(*_across(m), strict=True))
+    weight = ((right - half) / (right - left))[:, None]
+    heights = weight * window[left] + (1 - weight) * window[right]
+    slopes = (window[right] - window[left]) / (dt * (right - left))[:, None]
+    best = jnp.argmax(sign * heights, axis=0)[None]
+    return _picked(heights, best), _picked(slopes, best)
+
+
+def _strip(window: Array, dt: float) -> tuple[Array, Array]:
+    """Center ``(s, 2)`` and half width ``(s,)`` of the narrowest parallel strip.
+
+    It is decided by three samples: how far the middle one is from the chord of the others.
+    """
+    i, j, k = (np.array(part) for part in zip(*_triples(window.shape[0]), strict=True))
+    slopes = (window[k] - window[i]) / (dt * (k - i))[:, None]
+    off = (window[j] - window[i] - slopes * (dt * (j - i))[:, None]) / 2
+    starts = window[i] + off - slopes * (dt * i)[:, None]
+    best = jnp.argmax(jnp.abs(off), axis=0)[None]
+    center = jnp.stack([_picked(starts, best), _picked(slopes, best)], axis=1)
+    return center, jnp.abs(_picked(off, best))
+
+
+def _picked(values: Array, best: Array) -> Array:
+    return jnp.take_along_axis(values, best, axis=0)[0]
+
+
+@cache
+def _across(m: int) -> list[tuple[int, int]]:
+    """A sample before the mean time, and one after it."""
+    return [(i, j) for i in range(m // 2) for j in range(m // 2, m)]
+
+
+@cache
+def _triples(m: int) -> list[tuple[int, int, int]]:
+    return list(combinations(range(m), 3))

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 import tests.oracles_tanaka as oracle
-from filters.possibilistic import dual_vertices, line
+from filters.possibilistic import line
 from tuner import tanaka, tanaka_program, tanaka_simplex, tanaka_windows
 from tuner.convex import solve
 from tuner.possibilistic import Outcome
+from tuner.possibilistic.vertices import dual_vertices
 
 EXACT = 1e-9
 
@@ -155,7 +156,7 @@ def test_the_vertices_know_where_a_tie_may_be():
 # --- inside a time loop -------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("m", [2, 4, 6])
+@pytest.mark.parametrize("m", [2, 4, 6, 10])
 def test_a_line_inside_the_time_loop(m):
     rng = np.random.default_rng(m)
     window = rng.normal(size=(m, 5))
@@ -164,6 +165,9 @@ def test_a_line_inside_the_time_loop(m):
         exact = oracle.strip([0.25 * j for j in range(m)], x.tolist(), 0.5, number=float)
         close(found.center[i, 1], exact.p1[0])
         close(found.spread[i, 1], exact.c1[0])
+        wanted = tanaka(0.25 * np.arange(m), x, 0.5)
+        close(found.center[i], wanted.center)
+        close(found.spread[i], wanted.spread)
 
 
 def test_its_derivative_is_that_of_the_solution():

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from filters.possibilistic import MOST, Vertices, bases, dual_vertices
 from tuner.possibilistic.one import tanaka
+from tuner.possibilistic.vertices import MOST, Vertices, bases, dual_vertices
 from tuner.possibilistic.window import window
 
 CHUNK = 128

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from filters.possibilistic import constraint_rows
+from tuner.possibilistic.vertices import constraint_rows
 
 _RANK = 1e-11
 """Singular values below this share of the largest count as zero."""

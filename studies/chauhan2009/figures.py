@@ -1,0 +1,97 @@
+"""Figures 2 to 9 as far as the text describes them, and the sweep over lambda."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from studies.chauhan2009.laws import CONSTANT, FUZZY, estimated, randomly
+from studies.chauhan2009.steps import (
+    DRIVEN,
+    EVERY,
+    MAGNIFIED,
+    STEADY,
+    TRACKED,
+    Behaviour,
+    Settings,
+    Step,
+    records,
+    times,
+)
+from studies.chauhan2009.sweep import Sweep
+from tuner.figure import Chart, Figure, Line
+from tuner.study import Solutions, best, tuned_values
+
+
+def figures(settings: Settings, seed: int, sweep: Sweep, solutions: Solutions) -> Iterator[Figure]:
+    """All of them."""
+    yield _tracking(settings, seed)
+    yield _steady(settings, seed)
+    for angle in (*DRIVEN, MAGNIFIED):
+        yield _driven(sweep, Step(angle, "silent"), solutions)
+    yield from _swept(sweep)
+
+
+def _tracking(settings: Settings, seed: int) -> Chart:
+    lines = []
+    for angle in TRACKED:
+        made = records(settings, [Step(angle, "seen")], [seed])
+        pitch = estimated(FUZZY, settings, made.inputs, {}).angles[:, 0, 1]
+        lines.append(Line(f"{angle:g} deg", times(settings), np.degrees(np.asarray(pitch))))
+    title = "Figs 2 to 4: pitch tracked with fuzzy noise, one seed"
+    return Chart("fig2_tracking", title, "t, s", "pitch, deg", tuple(lines))
+
+
+def _steady(settings: Settings, seed: int) -> Chart:
+    at = slice(EVERY - 1, None, EVERY)
+    late = times(settings)[at] > settings.seconds - 60
+    lines = []
+    for angle in STEADY:
+        made = records(settings, [Step(angle, "seen")], [seed])
+        pitch = estimated(FUZZY, settings, made.inputs, {}).angles[:, 0, 1]
+        error = np.degrees(np.asarray(pitch - made.truth[:, 0]))[at][late]
+        lines.append(Line(f"{angle:g} deg", times(settings)[at][late], error))
+    title = "Fig. 5 in degrees: the steady error does not depend on the angle"
+    return Chart("fig5_steady", title, "t, s", "pitch error, deg", tuple(lines))
+
+
+def _driven(sweep: Sweep, step: Step, solutions: Solutions) -> Chart:
+    settings, made = sweep.settings, sweep.made(step)
+    at = slice(EVERY - 1, None, EVERY)
+    t = times(settings)[at]
+    shown = (t > 50) & (t < 180)
+    fuzzy = sweep.fuzzy(made)
+    constant = tuned_values(best("constant", solutions))
+    found = {"fuzzy": fuzzy}
+    for factor in (0.1, 1.0, 10.0):
+        found[f"random, lambda {factor:g}"] = randomly(settings, made, fuzzy, factor, sweep.seed)
+    found["constant, tuned"] = estimated(CONSTANT, settings, made.inputs, constant)
+    lines = []
+    for label, outputs in found.items():
+        error = np.degrees(np.asarray(outputs.angles[:, 0, 1] - made.truth[:, 0]))[at][shown]
+        lines.append(Line(label, t[shown], 100 * error / step.pitch))
+    title = f"Figs 6 to 9: driving noise at {step.pitch:g} deg, a step the gyroscopes do not see"
+    return Chart(f"fig6_driven_{step.pitch:g}", title, "t, s", "pitch error, %", tuple(lines))
+
+
+def _swept(sweep: Sweep) -> Iterator[Chart]:
+    """Means over the records, random over lambda beside fuzzy."""
+    factors = np.array(sweep.settings.factors)
+    named = {"peak": "largest error in 60 s, %", "settled": "last error above 5 %, s"}
+    named["ripple"] = "deviation over the last 60 s, %"
+    for part, label in named.items():
+        lines = []
+        for case in sweep.cases:
+            if case.step.pitch not in (DRIVEN[1], MAGNIFIED):
+                continue
+            what = f"{case.step.pitch:g} deg {case.step.motion}"
+            random = np.array([_mean(each, part) for each in case.random])
+            lines.append(Line(f"random, {what}", factors, random))
+            lines.append(
+                Line(f"fuzzy, {what}", factors, np.full(len(factors), _mean(case.fuzzy, part)))
+            )
+        title = f"Random noise over lambda beside fuzzy noise: {label.split(',')[0]}"
+        yield Chart(f"sweep_{part}", title, "lambda", label, tuple(lines), log="x")
+
+
+def _mean(found: Behaviour, part: str) -> float:
+    return float(np.mean(getattr(found, part)))

@@ -1,0 +1,141 @@
+"""Pitch steps of a body that is measured now and then, simulated; and what is said of their errors.
+
+The paper gives neither R, P0, the gyroscopes' noise nor the time line; those here are settings.
+"""
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from pydantic import BaseModel, ConfigDict, Field
+
+from filters.euler_aided import EulerSample
+
+DT, EVERY = 0.25, 4
+"""A tick, s, and ticks between measurements (section 6.1)."""
+BEFORE, RISE = 60.0, 2.0
+"""Level flight before a step, and how long a step takes that the gyroscopes see, s."""
+TRACKED = (4.4, 17.4, 28.2)
+STEADY = (29.1, 15.7, 3.05)
+DRIVEN = (14.1, 35.1, 44.6)
+MAGNIFIED = 45.7
+"""Pitch angles of Figs 2 to 4, 5, 6 to 8 and 9, deg."""
+
+Motion = Literal["silent", "seen"]
+MOTIONS: tuple[Motion, ...] = ("silent", "seen")
+
+
+class Settings(BaseModel):
+    """What the paper leaves open, and how hard the tuning searches."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    seconds: float = Field(300.0, ge=180, le=3600, description="length of a record, s")
+    noise: float = Field(1.0, gt=0, le=20, description="of the measured angles, deg")
+    gyro_noise: float = Field(0.1, ge=0, le=20, description="of the gyroscopes in a tick, deg/s")
+    bias: tuple[float, float, float] = Field(
+        (0.5, -0.3, 0.2), description="of the gyroscopes, deg/s"
+    )
+    records: int = Field(6, ge=2, le=50, description="seeds of every step that is looked at")
+    train: int = Field(2, ge=1, le=20, description="seeds of every step that is tuned on")
+    held_out: int = Field(6, ge=1, le=50, description="seeds of every step that only judges")
+    tuned_on: tuple[float, ...] = Field(
+        (14.1, 35.1), min_length=1, description="pitch angles that are tuned on, deg"
+    )
+    windows: tuple[int, ...] = Field(
+        (2, 4, 6, 8), min_length=1, description="lengths of the fuzzy window that are tried"
+    )
+    factors: tuple[float, ...] = Field(
+        (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0),
+        min_length=2,
+        description="lambda of the random noise's sweep",
+    )
+    starts: int = Field(1, ge=1, description="starts of each search, the same for every filter")
+
+
+@dataclass(frozen=True)
+class Step:
+    """From level to a pitch, deg; the gyroscopes see it, or it is silent: the measurements jump."""
+
+    pitch: float
+    motion: Motion
+
+
+class Records(NamedTuple):
+    """k records side by side.
+
+    Attributes:
+        inputs: rate and z, ``(N, k, 3)``.
+        truth: pitch at the ticks, rad, ``(N, k)``.
+    """
+
+    inputs: EulerSample
+    truth: Array
+
+
+def records(settings: Settings, steps: list[Step], seeds: list[int]) -> Records:
+    """Every step with every seed: those of the first step come first."""
+    made = [_record(settings, step, seed) for step in steps for seed in seeds]
+    rate, z, truth = (np.stack(part, axis=1) for part in zip(*made, strict=True))
+    return Records(EulerSample(jnp.asarray(rate), jnp.asarray(z)), jnp.asarray(truth))
+
+
+def times(settings: Settings) -> np.ndarray:
+    """Of the ticks, s, ``(N,)``: the first is at one tick."""
+    return DT * np.arange(1, round(settings.seconds / DT) + 1)
+
+
+def _record(settings: Settings, step: Step, seed: int) -> tuple[np.ndarray, ...]:
+    t = times(settings)
+    rise = RISE if step.motion == "seen" else 0.0
+    share = np.clip((t - BEFORE) / rise, 0, 1) if rise else (t > BEFORE).astype(float)
+    truth = np.radians(step.pitch) * share
+    draw = np.random.default_rng([seed, round(100 * step.pitch)])
+    rate = np.radians(settings.bias + settings.gyro_noise * draw.normal(size=(len(t), 3)))
+    if rise:
+        rate[:, 1] += np.diff(truth, prepend=0.0) / DT
+    z = np.radians(settings.noise) * draw.normal(size=(len(t), 3))
+    z[:, 1] += truth
+    z[np.arange(1, len(t) + 1) % EVERY != 0] = np.nan
+    return rate, z, truth
+
+
+class Behaviour(NamedTuple):
+    """How single records went, ``(k,)`` each; per cent of the step.
+
+    Attributes:
+        peak: largest error within 60 s after the step, %.
+        settled: when the error last exceeds 5 % after the step, s.
+        ripple: standard deviation of the error over the last 60 s, %.
+        offset: its mean there, %.
+    """
+
+    peak: np.ndarray
+    settled: np.ndarray
+    ripple: np.ndarray
+    offset: np.ndarray
+
+
+def behaviour(pitch: np.ndarray, found: Records, settings: Settings, step: float) -> Behaviour:
+    """What is said of estimates.
+
+    Args:
+        pitch: estimated, rad, ``(N, k)``.
+        found: the records; errors are looked at where there is a measurement.
+        settings: for the time line.
+        step: the final pitch, deg.
+    """
+    at = slice(EVERY - 1, None, EVERY)
+    t = times(settings)[at]
+    error = 100 * np.degrees(pitch - np.asarray(found.truth))[at] / step
+    after = (t > BEFORE) & (t <= BEFORE + 60)
+    late = t > settings.seconds - 60
+    since = np.where((np.abs(error) > 5) & (t > BEFORE)[:, None], t[:, None] - BEFORE, 0.0)
+    return Behaviour(
+        peak=np.abs(error[after]).max(axis=0),
+        settled=since.max(axis=0),
+        ripple=error[late].std(axis=0),
+        offset=error[late].mean(axis=0),
+    )
