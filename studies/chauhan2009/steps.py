@@ -4,12 +4,12 @@ The paper gives neither R, P0, the gyroscopes' noise nor the time line; those he
 """
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from filters.euler_aided import EulerSample
 
@@ -41,18 +41,28 @@ class Settings(BaseModel):
     records: int = Field(6, ge=2, le=50, description="seeds of every step that is looked at")
     train: int = Field(2, ge=1, le=20, description="seeds of every step that is tuned on")
     held_out: int = Field(6, ge=1, le=50, description="seeds of every step that only judges")
-    tuned_on: tuple[float, ...] = Field(
+    tuned_on: tuple[Annotated[float, Field(gt=0, le=80)], ...] = Field(
         (14.1, 35.1), min_length=1, description="pitch angles that are tuned on, deg"
     )
-    windows: tuple[int, ...] = Field(
-        (2, 4, 6, 8), min_length=1, description="lengths of the fuzzy window that are tried"
+    windows: tuple[Annotated[int, Field(ge=2, le=20)], ...] = Field(
+        (2, 4, 6, 8), min_length=1, description="lengths of the fuzzy window that are tried, even"
     )
-    factors: tuple[float, ...] = Field(
+    factors: tuple[Annotated[float, Field(gt=0)], ...] = Field(
         (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0),
         min_length=2,
         description="lambda of the random noise's sweep",
     )
     starts: int = Field(1, ge=1, description="starts of each search, the same for every filter")
+
+    @field_validator("windows")
+    @classmethod
+    def _even(cls, windows: tuple[int, ...]) -> tuple[int, ...]:
+        odd = [window for window in windows if window % 2]
+        if odd:
+            raise ValueError(
+                f"a line through {odd[0]} residuals need not be unique; take an even number"
+            )
+        return windows
 
 
 @dataclass(frozen=True)

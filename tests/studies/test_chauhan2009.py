@@ -1,0 +1,221 @@
+"""The study of Chauhan et al. 2009: its records, what is said of errors, and rows that can flip."""
+
+from types import SimpleNamespace
+
+import jax
+import numpy as np
+import pytest
+
+from studies.chauhan2009 import laws, plan, rows
+from studies.chauhan2009.laws import FUZZY, Build, estimated, problems, random_scale, randomly
+from studies.chauhan2009.steps import (
+    BEFORE,
+    DT,
+    EVERY,
+    Behaviour,
+    Records,
+    Settings,
+    Step,
+    behaviour,
+    records,
+    times,
+)
+from studies.chauhan2009.sweep import Case, Sweep, ranges
+from tests import oracles_chauhan2009 as oracle
+from tuner.cli import invoke
+from tuner.comparison import Verdict
+
+QUICK = {"xla_backend_optimization_level": 0}
+SHORT = Settings(
+    seconds=180.0, records=2, train=1, held_out=2, windows=(4,), factors=(0.1, 1.0, 10.0)
+)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def quick():
+    """Without the compiler's optimisation, which changes no formula and takes most of the time."""
+    with pytest.MonkeyPatch.context() as patch:
+        function = laws._run.__wrapped__
+        patch.setattr(laws, "_run", jax.jit(function, static_argnums=0, compiler_options=QUICK))
+        yield
+
+
+def record(step, seed, settings=SHORT):
+    made = records(settings, [step], [seed])
+    return made.inputs.rate[:, 0], made.inputs.z[:, 0], made.truth[:, 0]
+
+
+def test_a_seen_step_is_in_the_gyroscopes_and_a_silent_one_is_not():
+    quiet = SHORT.model_copy(update={"gyro_noise": 0.0, "bias": (0.0, 0.0, 0.0)})
+    for motion, turned in (("seen", 17.4), ("silent", 0.0)):
+        rate, _, truth = record(Step(17.4, motion), 0, quiet)
+        np.testing.assert_allclose(np.degrees(rate.sum(axis=0) * DT), [0.0, turned, 0.0], atol=1e-9)
+        assert np.degrees(truth[-1]) == pytest.approx(17.4)
+        assert abs(truth[times(quiet) <= BEFORE]).max() == 0
+
+
+def test_every_fourth_tick_has_a_measurement_of_the_noise_that_was_asked_for():
+    long = SHORT.model_copy(update={"seconds": 3600.0})
+    _, z, truth = record(Step(30.0, "seen"), 0, long)
+    seen = ~np.isnan(np.asarray(z)).any(axis=1)
+    assert np.flatnonzero(seen)[:3].tolist() == [3, 7, 11]
+    assert seen.sum() == len(seen) // EVERY
+    noise = np.degrees(np.asarray(z)[seen] - np.stack([0 * truth, truth, 0 * truth], 1)[seen])
+    np.testing.assert_allclose(noise.std(axis=0), 1.0, rtol=0.07)  # 3600 draws: 4 deviations
+    np.testing.assert_allclose(record(Step(30.0, "seen"), 1, long)[2], truth)
+    assert not np.array_equal(
+        record(Step(30.0, "seen"), 1, long)[0], record(Step(30.0, "seen"), 0, long)[0]
+    )
+
+
+def test_what_is_said_of_errors():
+    t = times(SHORT)
+    truth = np.where(t > BEFORE, 0.2, 0.0)
+    error = np.zeros(len(t))
+    error[(t > 60) & (t <= 61)] = -0.1  # at t = 61 half the step
+    error[t == 63.0] = 0.02  # 10 %, 3 s after it
+    error[t == 125.0] = 0.011  # 5.5 %, later than 60 s
+    error[(t > 120) & (np.arange(len(t)) % 8 == 3)] += 0.002
+    pitch = np.stack([truth + error, truth], axis=1)
+    made = Records(None, np.stack([truth, truth], axis=1))
+    found = behaviour(pitch, made, SHORT, float(np.degrees(0.2)))
+    np.testing.assert_allclose(found.peak, [50.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(found.settled, [65.0, 0.0])
+    np.testing.assert_allclose(found.offset, [0.5 + 5.5 / 60, 0.0], atol=1e-9)
+    late = 100 * error[3::4][t[3::4] > 120] / 0.2
+    np.testing.assert_allclose(found.ripple, [late.std(), 0.0], atol=1e-9)
+
+
+def test_both_laws_are_the_textbooks_on_a_record():
+    """The random one with the scale the notes describe, from the fuzzy run on the same data."""
+    made = records(SHORT, [Step(14.1, "silent")], [0, 1])
+    fuzzy = estimated(FUZZY, SHORT, made.inputs, {})
+    random = randomly(SHORT, made, fuzzy, 2.0, seed=5)
+    draws = np.random.default_rng([5, 7]).uniform(size=(*made.truth.shape, 7))
+    R = np.radians(SHORT.noise) ** 2 * np.eye(3)
+    for i in range(2):
+        rate, z = np.asarray(made.inputs.rate)[:, i], np.asarray(made.inputs.z)[:, i]
+        wanted = oracle.run(rate, z, "fuzzy", R=R)
+        np.testing.assert_allclose(fuzzy.x[:, i], wanted["x"], atol=1e-11)
+        late = wanted["Q"][round(BEFORE / DT) :] / (DT * EVERY)
+        scale = 2.0 * np.sqrt(3 * late.mean(axis=0))
+        wanted = oracle.run(rate, z, "random", R=R, scale=scale, draws=draws[3::4, i])
+        np.testing.assert_allclose(random.x[:, i], wanted["x"], atol=1e-11)
+
+
+def test_at_lambda_one_both_laws_have_one_mean():
+    Q = np.abs(np.random.default_rng(0).normal(size=(50, 2, 7)))
+    u = np.random.default_rng(1).uniform(size=(200_000, 1, 1))
+    drawn = ((random_scale(Q, 1.0) * u) ** 2).mean(axis=0) * DT * EVERY
+    np.testing.assert_allclose(drawn, Q.mean(axis=0), rtol=0.01)
+
+
+def test_parameters_go_where_they_belong():
+    params = Build(2.0, 3)({"quaternion": 1e-3, "bias": 1e-7, "floor": 1e-9})
+    np.testing.assert_allclose(params.process.Q, np.tile([1e-3] * 4 + [1e-7] * 3, (3, 1)))
+    np.testing.assert_allclose(params.R, np.radians(2.0) ** 2)
+    np.testing.assert_allclose(Build(2.0, 1)({"angle": 3.0}).R, np.radians(3.0) ** 2)
+    np.testing.assert_allclose(params.process.floor, 1e-9)
+
+
+def test_ranges_in_words():
+    factors = [0.01, 0.1, 1.0, 10.0]
+    assert ranges([], factors) == "none"
+    assert ranges(factors, factors) == "0.01 to 10"
+    assert ranges([0.01, 1.0, 10.0], factors) == "0.01, 1 to 10"
+
+
+# ------------------------------------------------------------------------------------------ rows
+
+
+def said(peak, settled, ripple):
+    return Behaviour(*(np.full(3, float(v)) for v in (peak, settled, ripple, 0.0)))
+
+
+@pytest.mark.parametrize(("better", "verdict"), [(True, Verdict.HOLDS), (False, Verdict.FAILS)])
+def test_claims_about_the_driving_noise_can_hold_and_fail(better, verdict):
+    fuzzy, random = said(9, 1, 1), said(5, 2, 2)
+    worse = said(10, 0.5, 0.5)
+    sweep = Sweep(SHORT, 0)
+    cases = (
+        Case(Step(14.1, "silent"), None, fuzzy, (random, random if better else worse, random)),
+    )
+    sweep.__dict__["cases"] = cases  # where cached_property keeps them
+    found = {row.quantity: row for row in rows._driving(sweep)}
+    assert set(found) == {
+        "fuzzy.faster_settling",
+        "fuzzy.larger_overshoot",
+        "fuzzy.smaller_steady",
+    }
+    for row in found.values():
+        assert row.verdict is verdict
+        assert row.ours == pytest.approx(1.0 if better else 2 / 3)
+        assert ("0.1 to 10" if better else "0.1, 10") in row.note
+
+
+def test_rows_that_need_no_tuning():
+    table = {row.quantity: row for row in (rows._textbook(), rows._printed_rate())}
+    assert table["lp.textbook"].verdict is Verdict.MATCH
+    assert table["attitude.constant_rate_printed"].verdict is Verdict.INCONSISTENT
+    assert f"{table['attitude.constant_rate_printed'].ours:.1f}" == oracle.PRINTED_TURN
+    floorless = rows._positive(SHORT)
+    assert (floorless.verdict, floorless.ours) == (Verdict.FAILS, 0.0)
+
+
+def test_the_steady_error_is_the_same_in_degrees():
+    row = rows._steady(SHORT.model_copy(update={"records": 3}), 0)
+    assert row.verdict is Verdict.FAILS
+    assert row.ours == pytest.approx(1.0, abs=0.1)
+    assert rows._tracking(SHORT, 0).verdict is Verdict.FAILS
+
+
+@pytest.mark.parametrize(("angle", "verdict"), [(0.6, Verdict.HOLDS), (50.0, Verdict.FAILS)])
+def test_fuzzy_and_constant_noise_are_judged_on_other_records(angle, verdict):
+    """By hand: a constant Q that does not follow a silent step, and fuzzy ones that do, or not."""
+    values = {
+        "constant": {"quaternion": 1e-7, "bias": 1e-12},
+        "fuzzy_4": {"angle": angle, "floor": 1e-12},
+        "edge": {"angle": 90.0, "floor": 1e-12, "h": 0.1},
+    }
+    solutions = {
+        (name, "x"): SimpleNamespace(
+            value=float(name == "edge"),
+            status=SimpleNamespace(trusted=True),
+            parameters={key: SimpleNamespace(value=value) for key, value in given.items()},
+        )
+        for name, given in values.items()
+    }
+    (row,) = rows._tuned(SHORT, 0, solutions)
+    assert row.quantity == "fuzzy_vs_tuned_fixed_Q_heldout"
+    assert row.verdict is verdict
+    assert "pitch error of fuzzy_4" in row.note
+
+
+def test_all_laws_are_tuned_on_the_same_records():
+    posed = problems(SHORT, 3)
+    assert list(posed) == ["constant", "fuzzy_4", "edge"]
+    first = posed["constant"].data
+    for problem in posed.values():
+        np.testing.assert_array_equal(problem.data.truth, first.truth)
+    asked = plan(SHORT, None, 3, "")
+    assert [task.problem.name for task in asked.tasks] == list(posed)
+    assert len({task.solver.starts for task in asked.tasks}) == 1
+    assert [target.problem.name for target in asked.targets] == ["constant", "fuzzy_4"]
+
+
+@pytest.mark.parametrize(
+    ("setting", "what"),
+    [
+        ("seconds=10", "seconds"),
+        ("windows=[5]", "an even number"),
+        ("windows=[]", "windows"),
+        ("noise=0", "noise"),
+        ("tuned_on=[]", "tuned_on"),
+        ("tuned_on=[90]", "tuned_on"),
+        ("factors=[1.0]", "factors"),
+    ],
+)
+def test_refused(setting, what, tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    assert invoke(["run", "chauhan2009", "--set", setting]) == 2
+    assert what in capfd.readouterr().err
