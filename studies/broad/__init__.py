@@ -16,7 +16,7 @@ from studies.broad.contest import Contest
 from studies.broad.contestants import SPEED, Contestant, takes_field
 from studies.broad.figures import figures
 from studies.broad.rows import compare, fold_name
-from studies.broad.trials import AccUnit, GyrUnit, Trial, read
+from studies.broad.trials import AccUnit, GyrUnit, Trial, halved, read
 from tuner.export.tuned import Quantity
 from tuner.logs import Log
 from tuner.problem import Problem
@@ -55,7 +55,10 @@ class Settings(BaseModel):
 
 
 def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
-    """Every filter tuned on all trials; the room filter also without each of them in turn."""
+    """Every filter tuned on all trials; the room filter also without each of them in turn.
+
+    Those folds are tuned at half the sample rate, in half the time, and judged at the whole one.
+    """
     trials = read(settings.folder, settings.acc_unit, settings.gyr_unit, settings.seconds)
     contest = Contest(tuple(trials), whole=settings.seconds is None)
     tuned = _contestants(settings, trials)
@@ -64,15 +67,15 @@ def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
     gradient = Gradient("l-bfgs-b", seed=seed, starts=1, gradient=ENOUGH, iterations=40)
     quick = replace(gradient, curvature=False)
     alternating = Alternating(
-        seed=seed, starts=1, rounds=3, progress=1e-3, gradient=ENOUGH, iterations=40
+        seed=seed, starts=1, rounds=2, progress=1e-3, gradient=ENOUGH, iterations=40
     )
     tasks = []
     posed = {name: contest.problem(name, name) for name in tuned}
     for name, each in posed.items():
-        solver = alternating if name == "two_step" else gradient
+        solver = alternating if name == "two_step" else gradient if name == "room" else quick
         tasks.append(Task(each, solver, solver.name))
     for at in folds:
-        others = contest.of([trial for i, trial in enumerate(trials) if i != at])
+        others = contest.of([halved(trial) for i, trial in enumerate(trials) if i != at])
         tasks.append(Task(others.problem(fold_name(trials[at]), "room"), quick, quick.name))
     tasks += _transfer(contest, quick)
     return Plan(
@@ -102,7 +105,8 @@ def _transfer(contest: Contest, gradient: Gradient) -> list[Task]:
     calm = [trial for trial in contest.trials if not trial.disturbed]
     if not calm or len(calm) == len(contest.trials):
         return []
-    return [Task(contest.of(calm).problem("undisturbed", "room"), gradient, gradient.name)]
+    posed = contest.of([halved(trial) for trial in calm]).problem("undisturbed", "room")
+    return [Task(posed, gradient, gradient.name)]
 
 
 def _source(trials: list[Trial]) -> Source:

@@ -139,13 +139,14 @@ class Contest:
 
 
 def side_by_side(name: str, trials: Sequence[Trial]) -> Data:
-    """Trials as a filter takes them; shorter ones are filled up with their last sample at rest.
+    """Trials as a filter takes them, up to the last sample that counts in any of them.
 
+    Shorter ones are filled up with their last sample at rest.
     For the room filter samples are in blocks, for the gravity filters averaged in groups, whose
     truth is that of their last sample.
     """
     length = group(name, trials[0].rate_hz)
-    count = max(len(trial.rate) for trial in trials) // length
+    count = -(-max(_end(trial) for trial in trials) // length)
     acceleration = _cut([trial.acceleration for trial in trials], count, length, "edge")
     rate = _cut([trial.rate for trial in trials], count, length, "zero")
     truth = _cut([trial.truth for trial in trials], count, length, "nan")
@@ -153,6 +154,11 @@ def side_by_side(name: str, trials: Sequence[Trial]) -> Data:
         return Data(ImuSample(acceleration, rate), truth)
     samples = ImuSample(acceleration.mean(axis=2), rate.mean(axis=2))
     return Data(samples, truth[:, :, -1])
+
+
+def _end(trial: Trial) -> int:
+    """How many samples there are up to the last that counts."""
+    return int(np.flatnonzero(~np.isnan(trial.truth).any(axis=1))[-1]) + 1
 
 
 def _cut(

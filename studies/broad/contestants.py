@@ -28,6 +28,8 @@ THINNED = 60.0
 """Rate at which the gravity filters run, Hz; rates and forces are averaged down to it."""
 SPEED = 0.3
 """Held: all noises of the room filter share a scale that only the start's deviations see."""
+GYROSCOPE = 1e-4
+"""Held: the same of the gravity filters, rad^2/s."""
 LEVEL = jnp.zeros(4)
 """No attitude to begin with: the first samples say where up is."""
 
@@ -63,7 +65,7 @@ def room(values: dict[str, Array]) -> RoomNoise:
 def gravity(values: dict[str, Array]) -> GravityNoise:
     """Parameters of the gravity filter; the adaptive ones do nothing where it is not."""
     fixed = {"memory": 1.0, "gain": 0.0, "delta": 1e3, "bias0": 0.02, "tilt0": 0.03}
-    numbers = _arrays(fixed | {"gravity": GRAVITY}) | values
+    numbers = _arrays(fixed | {"gravity": GRAVITY, "gyroscope": GYROSCOPE}) | values
     return GravityNoise(**numbers, q0=LEVEL, b0=jnp.zeros(3))
 
 
@@ -78,9 +80,8 @@ def madgwick(values: dict[str, Array]) -> MadgwickGain:
 
 
 PLAIN: dict[str, Parameter] = {
-    "gyroscope": Positive(1e-6, 1e-14, 1e-2, "rad^2/s"),
-    "bias": Positive(1e-9, 1e-17, 1e-4, "rad^2/s^3"),
-    "accelerometer": Positive(1.0, 1e-4, 1e4),
+    "bias": Positive(1e-7, 1e-15, 1e-3, "rad^2/s^3"),
+    "accelerometer": Positive(1.0, 1e-5, 1e4),
 }
 LEAD = Limited(0.0, -0.02, 0.02, "s", scale=2e-3, limited=False)
 FREE: dict[str, dict[str, Parameter]] = {

@@ -3,7 +3,7 @@
 import hashlib
 import struct
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -54,6 +54,20 @@ class Trial:
     def disturbed(self) -> bool:
         """Whether its name says so."""
         return "_disturbed_" in self.name
+
+
+def halved(trial: Trial) -> Trial:
+    """A trial at half the rate: means of pairs of samples, with the later one's truth."""
+    pairs = len(trial.rate) // 2
+    mean = lambda part: part[: 2 * pairs].reshape(pairs, 2, 3).mean(axis=1)  # noqa: E731
+    return replace(
+        trial,
+        acceleration=mean(trial.acceleration),
+        rate=mean(trial.rate),
+        truth=trial.truth[1 : 2 * pairs : 2],
+        field=None if trial.field is None else mean(trial.field),
+        rate_hz=trial.rate_hz / 2,
+    )
 
 
 def read(folder: str, acc_unit: AccUnit, gyr_unit: GyrUnit, seconds: float | None) -> list[Trial]:
