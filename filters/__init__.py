@@ -5,6 +5,9 @@ from filters.backend import LoopOption, loop_option
 loop_option()  # before anything below starts JAX's backend
 
 from filters.complementary import (  # noqa: E402
+    AngleSample,
+    FirstOrder,
+    FirstOrderGain,
     Madgwick,
     MadgwickGain,
     Mahony,
@@ -55,6 +58,16 @@ from filters.linear import (  # noqa: E402
     StoredGains,
     Transition,
 )
+from filters.mixing import (  # noqa: E402
+    MixingFilter,
+    MixingGains,
+    MixingOutputs,
+    MixingSample,
+    MixingState,
+    VelocityNoise,
+    accelerometer_angles,
+    euler_rates,
+)
 from filters.protocol import AnyFilter, Filter, run  # noqa: E402
 from filters.room import RestRule, RoomKalman, RoomNoise, RoomOutputs, RoomState, blocks  # noqa: E402
 from filters.several import Several, shared  # noqa: E402
@@ -81,6 +94,7 @@ from filters.vertical import (  # noqa: E402
 __all__ = [
     "GRAVITY_GRADIENT",
     "AccelerometerFilter",
+    "AngleSample",
     "AnyFilter",
     "ConventionalLoop",
     "Estimate",
@@ -88,6 +102,8 @@ __all__ = [
     "ExtendedModel",
     "ExtendedSample",
     "Filter",
+    "FirstOrder",
+    "FirstOrderGain",
     "FixedGainFilter",
     "Flow",
     "GainCovariance",
@@ -113,6 +129,11 @@ __all__ = [
     "Mahony",
     "MahonyGains",
     "MahonyState",
+    "MixingFilter",
+    "MixingGains",
+    "MixingOutputs",
+    "MixingSample",
+    "MixingState",
     "Noise",
     "Plant",
     "RestRule",
@@ -133,9 +154,12 @@ __all__ = [
     "TiltState",
     "Transition",
     "Uncertainty",
+    "VelocityNoise",
+    "accelerometer_angles",
     "accelerometer_steady",
     "blocks",
     "decorrelate",
+    "euler_rates",
     "gyroscope_steady",
     "linearised",
     "loop_error",

@@ -1,4 +1,4 @@
-"""The complementary filters of Mahony and Madgwick: attitude with one or two gains."""
+"""Complementary filters with one or two gains: of first order, Mahony's and Madgwick's."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -19,6 +19,53 @@ from filters.rotation import (
 )
 
 UP = (0.0, 0.0, 1.0)
+
+
+class FirstOrderGain(NamedTuple):
+    """The gain of a first-order complementary filter.
+
+    Attributes:
+        tau: time constant, s, ``()``: rates count for what is faster, angles for what is slower.
+        angle0: the angle at the start, rad, any shape.
+    """
+
+    tau: Array
+    angle0: Array
+
+
+class AngleSample(NamedTuple):
+    """A rate in rad/s and an angle in rad of the same shape; a NaN angle is missing."""
+
+    rate: Array
+    angle: Array
+
+
+@dataclass(frozen=True)
+class FirstOrder:
+    """One angle, or several apart, from its rate and a measurement of itself.
+
+    a (angle + rate dt) + (1 - a) measured with a = tau / (tau + dt): stable for every tau. A bias
+    of the rate leaves an error of tau times the bias. The mixing filter with K1 = 1/tau and K2 = 0
+    is the same but for terms of dt/tau.
+
+    Attributes:
+        dt: sample time, s.
+    """
+
+    dt: float
+
+    def init(self, params: FirstOrderGain) -> Array:
+        """The start."""
+        return params.angle0
+
+    def step(
+        self, params: FirstOrderGain, state: Array, inputs: AngleSample
+    ) -> tuple[Array, Array]:
+        """Move by the rate, and go a share of the way to what is measured."""
+        ahead = state + inputs.rate * self.dt
+        apart = jnp.where(jnp.isnan(inputs.angle), 0.0, inputs.angle - ahead)
+        angle = ahead + self.dt / (params.tau + self.dt) * apart
+        return angle, angle
 
 
 class MahonyGains(NamedTuple):

@@ -8,6 +8,7 @@ from objectives.attitude import (
     attitude_error,
     masked,
 )
+from objectives.complementary import Complementary, SensorNoise, Transfer
 from objectives.design import (
     decay_rate,
     ise,
@@ -16,6 +17,7 @@ from objectives.design import (
     steady_variance,
 )
 from objectives.history import VarianceRatio
+from objectives.likelihood import InnovationLikelihood
 from objectives.lyapunov import lyapunov, stein
 from objectives.modes import (
     Mode,
@@ -25,6 +27,7 @@ from objectives.modes import (
     without_undriven,
     without_unseen,
 )
+from objectives.phases import AngleRmse
 from objectives.placement import Factors, place
 from objectives.records import Records
 from objectives.riccati import bucy_gain, care, dare, steady_gain, updated
@@ -53,23 +56,28 @@ from objectives.welch import Welch, window
 
 __all__ = [
     "AngleErrors",
+    "AngleRmse",
     "AttitudeError",
     "AttitudeRmse",
+    "Complementary",
     "Crossing",
     "Data",
     "Factors",
     "Fold",
     "Folded",
+    "InnovationLikelihood",
     "Mode",
     "Objective",
     "Reading",
     "Records",
     "Reduction",
+    "SensorNoise",
     "SteadyKalman",
     "StepCost",
     "StepResponse",
     "StepSum",
     "StepTruth",
+    "Transfer",
     "VarianceRatio",
     "Welch",
     "angle_errors",

@@ -41,9 +41,9 @@ def attitude_error(estimate: Array, truth: Array) -> AttitudeError:
     """
     e = multiply(estimate, conjugate(truth))
     w, z = jnp.abs(e[0]), jnp.abs(e[3])
-    tilt, upright = _root(e[1] ** 2 + e[2] ** 2), _root(w**2 + z**2)
+    tilt, upright = root(e[1] ** 2 + e[2] ** 2), root(w**2 + z**2)
     return AttitudeError(
-        total=2 * jnp.arctan2(_root(tilt**2 + z**2), w),
+        total=2 * jnp.arctan2(root(tilt**2 + z**2), w),
         heading=2 * jnp.arctan2(z, w),
         inclination=2 * jnp.arctan2(tilt, upright),
     )
@@ -69,7 +69,7 @@ class AttitudeRmse:
         filled = jnp.where(seen[:, None], truth, jnp.array([1.0, 0.0, 0.0, 0.0]))
         error = getattr(jax.vmap(attitude_error)(outputs, filled), self.part)
         mean = jnp.where(seen, error**2, 0.0).sum() / seen.sum()
-        return jnp.degrees(jnp.where(jnp.isnan(mean), mean, _root(mean)))
+        return jnp.degrees(jnp.where(jnp.isnan(mean), mean, root(mean)))
 
 
 def masked(truth: Array, counts: Array) -> Array:
@@ -104,7 +104,7 @@ def angle_errors(estimates: Array, truth: Array) -> AngleErrors:
     return AngleErrors((kept**2).sum(axis=0) / seen.sum(axis=0), jnp.abs(kept).max(axis=0))
 
 
-def _root(square: Array) -> Array:
-    """A square root with the derivative 0 at 0."""
+def root(square: Array) -> Array:
+    """A square root with the derivative 0 at 0; 0 below it, and NaN of NaN."""
     positive = square > 0
-    return jnp.where(positive, jnp.sqrt(jnp.where(positive, square, 1.0)), 0.0)
+    return jnp.where(positive, jnp.sqrt(jnp.where(positive, square, 1.0)), 0 * square)

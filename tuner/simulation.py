@@ -82,18 +82,22 @@ class Sensor:
         noise: standard deviation of white noise in a sample.
         bias: constant part, ``(3,)``.
         walk: standard deviation that the bias's random walk reaches after one second.
+        turn_on: standard deviation of a further constant part, which each seed draws anew.
     """
 
     noise: float = 0.0
     bias: tuple[float, float, float] = (0.0, 0.0, 0.0)
     walk: float = 0.0
+    turn_on: float = 0.0
 
     def measure(self, truth: np.ndarray, dt: float, seed: int) -> np.ndarray:
         """What is measured of a truth ``(N, 3)``."""
         draw = np.random.default_rng(seed)
         walk = self.walk * np.sqrt(dt) * draw.normal(size=truth.shape).cumsum(axis=0)
         noise = self.noise * draw.normal(size=truth.shape)
-        return np.asarray(truth + np.array(self.bias) + walk + noise)
+        # Drawn last, so that noise and walk of a seed are the same with and without it.
+        start = self.turn_on * draw.normal(size=truth.shape[1:])
+        return np.asarray(truth + np.array(self.bias) + start + walk + noise)
 
 
 def simulate(

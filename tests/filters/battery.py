@@ -10,11 +10,14 @@ import numpy as np
 
 from filters import (
     AccelerometerFilter,
+    AngleSample,
     AnyFilter,
     ConventionalLoop,
     ExtendedKalman,
     ExtendedModel,
     ExtendedSample,
+    FirstOrder,
+    FirstOrderGain,
     FixedGainFilter,
     Flow,
     GainCovariance,
@@ -34,6 +37,9 @@ from filters import (
     MadgwickGain,
     Mahony,
     MahonyGains,
+    MixingFilter,
+    MixingGains,
+    MixingSample,
     Noise,
     RestRule,
     RiccatiCovariance,
@@ -47,6 +53,7 @@ from filters import (
     TiltNoise,
     TiltSample,
     Transition,
+    VelocityNoise,
     loop_step,
     riccati_flow,
     shared,
@@ -223,6 +230,19 @@ def _madgwick(point):
     return MadgwickGain(jnp.exp(point[0]), _TURNED)
 
 
+def _mixing(point):
+    K1, K2, gravity, Q_k, R_k, P0 = jnp.exp(point)
+    x0 = jnp.array([30.0, 1.0, -2.0])
+    noise = VelocityNoise(Q_k, R_k, jnp.asarray(0.8), x0, P0)
+    return MixingGains(K1, K2, gravity, jnp.array([0.1, -0.2]), noise)
+
+
+def _aided(z):
+    """Small forces forward and across, so that every arc sine exists; and an airspeed."""
+    z = jnp.asarray(z) + jnp.array([0.0, 0.0, -1.0, 0.0])
+    return MixingSample(9.81 * z[:, :3], _RATES, 0.3 * (20.0 + z[:, 3]))
+
+
 def _imu(z):
     """Of errors of a level accelerometer, so that a zero is not a force without direction."""
     return ImuSample(9.81 * (jnp.asarray(z) + jnp.array([0.0, 0.0, 1.0])), _RATES)
@@ -274,6 +294,7 @@ _RATES = jnp.asarray(0.5 * _SHAKING.normal(size=(N, 3)))
 _FORCES = 0.3 * _SHAKING.normal(size=(N, 3)) * (np.arange(N) // 3 % 2)[:, None]
 _FORCES += 0.01 * _SHAKING.normal(size=(N, 3))
 _FIELDS = np.hstack([_FORCES, 0.2 * _SHAKING.normal(size=(N, 3))])
+_AIDED = np.hstack([0.3 * _FORCES, _FORCES[:, :1]])
 _SIX = np.hstack([_FORCES + np.array([0.0, 0.0, 1.0]), 0.5 * _SHAKING.normal(size=(N, 3))])
 _TURNED = jnp.array([0.9, 0.3, -0.3, 0.1])
 _TILTED = np.log([1.0, 0.05, 1.0, 0.4, 10.0, 5.0])
@@ -343,6 +364,22 @@ CASES = [
     Case("gravity, adaptive", GravityKalman(0.05), _gravity, _TURNING, _FORCES, _imu),
     Case("Mahony, field", Mahony(0.05), _mahony, np.log([2.0, 0.5]), _FIELDS, _compass),
     Case("Madgwick, field", Madgwick(0.05), _madgwick, np.log([0.4]), _FIELDS, _compass),
+    Case(
+        "first order, two angles",
+        FirstOrder(0.1),
+        lambda point: FirstOrderGain(jnp.exp(point[0]), point[1:]),
+        np.array([-1.0, 0.1, 0.2]),
+        _TWO,
+        lambda z: AngleSample(0.3 * _PUSH, jnp.asarray(z)),
+    ),
+    Case(
+        "mixing, velocity",
+        MixingFilter(0.05, "velocity"),
+        _mixing,
+        np.log([0.8, 0.3, 9.81, 0.2, 4.0, 2.0]),
+        _AIDED,
+        _aided,
+    ),
     Case(
         "room",
         RoomKalman(0.05, RestRule(seconds=0.3)),

@@ -220,3 +220,15 @@ def test_pitch_near_the_vertical():
 def test_swing_that_is_no_number():
     with pytest.raises(ValueError, match="swing"):
         simulate(seconds=5.0, dt=0.1, seed=0, swing=Swing(size=(0.1, np.nan, 0.1)))
+
+
+def test_turn_on_bias_is_drawn_anew_and_changes_nothing_else():
+    still, draws = np.zeros((3, 3)), []
+    for seed in range(500):
+        plain = Sensor(noise=0.1, walk=0.3).measure(still, 0.1, seed)
+        found = Sensor(noise=0.1, walk=0.3, turn_on=2.0).measure(still, 0.1, seed) - plain
+        # the same in every sample, but for the rounding of a sum near 1
+        np.testing.assert_allclose(found, np.tile(found[0], (3, 1)), rtol=0, atol=1e-14)
+        draws.append(found[0])
+    # 1500 normal numbers: their deviation is known to 1.8 %
+    assert np.std(draws) == pytest.approx(2.0, rel=0.06)

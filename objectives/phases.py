@@ -1,0 +1,61 @@
+"""Errors of angles over a whole record or a phase of it."""
+
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import jax.numpy as jnp
+from jax import Array
+
+from objectives.attitude import root
+
+
+class HasAngles(Protocol):
+    """Outputs of a filter for roll and pitch."""
+
+    @property
+    def angles(self) -> Array:
+        """Rad, ``(..., k)``."""
+        ...
+
+
+class Squares(NamedTuple):
+    """A sum of squares, rad^2, and of how many samples."""
+
+    total: Array
+    samples: Array
+
+
+@dataclass(frozen=True)
+class AngleRmse:
+    """Root of the mean square error of k angles together, deg: their squares are added.
+
+    The truth is ``(N, k)``, or has the records in between, which then count as one long record;
+    :class:`Records` takes the mean of the single records instead. Samples whose truth is NaN do not
+    count: so a phase is scored (:func:`masked`). It sums in the time loop, and keeps nothing.
+    """
+
+    def init(self) -> Squares:
+        """Nothing yet."""
+        return Squares(jnp.zeros(()), jnp.zeros(()))
+
+    def update(self, total: Squares, output: HasAngles, truth: Array) -> tuple[Squares, None]:
+        """Add one sample."""
+        squares, count = _squares(output.angles, truth)
+        return Squares(total.total + squares, total.samples + count), None
+
+    def value(self, total: Squares, kept: None) -> Array:
+        """The root of the mean, ``()``; NaN where nothing counts."""
+        mean = total.total / total.samples
+        return jnp.degrees(jnp.where(jnp.isnan(mean), mean, root(mean)))
+
+    def __call__(self, outputs: HasAngles, truth: Array) -> Array:
+        """The same of stacked outputs."""
+        return self.value(Squares(*_squares(outputs.angles, truth)), None)
+
+
+def _squares(angles: Array, truth: Array) -> tuple[Array, Array]:
+    missing = jnp.isnan(truth).any(axis=-1, keepdims=True)
+    # Masked before it is squared: a NaN would reach the derivative.
+    error = jnp.where(missing, 0.0, angles - jnp.where(missing, 0.0, truth))
+    seen = jnp.broadcast_to(~missing[..., 0], error.shape[:-1])
+    return (error**2).sum(), seen.sum().astype(error.dtype)

@@ -1,0 +1,56 @@
+"""What no filter could make sense of: no attitude in flight, or a switch that never switches."""
+
+import numpy as np
+
+from studies.you_lee.cases import Bench, Flown
+from studies.you_lee.flight import Trajectory
+from studies.you_lee.settings import GRAVITY, Settings
+
+
+def refuse(bench: Bench, rates: np.ndarray) -> None:
+    """Refuse settings on which results would mean nothing.
+
+    Args:
+        bench: the flights.
+        rates: what the gyroscopes show, ``(N, k, 3)``.
+
+    Raises:
+        ValueError: where an accelerometer attitude does not exist on the true flight, or the
+            velocity filter's switch never or always fires.
+    """
+    for name, flight in bench.flights.items():
+        _attitude(bench.settings, name, flight)
+    _switch(bench.settings.threshold, np.linalg.norm(rates, axis=2))
+
+
+def _attitude(settings: Settings, name: Trajectory, flight: Flown) -> None:
+    """(10) and (14) take arc sines of what exact sensors show."""
+    force, velocity = np.asarray(flight.sensed.force), np.asarray(flight.sensed.velocity)
+    p, q, r = np.asarray(flight.sensed.rate).T
+    for equation, share in (("(10)", 0.0), ("(14)", 1.0)):
+        u, v, w = velocity[:, 0], share * velocity[:, 1], share * velocity[:, 2]
+        along = (force[:, 0] + r * v - q * w) / GRAVITY
+        level = np.sqrt(np.clip(1 - along**2, 1e-12, None))
+        across = (r * u - p * w - force[:, 1]) / (GRAVITY * level)
+        both = np.maximum(np.abs(along), np.abs(across))
+        if not both.max() < 1:
+            t = settings.dt * (int(np.argmax(both >= 1)) + 0.5)
+            raise ValueError(
+                f"on {name} {equation} would take the arc sine of {both.max():.3g} (from t = "
+                f"{t:.4g} s on), so the accelerometers give no attitude; give a smaller bank or "
+                "tilt"
+            )
+
+
+def _switch(threshold: float, size: np.ndarray) -> None:
+    """The length of the measured rates, ``(N, k)``, has to pass the threshold in every run."""
+    low, high = size.min(axis=0), size.max(axis=0)
+    shown = f"the gyroscopes show {low.min():.3g} to {high.max():.3g} rad/s on this flight"
+    if (high <= threshold).any():
+        raise ValueError(
+            f"a switch at {threshold:g} rad/s never fires: {shown}; give a lower threshold"
+        )
+    if (low > threshold).any():
+        raise ValueError(
+            f"a switch at {threshold:g} rad/s always fires: {shown}; give a higher threshold"
+        )

@@ -1,0 +1,152 @@
+"""Figures 3 to 5 with bands over runs, the three flights, and sweeps."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from studies.you_lee.cases import CHUNK, Bench, Case, Spread
+from studies.you_lee.flight import TRAJECTORIES
+from studies.you_lee.tuning import problems, tuned_case
+from tuner.figure import Chart, Figure, Line, Map
+from tuner.study import Solutions, best
+from tuner.surface import grid
+
+ANGLES = ("roll", "pitch")
+BANDS = (5, 50, 95)
+"""Shares of the runs below a curve, %."""
+
+
+def figures(bench: Bench, solutions: Solutions) -> Iterator[Figure]:
+    """All of them."""
+    name = bench.settings.trajectory
+    gyro, plain = Case(name, "none"), Case(name, "airspeed")
+    zero, true = Case(name, "velocity"), Case(name, "velocity", "true")
+    bench.spreads([gyro, plain, zero, true])
+    yield from _bands(bench, "fig3", "Fig. 3: gyroscopes alone", {"": gyro})
+    yield from _bands(bench, "fig4", "Fig. 4: with (10)", {"": plain})
+    starts = {", v = w = 0": zero, ", true v, w": true}
+    yield from _bands(bench, "fig5", "Fig. 5: with the velocity filter", starts)
+    yield _flights(bench)
+    yield _by_tau(bench, solutions)
+    yield _by_process_noise(bench)
+    yield _by_threshold(bench)
+    yield _surface(bench, solutions)
+
+
+def _bands(bench: Bench, name: str, title: str, cases: dict[str, Case]) -> Iterator[Chart]:
+    for at, angle in enumerate(ANGLES):
+        lines = []
+        for label, case in cases.items():
+            found = bench.spread(case)
+            curves = np.percentile(found.shown[..., at], BANDS, axis=1)
+            lines += [
+                Line(f"{share} %{label}", found.t, y)
+                for share, y in zip(BANDS, curves, strict=True)
+            ]
+        words = f"{title}: {angle} error of {bench.settings.runs} runs, {case.trajectory}"
+        yield Chart(f"{name}_{angle}", words, "t, s", f"{angle} error, deg", tuple(lines))
+
+
+def _flights(bench: Bench) -> Chart:
+    """Root mean square over runs of the roll error, in and before the turn."""
+    lines = []
+    for name in TRAJECTORIES:
+        for label, case in (("(10)", Case(name, "airspeed")), ("KF", Case(name, "velocity"))):
+            lines.append(_rms(bench.spread(case), f"{name}, {label}", bench.settings.level))
+    lines.append(
+        _rms(
+            bench.spread(Case("T1", "velocity", "true")), "T1, KF, true start", bench.settings.level
+        )
+    )
+    title = "The velocity filter on three flights: roll error over all runs"
+    return Chart("flights", title, "t, s", "root mean square roll error, deg", tuple(lines))
+
+
+def _rms(found: Spread, label: str, level: float) -> Line:
+    seen = found.t > 0.9 * level
+    return Line(label, found.t[seen], np.sqrt((found.shown[seen, :, 0] ** 2).mean(axis=1)))
+
+
+def _by_tau(bench: Bench, solutions: Solutions) -> Chart:
+    """The error by phases over tau of (15)."""
+    settings, found = bench.settings, best("damped", solutions)
+    tau = np.geomspace(2.0, 300.0, 2 * settings.grid - 1)
+    cases = [_damped(bench, value) for value in tau]
+    spreads = bench.spreads(cases, CHUNK)
+    level = [float(np.hypot(*each.level_rms)) for each in spreads]
+    turn, whole = ([getattr(each, key) for each in spreads] for key in ("turn_rms", "whole_rms"))
+    value = float(found.parameters["tau"].value)
+    there = bench.spread(_damped(bench, value), CHUNK).whole_rms
+    return Chart(
+        name="sweep_tau",
+        title="Level flight alone wants the shortest tau; the turn a long one",
+        x_label="tau of (15), s",
+        y_label="root mean square error, deg",
+        lines=(
+            Line("whole flight", tau, np.array(whole)),
+            Line("level flight", tau, np.array(level)),
+            Line("turn", tau, np.array(turn)),
+            Line(f"tuned on other runs, tau = {value:.3g} s", np.array([value]), np.array([there])),
+        ),
+        log="xy",
+    )
+
+
+def _damped(bench: Bench, tau: float) -> Case:
+    values = (("K1", 2 / tau), ("K2", 1 / (2 * tau)))
+    return Case(bench.settings.trajectory, "airspeed", values=values)
+
+
+def _by_process_noise(bench: Bench) -> Chart:
+    Q_k = np.geomspace(1e-11, 1e3, bench.settings.grid)
+    title = "Q_k of the velocity filter from v = w = 0, T1: flat about the published value"
+    chart = _sweep(bench, "Q_k", Q_k, bench.settings.Q_k, title)
+    return Chart("sweep_Q_k", title, "Q_k, (ft/s)^2", chart.y_label, chart.lines, log="x")
+
+
+def _by_threshold(bench: Bench) -> Chart:
+    """From about what biases show in level flight to most of the largest rate."""
+    peak = float(np.linalg.norm(np.asarray(bench.flights["T1"].sensed.rate), axis=1).max())
+    low = min(2e-4, bench.settings.threshold)
+    thresholds = np.geomspace(low, 0.95 * peak, bench.settings.grid)
+    title = "The switch of the velocity filter from v = w = 0, T1"
+    chart = _sweep(bench, "threshold", thresholds, bench.settings.threshold, title)
+    return Chart("sweep_threshold", title, "threshold, rad/s", chart.y_label, chart.lines, log="x")
+
+
+def _sweep(bench: Bench, name: str, x: np.ndarray, published: float, title: str) -> Chart:
+    cases = [Case("T1", "velocity", values=((name, float(value)),)) for value in x]
+    spreads = bench.spreads([*cases, Case("T1", "velocity")], CHUNK)
+    peaks = np.array([each.turn_maximum for each in spreads])
+    lines = [Line(f"largest {a} error in the turn", x, peaks[:-1, i]) for i, a in enumerate(ANGLES)]
+    whole = np.array([each.whole_rms for each in spreads])
+    lines.append(Line("root mean square of both, whole flight", x, whole[:-1]))
+    if published > 0:
+        lines.append(Line(f"published {name}", np.array([published]), peaks[-1:, 0]))
+    return Chart(name, title, name, "error, mean over runs, deg", tuple(lines))
+
+
+def _surface(bench: Bench, solutions: Solutions) -> Map:
+    """The score over both gains, on the runs that are tuned on."""
+    settings, problem = bench.settings, problems(bench)["free"]
+    K1 = np.geomspace(5e-3, 0.2, settings.grid)
+    K2 = np.geomspace(2e-3, 0.2, settings.grid)
+    z = grid(problem, {"K1": K1, "K2": K2})
+    case = dict(tuned_case(settings, best("free", solutions)).values)
+    damped = K1 / 4
+    inside = (damped >= K2[0]) & (damped <= K2[-1])
+    return Map(
+        name="surface_gains",
+        title=f"Roll and pitch together with (10) on {settings.trajectory}: the score over gains",
+        x_label="log10 K1, 1/s",
+        y_label="log10 K2, 1/s",
+        z_label="log10 of the root mean square error, deg",
+        x=np.log10(K1),
+        y=np.log10(K2),
+        z=np.log10(z),
+        marks=(
+            Line("(15): K2 = K1/4", np.log10(K1[inside]), np.log10(damped[inside])),
+            Line("published", np.log10([settings.K1]), np.log10([settings.K2])),
+            Line("tuned", np.log10([case["K1"]]), np.log10([case["K2"]])),
+        ),
+    )

@@ -1,0 +1,82 @@
+"""What can be set: the flight, the sensors of table 1, the filter, and the effort."""
+
+from typing import Literal, get_args
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from studies.you_lee.flight import Course, Trajectory
+
+GRAVITY = 32.17404
+"""Ft/s^2."""
+HELD_OUT = 1000
+"""Seeds of the Monte Carlo runs lie this far above those that are tuned on."""
+
+Start = Literal["zero", "true"]
+STARTS: tuple[Start, ...] = get_args(Start)
+
+
+class Settings(BaseModel):
+    """The flight, the sensors (table 1), the filter as published, and how hard it is tuned."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    trajectory: Trajectory = Field("T1", description="what is tuned on: T0, T1 or T2")
+    start: Start = Field("zero", description="v, w that the velocity filter starts from")
+    K1: float = Field(0.08, gt=0, description="published gain, 1/s")
+    K2: float = Field(0.0125, gt=0, description="published gain, 1/s")
+    Q_k: float = Field(2e-9, ge=0, description="velocity filter: process variance, (ft/s)^2")
+    R_k: float = Field(100.0, gt=0, description="velocity filter: airspeed variance, (ft/s)^2")
+    P0: float = Field(0.0, ge=0, description="velocity filter: variance at the start, (ft/s)^2")
+    threshold: float = Field(2.5e-3, gt=0, description="velocity filter runs above it, rad/s")
+    speed: float = Field(500.0, gt=0, description="ft/s")
+    bank: float = Field(28.5659947, gt=0, lt=90, description="largest bank, deg; turns by 90 deg")
+    tilt: float = Field(3.0, ge=0, lt=90, description="angle of attack (T1), slip (T2), deg")
+    level: float = Field(250.0, ge=1, le=3600, description="straight flight, s")
+    turn: float = Field(50.0, ge=1, le=3600, description="bank turn, s")
+    ramp: float = Field(5.0, gt=0, description="time to bank and to come back, s")
+    rate_hz: float = Field(100.0, gt=0, le=1000, description="of all sensors")
+    gyro_bias: float = Field(50.0, ge=0, description="deviation at the start, deg/h")
+    gyro_walk: float = Field(10.0, ge=0, description="what the bias walks in an hour, deg/h")
+    acc_bias: float = Field(140.0, ge=0, description="deviation at the start, ug")
+    acc_walk: float = Field(35.0, ge=0, description="what the bias walks in an hour, ug")
+    airspeed_noise: float = Field(1.0, ge=0, description="deviation of a sample, ft/s")
+    runs: int = Field(100, ge=1, le=1000, description="Monte Carlo runs; they judge the tuning")
+    train: int = Field(20, ge=1, le=HELD_OUT, description="other runs that are tuned on")
+    starts: int = Field(4, ge=1, description="starts of each search, the same for every problem")
+    grid: int = Field(13, ge=2, le=101, description="points of the sweeps and along the surface")
+    zeta_low: float | None = Field(None, gt=0, description="least damping, (15) has 1")
+    zeta_high: float | None = Field(None, gt=0, description="largest damping")
+
+    @model_validator(mode="after")
+    def _fits(self) -> "Settings":
+        if 2 * self.ramp > self.turn:
+            raise ValueError(
+                f"banking and coming back take {2 * self.ramp:g} s of a turn of {self.turn:g} s; "
+                "give a shorter ramp"
+            )
+        if min(self.level, self.ramp) * self.rate_hz < 1:
+            raise ValueError(
+                f"at rate_hz = {self.rate_hz:g} there is no sample in a phase of the flight; give "
+                "a higher rate"
+            )
+        low, high = self.zeta_low, self.zeta_high
+        if low is not None and high is not None and low >= high:
+            raise ValueError("zeta_low must be below zeta_high; the problem 'damped' has zeta = 1")
+        return self
+
+    @property
+    def dt(self) -> float:
+        """Sample time, s."""
+        return 1 / self.rate_hz
+
+    @property
+    def course(self) -> Course:
+        """What is flown, rad."""
+        bank, tilt = float(np.radians(self.bank)), float(np.radians(self.tilt))
+        return Course(self.speed, bank, tilt, self.level, self.turn, self.ramp, GRAVITY)
+
+    @property
+    def samples(self) -> int:
+        """Of one run."""
+        return round((self.level + self.turn) * self.rate_hz)

@@ -1,0 +1,359 @@
+"""The study of You and Lee: its flights and sensors, its rows, and what it refuses."""
+
+from dataclasses import replace
+from functools import cache
+from types import SimpleNamespace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from filters import MixingFilter
+from studies import you_lee
+from studies.you_lee import cases, checks, rows
+from studies.you_lee.cases import Bench, Case, errors_of, gains, judged
+from studies.you_lee.figures import figures
+from studies.you_lee.flight import TRAJECTORIES, motion, rate_and_slope
+from studies.you_lee.settings import Settings
+from studies.you_lee.tuning import spaces, tuned_case, with_gains
+from tests import oracles_you_lee as oracle
+from tuner.cli import invoke
+from tuner.comparison import Verdict
+from tuner.drawing import table
+
+SHORT = Settings(level=20.0, turn=20.0, ramp=5.0, rate_hz=20.0, runs=3, train=2, starts=1, grid=3)
+QUICK = {"xla_backend_optimization_level": 0}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def quick():
+    """Without the compiler's optimisation, which changes no formula and takes most of the time."""
+    with pytest.MonkeyPatch.context() as patch:
+        function = cases._errors.__wrapped__
+        compiled = jax.jit(function, static_argnums=0, compiler_options=QUICK)
+        patch.setattr(cases, "_errors", compiled)
+        yield
+
+
+@cache
+def whole():
+    """The paper's flight of 300 s, one run of few samples."""
+    return Bench(Settings(runs=1, rate_hz=10.0), 0)
+
+
+@cache
+def bench():
+    return Bench(SHORT, 0)
+
+
+def solution(name, **values):
+    """What a solver would have found."""
+    found = {key: SimpleNamespace(value=np.array(value)) for key, value in values.items()}
+    return SimpleNamespace(
+        problem=name, value=0.4, parameters=found, status=SimpleNamespace(trusted=True)
+    )
+
+
+SOLUTIONS = {
+    ("damped", "l-bfgs-b"): solution("damped", tau=50.0),
+    ("free", "l-bfgs-b"): solution("free", K1=0.025, K2=0.028),
+    ("velocity", "l-bfgs-b"): solution("velocity", K1=0.03, K2=0.03, Q_k=10.0),
+}
+
+
+# ----------------------------------------------------------------------------- flights, sensors
+
+
+@pytest.mark.parametrize("name", TRAJECTORIES)
+def test_flights_are_the_textbooks(name):
+    t = np.linspace(0.0, 300.0, 6001)  # as many as `whole` has: each length is a compilation
+    found, true = motion(name, Settings().course, jnp.asarray(t)), oracle.motion(name, t)
+    angles = np.stack([true.phi, true.theta], axis=1)
+    # a few roundings of angles, rates (rad/s), forces and speeds (ft/s)
+    for ours, theirs, size in zip(
+        found, (angles, true.omega, true.force, true.velocity), (1, 0.1, 40, 500), strict=True
+    ):
+        np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-15 * size)
+
+
+@pytest.mark.parametrize("name", TRAJECTORIES)
+def test_determinant_of_13(name):
+    t = np.linspace(250.0, 300.0, 499)  # as many as the row takes
+    rate, slope = rate_and_slope(name, Settings().course, jnp.asarray(t))
+    near = [oracle.motion(name, t + sign * 1e-4).omega for sign in (1, -1)]
+    # Central differences over 2e-4 s; at the ramps' ends the angular acceleration jumps.
+    smooth = np.abs((t - 250.0)[:, None] - [0.0, 5.0, 45.0, 50.0]).min(axis=1) > 1e-3
+    np.testing.assert_allclose(slope[smooth], ((near[0] - near[1]) / 2e-4)[smooth], atol=1e-7)
+    for omega, domega in zip(
+        np.asarray(rate)[10:-10:40], np.asarray(slope)[10:-10:40], strict=True
+    ):
+        whole_matrix = np.linalg.det(oracle.observability(omega, domega))
+        formula = oracle.observability_determinant(omega, domega)
+        assert whole_matrix == pytest.approx(formula, abs=1e-15)
+        assert name != "T0" or abs(formula) < 1e-17
+    assert np.abs(slope).max() > 0.01
+
+
+def test_sensors_have_the_errors_of_table_1():
+    """At the start and in what they walk: 400 runs of a few samples."""
+    settings = Settings(level=1.0, turn=1.0, ramp=0.2, rate_hz=5.0)
+    errors = cases.sensor_errors(settings, range(400))
+    hour = oracle.GYR_DENSITY * settings.dt
+    for found, sigma, density in (
+        (errors.rate, oracle.GYR_BIAS, hour),
+        (errors.force, oracle.ACC_BIAS, oracle.ACC_DENSITY * settings.dt),
+    ):
+        # 1200 and 10800 normal numbers: 5 deviations of their deviation
+        assert found[0].std() == pytest.approx(sigma, rel=5 / np.sqrt(2400))
+        assert np.diff(found, axis=0).std() == pytest.approx(np.sqrt(density), rel=0.035)
+    assert errors.airspeed.std() == pytest.approx(1.0, rel=5 / np.sqrt(8000))
+    streams = [errors.rate[0, :, 0], errors.rate[0, :, 1], errors.force[0, :, 0]]
+    assert np.abs(np.corrcoef(streams) - np.eye(3)).max() < 5 / np.sqrt(400)
+
+
+def test_runs_follow_their_seeds():
+    again = [cases.sensor_errors(SHORT, seeds) for seeds in (range(3), range(1, 3))]
+    for one, other in zip(*again, strict=True):
+        np.testing.assert_array_equal(one[:, 1:], other)
+        assert not np.array_equal(one[:, 0], one[:, 1])
+
+
+def test_monte_carlo_is_the_textbooks(monkeypatch):
+    """The same sensors through the plain loop: every number that rows are made of."""
+    N, settings = SHORT.samples, SHORT
+    for name, value in (("N", N), ("T", SHORT.dt), ("LEVEL", 20.0), ("TURN", 20.0), ("RAMP", 5.0)):
+        monkeypatch.setattr(oracle, name, value)
+    flight = bench().flights["T1"]
+    errors = cases.sensor_errors(settings, range(1000, 1003))
+    inputs = cases.measured(flight, errors)
+    sensors = oracle.Sensors(*(np.asarray(part) for part in (inputs[1], inputs[0], inputs[2])))
+    true = oracle.truth("T1")
+    np.testing.assert_allclose(flight.truth[:, 0], true.phi[1:], atol=1e-15)
+    found = bench().spread(Case("T1", "velocity", "true"))
+    roll, pitch = oracle.errors(oracle.run(sensors, true, "kf", velocity="true"), true)
+    both = np.stack([roll, pitch], axis=-1)
+    np.testing.assert_allclose(found.turn_peak, np.abs(both[401:]).max(axis=0), rtol=1e-9)
+    np.testing.assert_allclose(found.level_peak, np.abs(both[:401]).max(axis=0), rtol=1e-9)
+    since = np.sqrt((both[80:401] ** 2).mean(axis=(0, 1)))
+    np.testing.assert_allclose(found.level_rms, since, rtol=1e-9)
+    # the start, where the error is 0, counts there and not here
+    every = oracle.whole_rms(roll, pitch) * np.sqrt((N + 1) / N)
+    assert found.whole_rms == pytest.approx(every, rel=1e-9)
+    np.testing.assert_allclose(found.shown[-1], both[-1], rtol=1e-9)
+
+
+def test_chunks_do_not_matter(monkeypatch):
+    case = Case("T1", "airspeed")
+    whole_spread = bench().spread(case)
+    monkeypatch.setattr(cases, "CHUNK", 2)
+    parts = Bench(SHORT, 0).spread(case)
+    for name, value in vars(whole_spread).items():
+        np.testing.assert_allclose(getattr(parts, name), value, rtol=1e-10)
+
+
+# ---------------------------------------------------------------------------------------- rows
+
+
+@cache
+def found_rows():
+    return {row.quantity: row for row in rows.compare(whole(), SOLUTIONS)}
+
+
+NAMES = [
+    "gains.tau_from_K1",
+    "gains.tau_from_K2",
+    "gains.tau_consistent",
+    "gains.damping",
+    "level.error_below_1deg",
+    "turn.error_large_eq10",
+    "turn.reduced_by_kf_T1_zero_start",
+    "turn.reduced_by_kf_T1_true_start",
+    "turn.reduced_by_kf_T0",
+    "turn.reduced_by_kf_T2",
+    "Qk.identifiable",
+    "level.roll_floor_deg",
+    "observability.det_theta0",
+    "tuned.damped_over_published",
+    "tuned.free_over_published",
+    "tuned.velocity_over_published",
+]
+VERDICTS = {
+    "gains.tau_consistent": Verdict.INCONSISTENT,
+    "gains.damping": Verdict.INCONSISTENT,
+    "level.error_below_1deg": Verdict.HOLDS,
+    "turn.error_large_eq10": Verdict.HOLDS,
+    "turn.reduced_by_kf_T1_zero_start": Verdict.FAILS,
+    "turn.reduced_by_kf_T0": Verdict.FAILS,
+    "turn.reduced_by_kf_T2": Verdict.FAILS,
+    "Qk.identifiable": Verdict.NOT_IDENTIFIABLE,
+    "level.roll_floor_deg": Verdict.MATCH,
+    "observability.det_theta0": Verdict.FAILS,
+    "tuned.free_over_published": Verdict.HOLDS,
+}
+
+
+def test_every_row_is_there_with_its_verdict():
+    assert list(found_rows()) == NAMES
+    assert {name: found_rows()[name].verdict for name in VERDICTS} == VERDICTS
+    for row in found_rows().values():
+        assert row.note
+        assert row.ours is not None or row.verdict is Verdict.NOT_IDENTIFIABLE
+
+
+def test_the_gains_are_15s_two_ways():
+    tau1, tau2, tau12, zeta, _ = oracle.time_constants(oracle.K1, oracle.K2)
+    row = found_rows()
+    assert row["gains.tau_from_K1"].ours == pytest.approx(tau1)
+    assert row["gains.tau_from_K2"].ours == pytest.approx(tau2)
+    assert row["gains.damping"].ours == pytest.approx(zeta, rel=1e-14)
+    assert f"{tau12:.4g} s" in row["gains.tau_consistent"].note
+
+
+def test_gains_that_agree_are_no_contradiction():
+    verdicts = {row.verdict for row in rows._gains(Settings(K1=0.05))}
+    assert verdicts == {Verdict.MATCH}
+
+
+def test_the_floor_is_the_formula():
+    row = found_rows()["level.roll_floor_deg"]
+    u = oracle.V * np.cos(oracle.TILT)
+    assert row.paper == pytest.approx(oracle.level_floor(oracle.GYR_BIAS, u), rel=1e-12)
+    assert f"{row.paper:.4f}" == f"0{oracle.LEVEL_FLOOR}"
+
+
+def with_spreads(of, settings=SHORT):
+    """A bench whose Monte Carlo results are made up: ``of(case)`` scales one spread."""
+    plain = judged(settings, np.ones((settings.samples, 3, 2)))
+
+    class Made(Bench):
+        def spreads(self, cases, runs=None):
+            return [
+                replace(plain, **{k: of(case) * getattr(plain, k) for k in ("turn_peak", "whole")})
+                for case in cases
+            ]
+
+    return Made(settings, 0)
+
+
+def test_verdicts_follow_the_numbers():
+    """Where the filters did otherwise, every verdict would be another."""
+    aided = with_spreads(lambda case: 0.4 if case.aid == "velocity" else 1.0)
+    for each in rows.REDUCED:
+        assert rows._reduced(aided, *each).verdict is Verdict.HOLDS
+    assert rows._large(aided).verdict is Verdict.FAILS
+    assert rows._level(aided).verdict is Verdict.FAILS
+    sharp = with_spreads(lambda case: 1 + abs(np.log10(dict(case.values)["Q_k"] + 1e-12) + 8.7))
+    assert rows._process_noise(sharp).verdict is Verdict.MATCH
+    other = with_spreads(lambda case: 1 + 1e7 * dict(case.values)["Q_k"])
+    assert rows._process_noise(other).verdict is Verdict.DIFFERS
+    worse = with_spreads(lambda case: 2.0 if case.values else 1.0)
+    assert rows._tuned(worse, "free", SOLUTIONS).verdict is Verdict.FAILS
+
+
+def test_parameters_by_other_names_are_both_gains():
+    found = with_gains({"omega": jnp.array(0.02), "zeta": jnp.array(0.5), "Q_k": jnp.array(1.0)})
+    assert {k: float(v) for k, v in found.items()} == {"Q_k": 1.0, "K1": 0.02, "K2": 0.02}
+    case = tuned_case(SHORT, SOLUTIONS["damped", "l-bfgs-b"])
+    assert dict(case.values) == pytest.approx({"K1": 0.04, "K2": 0.01})
+
+
+def test_the_damping_can_be_limited():
+    space = spaces(Settings(zeta_low=0.7, zeta_high=1.0))["limited"]
+    assert space.names == ("omega", "zeta")
+    assert space.limited().tolist() == [False, True]
+    assert list(space.box()[0][1:]) == [0.7]
+    assert list(space.box()[1][1:]) == [1.0]
+    assert "limited" not in spaces(Settings())
+
+
+def test_figures_have_their_names_and_numbers():
+    made = {figure.name: figure for figure in figures(bench(), SOLUTIONS)}
+    bands = [f"fig{i}_{angle}" for i in (3, 4, 5) for angle in ("roll", "pitch")]
+    sweeps = ["sweep_tau", "sweep_Q_k", "sweep_threshold", "surface_gains"]
+    assert list(made) == [*bands, "flights", *sweeps]
+    for figure in made.values():
+        assert b"nan" not in table(figure)
+    assert len(made["fig5_roll"].lines) == 6
+
+
+# ------------------------------------------------------------------------------------ refusing
+
+
+REFUSED = {
+    "speed": ({"speed": 0.0}, "greater than 0"),
+    "bank": ({"bank": 90.0}, "less than 90"),
+    "rate": ({"rate_hz": 0.0}, "greater than 0"),
+    "gain": ({"K1": 0.0}, "greater than 0"),
+    "infinite": ({"speed": np.inf}, "finite"),
+    "ramp": ({"ramp": 26.0}, "banking and coming back take 52 s of a turn of 50 s"),
+    "no samples": ({"rate_hz": 0.1}, "no sample in a phase of the flight; give a higher rate"),
+    "damping": ({"zeta_low": 1.0, "zeta_high": 0.5}, "zeta_low must be below zeta_high"),
+    "name": ({"mach": 1.0}, "mach"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_settings_that_mean_nothing_are_refused(case):
+    changed, sentence = REFUSED[case]
+    with pytest.raises(ValidationError, match=sentence):
+        Settings(**changed)
+
+
+@pytest.mark.parametrize(
+    ("changed", "sentence"),
+    [
+        ({"bank": 80.0}, r"on T1 \(10\) would take the arc sine of .* give a smaller bank or tilt"),
+        ({"threshold": 0.5}, "0.5 rad/s never fires: the gyroscopes show .* a lower threshold"),
+        ({"threshold": 1e-9}, "1e-09 rad/s always fires: the gyroscopes show .* higher threshold"),
+    ],
+)
+def test_flights_that_mean_nothing_are_refused(changed, sentence):
+    flown = Bench(SHORT.model_copy(update=changed), 0)
+    with pytest.raises(ValueError, match=sentence):
+        checks.refuse(flown, np.asarray(flown.train()[0].rate))
+
+
+@pytest.mark.parametrize("word", ["speed=0", "threshold=0.5"])
+def test_the_command_line_says_so_in_one_line(word, tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    small = ["level=20", "turn=20", "ramp=5", "rate_hz=20", "train=1", "runs=1"]
+    sets = [part for each in (*small, word) for part in ("--set", each)]
+    assert invoke(["run", "you_lee", *sets, "--out", "run"]) == 2
+    said = capfd.readouterr()
+    assert said.out == ""
+    assert said.err.startswith("tuner: ")
+    assert said.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_run_can_be_planned(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    small = ["level=20", "turn=20", "ramp=5", "rate_hz=20", "train=1", "runs=1", "zeta_low=0.8"]
+    sets = [part for each in small for part in ("--set", each)]
+    assert invoke(["run", "you_lee", *sets, "--dry-run"]) == 0
+    said = capfd.readouterr().out
+    for problem in ("damped", "free", "limited", "velocity"):
+        assert problem in said
+
+
+def test_what_is_exported_besides_the_parameters():
+    found = solution("velocity", K1=0.03, K2=0.03, Q_k=10.0)
+    found.derived = {"K1": 0.03, "K2": 0.03, "damping": 0.5, "natural_frequency": 0.03}
+    names = [quantity.name for quantity in you_lee._quantities(SHORT, found)]
+    assert names == ["damping", "natural_frequency", "R_k", "threshold"]
+    damped = solution("damped", tau=50.0)
+    damped.derived = found.derived
+    names = [quantity.name for quantity in you_lee._quantities(SHORT, damped)]
+    assert names == ["K1", "K2", "damping", "natural_frequency"]
+
+
+def test_errors_are_finite_in_a_steep_bank():
+    steep = Bench(SHORT.model_copy(update={"bank": 55.0}), 0)
+    checks.refuse(steep, np.asarray(steep.train()[0].rate))
+    flight = steep.flights["T1"]
+    for aid in ("airspeed", "velocity"):
+        params = gains(steep.settings, flight, "zero", {})
+        errors = errors_of(MixingFilter(SHORT.dt, aid), params, steep.train()[0], flight.truth)
+        assert np.isfinite(errors).all()
