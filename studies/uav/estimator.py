@@ -1,0 +1,146 @@
+"""The filter that flights are estimated by, what is free in it, and the problems it is tuned in."""
+
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from scipy.spatial.transform import Rotation
+
+from filters import Estimate, linearised
+from filters.euler_aided import (
+    EulerKalman,
+    EulerNoise,
+    EulerOutputs,
+    EulerSample,
+    EulerState,
+    euler_angles,
+    wrapped,
+)
+from filters.residual_noise import ResidualNoise
+from objectives import Data, InnovationLikelihood
+from studies.uav.flights import Flight
+from tuner.parameters import Positive
+from tuner.problem import Problem
+from tuner.space import Space
+
+Angle = Literal["phi", "theta", "psi"]
+Tuned = Literal["constant", "fuzzy"]
+ANGLES: tuple[Angle, ...] = get_args(Angle)
+LAWS: tuple[Tuned, ...] = get_args(Tuned)
+STATES = (*(f"q{i}" for i in range(4)), *(f"bias_{axis}" for axis in "xyz"))
+VARIANCE0 = (*4 * (0.05,), *3 * (1e-3,))
+"""Diagonal of P at the start: half a radian of attitude, 0.03 rad/s of bias."""
+PROCESS = {"constant": "Q", "fuzzy": "floor"}
+"""What a law's free numbers are called: the noise itself, or the least that it may be."""
+UNITS = {"quaternion": "1/s", "bias": "rad^2/s^3"}
+
+
+@dataclass(frozen=True)
+class Innovating:
+    """A :class:`EulerKalman` that puts out its innovations taken one after another.
+
+    Its own innovations are of all three angles at once while its variances belong to angles taken
+    in turn; a likelihood needs both of one kind.
+
+    Attributes:
+        filter: the filter.
+    """
+
+    filter: EulerKalman
+
+    def init(self, params: EulerNoise) -> EulerState:
+        """The filter's start."""
+        return self.filter.init(params)
+
+    def step(
+        self, params: EulerNoise, state: EulerState, inputs: EulerSample
+    ) -> tuple[EulerState, EulerOutputs]:
+        """The filter's step; what both steps share is worked out once by the compiler."""
+        unseen = inputs._replace(z=jnp.full(3, jnp.nan))
+        ahead = self.filter.step(params, state, unseen)[1]
+        H = jax.jacfwd(lambda x: euler_angles(x[:4]))(ahead.x)
+        z = ahead.angles + wrapped(inputs.z - ahead.angles)
+        taken = linearised(Estimate(ahead.x, ahead.P), H, params.R, z, ahead.angles)[1]
+        after, out = self.filter.step(params, state, inputs)
+        return after, out._replace(innovation=taken.innovation, variance=taken.variance)
+
+
+@dataclass(frozen=True)
+class Build:
+    """From free numbers to what the filter takes.
+
+    Attributes:
+        law: of the process noise.
+        measured: the angles that are taken; R of the others does not matter.
+        start: (phi, theta, psi) at which the flight begins, rad.
+    """
+
+    law: Tuned
+    measured: tuple[Angle, ...]
+    start: tuple[float, ...]
+
+    def __call__(self, values: dict[str, Array]) -> EulerNoise:
+        """R by angle; process noise equal for the quaternion's parts and for the biases."""
+        kind = PROCESS[self.law]
+        each = [jnp.asarray(values[f"{kind}_{part}"]) for part in UNITS]
+        diagonal = jnp.stack([*4 * each[:1], *3 * each[1:]])
+        R = jnp.stack([jnp.asarray(values.get(f"R_{angle}", 1.0), float) for angle in ANGLES])
+        # Of a fuzzy law Q holds until there are two residuals; its floor by state.
+        process = ResidualNoise(diagonal, diagonal, jnp.zeros(7), jnp.zeros(()))
+        x0 = jnp.concatenate([jnp.asarray(quaternion(np.array(self.start))), jnp.zeros(3)])
+        return EulerNoise(R, process, x0, jnp.diag(jnp.asarray(VARIANCE0)))
+
+
+def quaternion(angles: np.ndarray) -> np.ndarray:
+    """From body to north, east, down, scalar first, of (phi, theta, psi) in rad, ``(4,)``."""
+    turn = Rotation.from_euler("ZYX", angles[::-1])
+    return np.asarray(turn.as_quat(scalar_first=True))
+
+
+def filter_of(law: Tuned, dt: float, every: int) -> Innovating:
+    """The filter with a law."""
+    return Innovating(EulerKalman(dt, every=every, law=law))
+
+
+def space(law: Tuned, measured: tuple[Angle, ...]) -> Space:
+    """R of each measured angle and two numbers of the process noise, as many for either law."""
+    kind = PROCESS[law]
+    free = {
+        f"R_{angle}": Positive(init=0.05, low=1e-5, high=10.0, unit="rad^2") for angle in measured
+    }
+    free |= {
+        f"{kind}_quaternion": Positive(init=1e-6, low=1e-10, high=1.0, unit=UNITS["quaternion"]),
+        f"{kind}_bias": Positive(init=1e-5, low=1e-12, high=1e-1, unit=UNITS["bias"]),
+    }
+    return Space.of(**free)
+
+
+def data(flight: Flight, measured: tuple[Angle, ...]) -> Data:
+    """A flight as filter and likelihood take it; NaN for angles that are left out."""
+    z = jnp.asarray(np.where([angle in measured for angle in ANGLES], flight.z, np.nan))
+    return Data(EulerSample(jnp.asarray(flight.rate), z), z)
+
+
+def problem(flight: Flight, law: Tuned, measured: tuple[Angle, ...]) -> Problem:
+    """The law tuned on a flight by the likelihood of its innovations."""
+    tuned = space(law, measured)
+    kind = PROCESS[law]
+    livelier = tuned.unconstrain({f"{kind}_quaternion": 1e-4, f"{kind}_bias": 1e-6})
+    return Problem(
+        name=law,
+        space=tuned,
+        filter=filter_of(law, flight.dt, flight.every),
+        build=Build(law, measured, tuple(flight.first.tolist())),
+        objective=InnovationLikelihood(),
+        data=data(flight, measured),
+        known_starts=(livelier,),
+    )
+
+
+def parameters(flight: Flight, law: Tuned, values: dict[str, Any]) -> EulerNoise:
+    """What the filter takes on a flight, of tuned numbers."""
+    measured = tuple(angle for angle in ANGLES if f"R_{angle}" in values)
+    return Build(law, measured, tuple(flight.first.tolist()))(values)
