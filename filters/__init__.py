@@ -25,6 +25,7 @@ from filters.covariance import (  # noqa: E402
     riccati_flow,
 )
 from filters.discretise import transitions, van_loan  # noqa: E402
+from filters.euler_aided import EulerKalman, EulerNoise, EulerSample  # noqa: E402
 from filters.extended import (  # noqa: E402
     ExtendedKalman,
     ExtendedModel,
@@ -68,7 +69,9 @@ from filters.mixing import (  # noqa: E402
     accelerometer_angles,
     euler_rates,
 )
+from filters.possibilistic import line  # noqa: E402
 from filters.protocol import AnyFilter, Filter, run  # noqa: E402
+from filters.residual_noise import ResidualNoise  # noqa: E402
 from filters.room import RestRule, RoomKalman, RoomNoise, RoomOutputs, RoomState, blocks  # noqa: E402
 from filters.several import Several, shared  # noqa: E402
 from filters.tilt import (  # noqa: E402
@@ -79,6 +82,12 @@ from filters.tilt import (  # noqa: E402
     TiltState,
     tilt_disturbance,
     tilt_transition,
+)
+from filters.track import (  # noqa: E402
+    TrackKalman,
+    TrackNoise,
+    TrackSample,
+    constructed_attitude,
 )
 from filters.vertical import (  # noqa: E402
     GRAVITY_GRADIENT,
@@ -98,6 +107,9 @@ __all__ = [
     "AnyFilter",
     "ConventionalLoop",
     "Estimate",
+    "EulerKalman",
+    "EulerNoise",
+    "EulerSample",
     "ExtendedKalman",
     "ExtendedModel",
     "ExtendedSample",
@@ -136,6 +148,7 @@ __all__ = [
     "MixingState",
     "Noise",
     "Plant",
+    "ResidualNoise",
     "RestRule",
     "RiccatiCovariance",
     "RoomKalman",
@@ -152,15 +165,20 @@ __all__ = [
     "TiltOutputs",
     "TiltSample",
     "TiltState",
+    "TrackKalman",
+    "TrackNoise",
+    "TrackSample",
     "Transition",
     "Uncertainty",
     "VelocityNoise",
     "accelerometer_angles",
     "accelerometer_steady",
     "blocks",
+    "constructed_attitude",
     "decorrelate",
     "euler_rates",
     "gyroscope_steady",
+    "line",
     "linearised",
     "loop_error",
     "loop_option",

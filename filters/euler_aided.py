@@ -71,8 +71,9 @@ class EulerOutputs(NamedTuple):
         angles: (phi, theta, psi), rad, ``(3,)``.
         Q: the diagonal this tick was predicted with, ``(7,)``.
         residual: K nu, ``(7,)``; 0 without a measurement.
-        innovation: nu, rad, ``(3,)``; 0 without one. phi and psi are within half a turn.
-        variance: of the innovations taken one after another, rad^2, ``(3,)``.
+        innovation: one angle after another, each less what the state and the angles before it
+            foretell, rad, ``(3,)``; 0 without a measurement, phi and psi within half a turn.
+        variance: their predicted variances, rad^2, ``(3,)``.
     """
 
     x: Array
@@ -138,7 +139,7 @@ class EulerKalman:
             self._angles(after.x),
             state.Q,
             residual,
-            jnp.where(jnp.isnan(nu), 0.0, nu),
+            taken.innovation,
             taken.variance,
         )
         return EulerState(after, Q, residuals), outputs

@@ -20,7 +20,7 @@ class ResidualNoise(NamedTuple):
 
     Attributes:
         Q: diagonal of the process noise's density, ``(n,)``: constant, or until a law has one.
-        floor: the least a law may set, ``()``: a constant residual has the rate 0.
+        floor: the least a law may set, ``()`` or ``(n,)``: a constant residual has the rate 0.
         scale: of the random law: the rate for a draw of 1, ``(n,)``.
         h: of the fuzzy law's regression, 0 to below 1; it matters for a band's edge alone.
     """
@@ -40,7 +40,7 @@ class Residuals(NamedTuple):
 
 def no_residuals(samples: int, states: int) -> Residuals:
     """Before the first update."""
-    return Residuals(jnp.zeros((samples, states)), jnp.zeros((), int))
+    return Residuals(jnp.zeros((samples, states)), jnp.zeros(()))
 
 
 def remembered(residuals: Residuals, residual: Array, seen: Array) -> Residuals:

@@ -3,23 +3,12 @@
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from scipy.spatial.transform import Rotation
 
-from filters import Estimate, linearised
-from filters.euler_aided import (
-    EulerKalman,
-    EulerNoise,
-    EulerOutputs,
-    EulerSample,
-    EulerState,
-    euler_angles,
-    wrapped,
-)
-from filters.residual_noise import ResidualNoise
+from filters import EulerKalman, EulerNoise, EulerSample, ResidualNoise
 from objectives import Data, InnovationLikelihood
 from studies.uav.flights import Flight
 from tuner.parameters import Positive
@@ -36,36 +25,6 @@ VARIANCE0 = (*4 * (0.05,), *3 * (1e-3,))
 PROCESS = {"constant": "Q", "fuzzy": "floor"}
 """What a law's free numbers are called: the noise itself, or the least that it may be."""
 UNITS = {"quaternion": "1/s", "bias": "rad^2/s^3"}
-
-
-@dataclass(frozen=True)
-class Innovating:
-    """A :class:`EulerKalman` that puts out its innovations taken one after another.
-
-    Its own innovations are of all three angles at once while its variances belong to angles taken
-    in turn; a likelihood needs both of one kind.
-
-    Attributes:
-        filter: the filter.
-    """
-
-    filter: EulerKalman
-
-    def init(self, params: EulerNoise) -> EulerState:
-        """The filter's start."""
-        return self.filter.init(params)
-
-    def step(
-        self, params: EulerNoise, state: EulerState, inputs: EulerSample
-    ) -> tuple[EulerState, EulerOutputs]:
-        """The filter's step; what both steps share is worked out once by the compiler."""
-        unseen = inputs._replace(z=jnp.full(3, jnp.nan))
-        ahead = self.filter.step(params, state, unseen)[1]
-        H = jax.jacfwd(lambda x: euler_angles(x[:4]))(ahead.x)
-        z = ahead.angles + wrapped(inputs.z - ahead.angles)
-        taken = linearised(Estimate(ahead.x, ahead.P), H, params.R, z, ahead.angles)[1]
-        after, out = self.filter.step(params, state, inputs)
-        return after, out._replace(innovation=taken.innovation, variance=taken.variance)
 
 
 @dataclass(frozen=True)
@@ -100,9 +59,9 @@ def quaternion(angles: np.ndarray) -> np.ndarray:
     return np.asarray(turn.as_quat(scalar_first=True))
 
 
-def filter_of(law: Tuned, dt: float, every: int) -> Innovating:
+def filter_of(law: Tuned, dt: float, every: int) -> EulerKalman:
     """The filter with a law."""
-    return Innovating(EulerKalman(dt, every=every, law=law))
+    return EulerKalman(dt, every=every, law=law)
 
 
 def space(law: Tuned, measured: tuple[Angle, ...]) -> Space:

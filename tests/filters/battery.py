@@ -13,6 +13,9 @@ from filters import (
     AngleSample,
     AnyFilter,
     ConventionalLoop,
+    EulerKalman,
+    EulerNoise,
+    EulerSample,
     ExtendedKalman,
     ExtendedModel,
     ExtendedSample,
@@ -41,6 +44,7 @@ from filters import (
     MixingGains,
     MixingSample,
     Noise,
+    ResidualNoise,
     RestRule,
     RiccatiCovariance,
     RoomKalman,
@@ -52,6 +56,9 @@ from filters import (
     TiltKalman,
     TiltNoise,
     TiltSample,
+    TrackKalman,
+    TrackNoise,
+    TrackSample,
     Transition,
     VelocityNoise,
     loop_step,
@@ -243,6 +250,15 @@ def _aided(z):
     return MixingSample(9.81 * z[:, :3], _RATES, 0.3 * (20.0 + z[:, 3]))
 
 
+def _euler(point):
+    Q, bias, angle, floor = jnp.exp(point)
+    process = ResidualNoise(
+        jnp.repeat(jnp.stack([Q, bias]), np.array([4, 3]), 0), floor, jnp.ones(7), jnp.asarray(0.2)
+    )
+    x0 = jnp.zeros(7).at[:4].set(_TURNED)
+    return EulerNoise(jnp.full(3, angle), process, x0, 0.01 * jnp.eye(7))
+
+
 def _imu(z):
     """Of errors of a level accelerometer, so that a zero is not a force without direction."""
     return ImuSample(9.81 * (jnp.asarray(z) + jnp.array([0.0, 0.0, 1.0])), _RATES)
@@ -379,6 +395,24 @@ CASES = [
         np.log([0.8, 0.3, 9.81, 0.2, 4.0, 2.0]),
         _AIDED,
         _aided,
+    ),
+    Case(
+        "Euler angles, fuzzy noise",
+        EulerKalman(0.1, 1, "fuzzy", samples=2, slope="edge"),
+        _euler,
+        np.log([1e-3, 1e-5, 1e-2, 1e-6]),
+        _FORCES,
+        lambda z: EulerSample(_RATES, jnp.asarray(z)),
+    ),
+    Case(
+        "position by speed and attitude",
+        TrackKalman(0.2),
+        lambda point: TrackNoise(
+            jnp.exp(point), 0.01 * jnp.eye(4), jnp.array([0.1, -0.2, 0.3]), jnp.eye(3)
+        ),
+        _POINT,
+        _FORCES,
+        lambda z: TrackSample(2.0 + _PUSH[:, 0], _RATES, jnp.asarray(z)),
     ),
     Case(
         "room",

@@ -422,7 +422,7 @@ def test_angles_that_are_left_out_count_nowhere(flown):
     assert [row[:2] for row in space("fuzzy", two).names] == ["R_", "R_", "fl", "fl"]
     filter = filter_of("fuzzy", short.dt, short.every)
     params = parameters(short, "fuzzy", start("fuzzy", two))
-    assert (filter.filter.law, filter.filter.every) == ("fuzzy", TICKS)
+    assert (filter.law, filter.every) == ("fuzzy", TICKS)
     np.testing.assert_array_equal(params.process.floor, params.process.Q)
     assert np.isnan(data(short, two).truth[:, 2]).all()
 
