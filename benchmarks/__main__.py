@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from benchmarks import accuracy, batch, cliff, equations, extended, others, single, startup
+from benchmarks import accuracy, batch, cliff, equations, extended, others, single, startup, tanaka
 from benchmarks.baseline import Baseline, NoCompilerError, baseline
 from benchmarks.machine import machine
 from benchmarks.page import page
@@ -65,6 +65,7 @@ def _measure(work: Work, limit: Baseline | None, said: Console) -> list[Row]:
         "compilation and start": lambda: startup.rows(work),
         "the extended filter": lambda: extended.rows(limit),
         "equations": equations.rows,
+        "Tanaka's regression": tanaka.rows,
         "the loop option": lambda: cliff.rows(work),
         "other libraries": lambda: others.rows(work, limit),
     }

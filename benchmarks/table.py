@@ -52,7 +52,7 @@ class Row:
     @property
     def narrow(self) -> bool:
         """Whether another run may well fall on the other side of the target."""
-        timed = self.unit in ("x", "ns", "ms", "s")
+        timed = self.unit in ("x", "ns", "us", "ms", "s")
         if not timed or self.figure is None or self.target is None:
             return False
         return abs(self.figure / self.target - 1) < NARROW

@@ -32,11 +32,11 @@ def vqf(contest: Contest) -> Peer | None:
         import vqf as package
     except ImportError:
         return None
+    truth = contest.data("mahony").truth
     samples = [
-        [np.ascontiguousarray(part) for part in (trial.rate, trial.acceleration)]
+        [np.ascontiguousarray(part[: len(truth)]) for part in (trial.rate, trial.acceleration)]
         for trial in contest.trials
     ]
-    truth = contest.data("mahony").truth
     q = np.ones(truth.shape)
 
     @cache

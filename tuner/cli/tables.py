@@ -97,9 +97,11 @@ def show_result(result: Result, folder: Path) -> None:
 
 def _solution(solution: SolutionRecord) -> list[str]:
     certificate = solution.certificate
-    # Where constraints hold a solution, a parameter without a range is held, not undetermined.
+    # Where constraints hold a solution, a parameter without a range is held, not undetermined;
+    # and where nobody looked at second derivatives, nobody knows.
     held = any(certificate.get("multipliers", {}).values())
-    tuned = set() if held else {label.split()[-1] for label in certificate["gradient"]}
+    unknown = not (certificate["curvatures"] or certificate["active_bounds"])
+    tuned = set() if held or unknown else {label.split()[-1] for label in certificate["gradient"]}
     shown = [
         f"{name} = {_parameter(p, tuned=name in tuned)}"
         for name, p in solution.parameters.items()
