@@ -4,17 +4,20 @@ The paper gives neither R, P0, the gyroscopes' noise nor the time line; those he
 """
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated, Literal, NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from filters.euler_aided import EulerSample
+from filters import EulerSample, constructed_attitude
 
 DT, EVERY = 0.25, 4
 """A tick, s, and ticks between measurements (section 6.1)."""
+GRAVITY = 9.81
 BEFORE, RISE = 60.0, 2.0
 """Level flight before a step, and how long a step takes that the gyroscopes see, s."""
 TRACKED = (4.4, 17.4, 28.2)
@@ -33,7 +36,13 @@ class Settings(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     seconds: float = Field(300.0, ge=180, le=3600, description="length of a record, s")
+    measured: Literal["angles", "gps"] = Field(
+        "angles", description="angles with noise, or those constructed from GPS and accelerometers"
+    )
     noise: float = Field(1.0, gt=0, le=20, description="of the measured angles, deg")
+    speed: float = Field(20.0, gt=0, le=300, description="gps: along the forward axis, m/s")
+    gps_noise: float = Field(0.1, ge=0, le=100, description="gps: of a position, m")
+    acc_noise: float = Field(0.1, ge=0, le=100, description="gps: of a tick's force, m/s^2")
     gyro_noise: float = Field(0.1, ge=0, le=20, description="of the gyroscopes in a tick, deg/s")
     bias: tuple[float, float, float] = Field(
         (0.5, -0.3, 0.2), description="of the gyroscopes, deg/s"
@@ -108,8 +117,40 @@ def _record(settings: Settings, step: Step, seed: int) -> tuple[np.ndarray, ...]
         rate[:, 1] += np.diff(truth, prepend=0.0) / DT
     z = np.radians(settings.noise) * draw.normal(size=(len(t), 3))
     z[:, 1] += truth
+    if settings.measured == "gps":
+        z = _constructed(settings, truth, draw)
     z[np.arange(1, len(t) + 1) % EVERY != 0] = np.nan
     return rate, z, truth
+
+
+def _constructed(settings: Settings, pitch: np.ndarray, draw: np.random.Generator) -> np.ndarray:
+    """Angles from the last three positions and the force meanwhile: those of one update ago.
+
+    A climb to the north with the speed along the forward axis.
+    """
+    still = 0 * pitch
+    velocity = settings.speed * np.stack([np.cos(pitch), still, -np.sin(pitch)], axis=1)
+    place = DT * velocity.cumsum(axis=0) + settings.gps_noise * draw.normal(size=velocity.shape)
+    north, _, down = (np.diff(velocity, axis=0, prepend=velocity[:1]) / DT).T - [
+        [0],
+        [0],
+        [GRAVITY],
+    ]
+    c, s = np.cos(pitch), np.sin(pitch)
+    force = np.stack([c * north - s * down, still, s * north + c * down], axis=1)
+    force += settings.acc_noise * draw.normal(size=force.shape)
+    z = np.full(velocity.shape, np.nan)
+    at = np.arange(3 * EVERY, len(pitch) + 1, EVERY) - 1
+    positions = np.stack([place[at - 2 * EVERY], place[at - EVERY], place[at]], axis=1)
+    mean = np.stack([force[at - k] for k in range(2 * EVERY)]).mean(axis=0)
+    z[at] = _attitudes(positions, mean)
+    return z
+
+
+@jax.jit
+def _attitudes(positions: Array, forces: Array) -> Array:
+    construct = partial(constructed_attitude, dt=DT * EVERY, gravity=GRAVITY)
+    return jax.vmap(construct)(positions, forces)
 
 
 class Behaviour(NamedTuple):

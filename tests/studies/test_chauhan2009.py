@@ -68,6 +68,29 @@ def test_every_fourth_tick_has_a_measurement_of_the_noise_that_was_asked_for():
     )
 
 
+@pytest.mark.parametrize("motion", ["seen", "silent"])
+def test_angles_constructed_from_gps_are_those_of_one_update_ago(motion):
+    """Without noise, and away from the step, in which the speed changes between positions."""
+    exact = {"measured": "gps", "gps_noise": 0.0, "acc_noise": 0.0}
+    _, z, truth = record(Step(28.2, motion), 0, SHORT.model_copy(update=exact))
+    z, t = np.asarray(z), times(SHORT)
+    assert np.isnan(z[:11]).all()
+    seen = ~np.isnan(z).any(axis=1)
+    assert np.flatnonzero(seen)[:2].tolist() == [11, 15]
+    steady = seen & ((t < BEFORE) | (t > BEFORE + 6))
+    before = np.concatenate([np.zeros(EVERY), truth])[: len(t)]
+    wanted = np.stack([0 * t, before, 0 * t], axis=1)
+    np.testing.assert_allclose(z[steady], wanted[steady], atol=1e-9)
+
+
+def test_gps_noise_is_in_the_constructed_angles():
+    noisy = SHORT.model_copy(update={"measured": "gps", "seconds": 600.0})
+    z = np.asarray(record(Step(0.001, "silent"), 0, noisy)[1])[100:]
+    z = z[~np.isnan(z).any(axis=1)]
+    # The track over 2 s, 40 m, between positions with 0.1 m of noise each
+    assert z[:, 2].std() == pytest.approx(np.sqrt(2) * 0.1 / 40, rel=0.15)
+
+
 def test_what_is_said_of_errors():
     t = times(SHORT)
     truth = np.where(t > BEFORE, 0.2, 0.0)
