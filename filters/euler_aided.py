@@ -192,8 +192,8 @@ def euler_angles(q: Array, *, homogeneous: bool = True) -> Array:
         q: ``(4,)``, scalar first, of any length if homogeneous.
         homogeneous: whether theta is over abs(q)^2, so that no angle changes with q's length.
 
-    >>> (euler_angles(jnp.array([2.0, 0.0, 0.0, 2.0])).round(6) + 0.0).tolist()
-    [0.0, 0.0, 1.570796]
+    >>> jnp.degrees(euler_angles(jnp.array([2.0, 0.0, 0.0, 2.0]))).round().tolist()
+    [0.0, 0.0, 90.0]
     """
     a, b, c, d = q
     sine = 2 * (a * c - b * d) / ((q @ q) if homogeneous else 1.0)

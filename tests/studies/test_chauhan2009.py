@@ -27,7 +27,13 @@ from tuner.comparison import Verdict
 
 QUICK = {"xla_backend_optimization_level": 0}
 SHORT = Settings(
-    seconds=180.0, records=2, train=1, held_out=2, windows=(4,), factors=(0.1, 1.0, 10.0)
+    seconds=180.0,
+    records=3,
+    train=1,
+    held_out=1,
+    windows=(4,),
+    factors=(0.1, 1.0, 10.0),
+    tuned_on=(35.1,),
 )
 
 
@@ -111,7 +117,7 @@ def test_what_is_said_of_errors():
 
 def test_both_laws_are_the_textbooks_on_a_record():
     """The random one with the scale the notes describe, from the fuzzy run on the same data."""
-    made = records(SHORT, [Step(14.1, "silent")], [0, 1])
+    made = records(SHORT, [Step(14.1, "silent")], [0, 1, 2])
     fuzzy = estimated(FUZZY, SHORT, made.inputs, {})
     random = randomly(SHORT, made, fuzzy, 2.0, seed=5)
     draws = np.random.default_rng([5, 7]).uniform(size=(*made.truth.shape, 7))
@@ -186,7 +192,7 @@ def test_rows_that_need_no_tuning():
 
 
 def test_the_steady_error_is_the_same_in_degrees():
-    row = rows._steady(SHORT.model_copy(update={"records": 3}), 0)
+    row = rows._steady(SHORT, 0)
     assert row.verdict is Verdict.FAILS
     assert row.ours == pytest.approx(1.0, abs=0.1)
     assert rows._tracking(SHORT, 0).verdict is Verdict.FAILS
