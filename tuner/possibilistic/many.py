@@ -1,6 +1,7 @@
 """The regression of many windows that share their t: products with the dual's vertices."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,7 +10,7 @@ from tuner.possibilistic.one import tanaka
 from tuner.possibilistic.vertices import MOST, Vertices, bases, dual_vertices
 from tuner.possibilistic.window import window
 
-CHUNK = 128
+CHUNK = 256
 """Windows at a time: their values at all vertices stay in the processor's cache."""
 _TIE = 1e-12
 """Vertices whose values differ by less than this, of scaled samples in sum, are equally good."""
@@ -63,7 +64,8 @@ def tanaka_windows(
     asked = window(t, x.ravel()[: x.shape[1]], h, None) if len(x) else None
     if asked is not None and asked.of.rank == n and bases(x.shape[1], n) <= MOST:
         _refuse(x, e)
-        vertices = dual_vertices(asked.of.columns * asked.of.scale)
+        columns = asked.of.columns * asked.of.scale
+        vertices = _vertices(columns.tobytes(), columns.shape)
         for start in range(0, len(x), CHUNK):
             part = slice(start, start + CHUNK)
             _fill(found, part, vertices, x[part], e[part], h)
@@ -75,6 +77,11 @@ def tanaka_windows(
     return found
 
 
+@lru_cache(maxsize=8)
+def _vertices(columns: bytes, shape: tuple[int, ...]) -> Vertices:
+    return dual_vertices(np.frombuffer(columns).reshape(shape))
+
+
 def _fill(
     found: Windows, part: slice, vertices: Vertices, x: np.ndarray, e: np.ndarray, h: float
 ) -> None:
@@ -83,13 +90,16 @@ def _fill(
     size = np.where(high > low, high / 2 - low / 2, 1.0)[:, None]
     middle = (low / 2 + high / 2)[:, None]
     x, e = (x - middle) / size, (1 - h) * e / size
-    values = x @ vertices.difference.T
+    # Vertices that are not sharp are worth 0 for crisp samples, where the times decide.
+    crisp = not e.any() and vertices.decided
+    values = x @ vertices.difference[: vertices.sharp if crisp else None].T
     if e.any():
         values += e @ vertices.total.T
-    best = values.max(axis=1)
     # Of equally good vertices a sharp one knows the solution.
     at = values[:, : vertices.sharp].argmax(axis=1)
-    sharp = values[np.arange(len(x)), at] >= best - _TIE * x.shape[1]
+    of_sharp = values[np.arange(len(x)), at]
+    best = np.maximum(of_sharp, 0.0) if crisp else values.max(axis=1)
+    sharp = of_sharp >= best - _TIE * x.shape[1]
     z = np.einsum("wnm,wm->wn", vertices.by_x[at], x)
     if e.any():
         z += np.einsum("wnm,wm->wn", vertices.by_e[at], e)

@@ -78,15 +78,9 @@ def dual_vertices(T: np.ndarray) -> Vertices:
     y = cost @ inverse
     kept, sharp = _once(chosen, y, len(rows))
     chosen, y, inverse = chosen[kept], y[kept], inverse[kept]
-    u, v, by_u, by_v = (
-        np.zeros((len(kept), *shape)) for shape in ((m,), (m,), (2 * n, m), (2 * n, m))
-    )
-    for vertex, basis in enumerate(chosen):
-        for at, row in enumerate(basis):
-            if row < 2 * m:
-                multiplier, by = (u, by_u) if row < m else (v, by_v)
-                multiplier[vertex, row % m] = y[vertex, at]
-                by[vertex, :, row % m] = inverse[vertex, :, at] / np.tile(scale, 2)
+    each = _spread_out(y, chosen, len(rows))
+    by = _spread_out(inverse, chosen[:, None], len(rows)) / np.tile(scale, 2)[:, None]
+    u, v, by_u, by_v = each[:, :m], each[:, m : 2 * m], by[..., :m], by[..., m : 2 * m]
     return Vertices(u - v, u + v, by_u - by_v, by_u + by_v, sharp)
 
 
@@ -95,11 +89,17 @@ def constraint_rows(T: np.ndarray) -> np.ndarray:
     return np.block([[T, np.abs(T)], [-T, np.abs(T)]])
 
 
+def _spread_out(values: np.ndarray, chosen: np.ndarray, rows: int) -> np.ndarray:
+    """Values of the chosen rows in the last axis, among zeros for all rows."""
+    whole = np.zeros((*values.shape[:-1], rows))
+    np.put_along_axis(whole, np.broadcast_to(chosen, values.shape), values, axis=-1)
+    return whole
+
+
 def _once(chosen: np.ndarray, y: np.ndarray, rows: int) -> tuple[np.ndarray, int]:
     """Indices of bases without negative multipliers, one for each vertex; how many are sharp."""
     found = np.flatnonzero((y > -_ZERO).all(axis=1))
-    whole = np.zeros((len(found), rows))
-    np.put_along_axis(whole, chosen[found], y[found], axis=1)
+    whole = _spread_out(y[found], chosen[found], rows)
     _, first = np.unique(whole.round(9), axis=0, return_index=True)
     kept = found[first]
     sharp = (y[kept] > _ZERO).all(axis=1)
