@@ -4,8 +4,8 @@ import pytest
 from hypothesis import settings
 
 # No deadline: the first example compiles. The same examples in every run: a failure in CI is one
-# at home; the number of examples is what a minute on two cores allows.
-settings.register_profile("tests", deadline=None, derandomize=True, max_examples=15)
+# at home; the number of examples is what half a minute on two cores allows.
+settings.register_profile("tests", deadline=None, derandomize=True, max_examples=10)
 settings.load_profile("tests")
 
 

@@ -56,6 +56,9 @@ from filters import (
     TiltKalman,
     TiltNoise,
     TiltSample,
+    TrackKalman,
+    TrackNoise,
+    TrackSample,
     Transition,
     VelocityNoise,
     loop_step,
@@ -399,6 +402,16 @@ CASES = [
         np.log([1e-3, 1e-5, 1e-2]),
         _FORCES,
         lambda z: EulerSample(_RATES, jnp.asarray(z)),
+    ),
+    Case(
+        "position by speed and attitude",
+        TrackKalman(0.2),
+        lambda point: TrackNoise(
+            jnp.exp(point), 0.01 * jnp.eye(4), jnp.array([0.1, -0.2, 0.3]), jnp.eye(3)
+        ),
+        _POINT,
+        _FORCES,
+        lambda z: TrackSample(2.0 + _PUSH[:, 0], _RATES, jnp.asarray(z)),
     ),
     Case(
         "room",
