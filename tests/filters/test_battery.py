@@ -110,7 +110,14 @@ def test_vmap_over_parameters_equals_a_loop(case):
 
 
 @pytest.mark.parametrize(
-    "case", [c for c in CASES if "signals" not in c.name], ids=lambda case: case.name
+    "case",
+    # Those that take longest without compilation are held against loops in NumPy elsewhere.
+    [
+        c
+        for c in CASES
+        if not any(word in c.name for word in ("signals", "Euler", "room", "mixing"))
+    ],
+    ids=lambda case: case.name,
 )
 def test_compiled_equals_uncompiled(case):
     inputs = jax.tree.map(lambda leaf: leaf[:3], case.inputs(case.measured))
