@@ -10,7 +10,7 @@ import numpy as np
 from jax import Array
 
 from benchmarks.baseline import Baseline
-from benchmarks.processes import measure
+from benchmarks.startup import compiling
 from benchmarks.table import Row, duration
 from benchmarks.timing import Call, Times, interleave
 from filters import TiltKalman, TiltNoise, TiltSample, run
@@ -35,7 +35,11 @@ def rows(limit: Baseline | None) -> list[Row]:
         noise = np.array(NOISE)
         calls["C"] = lambda: limit.tilt((DT, DELTA, P0), acceleration, rate, noise, out)
     times = interleave(calls, ROUNDS)
-    return [*_forward(times, limit, calls), _gradient(times), *_compiling()]
+    return [
+        *_forward(times, limit, calls),
+        _gradient(times),
+        *compiling(PART, "compiling_extended", 0, 3.0),
+    ]
 
 
 def record() -> TiltSample:
@@ -123,19 +127,3 @@ def _gradient(times: Times) -> Row:
         target=8.0,
         why=BUSY,
     )
-
-
-def _compiling() -> list[Row]:
-    found = [measure("compiling_extended") for _ in range(3)]
-    return [
-        Row(
-            part=PART,
-            what=f"compile {name}",
-            figure=float(np.median([run[name] for run in found])),
-            best=min(run[name] for run in found),
-            unit="s",
-            target=3.0,
-            why="LLVM's time, which other work on the machine stretches",
-        )
-        for name in found[0]
-    ]

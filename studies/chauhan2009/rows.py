@@ -10,6 +10,7 @@ from filters import run
 from filters.euler_aided import EulerKalman, EulerSample
 from studies.chauhan2009.laws import (
     FUZZY,
+    HELD_OUT,
     Build,
     estimated,
     filters,
@@ -186,8 +187,6 @@ def _positive(settings: Settings) -> Comparison:
 
 
 def _tuned(settings: Settings, seed: int, solutions: Solutions) -> Iterator[Comparison]:
-    from studies.chauhan2009.laws import HELD_OUT
-
     made = tuning_records(settings, settings.held_out, seed + HELD_OUT)
     laws = filters(settings)
     values = {name: tuned_values(best(name, solutions)) for name in laws}
