@@ -34,6 +34,33 @@ class SinglePrecision:
     warning: str
 
 
+@dataclass(frozen=True)
+class Part:
+    """A filter of whose outputs one part alone is put out.
+
+    Attributes:
+        filter: the filter.
+        key: which part, the name of a field or an index along the first axis.
+
+    >>> from filters import GyroscopeFilter, Noise
+    >>> part = Part(GyroscopeFilter(dt=0.01, shape=(2,)), 1)
+    >>> run(part, Noise.of(R=1e-4, Q=1.0), jnp.ones((500, 2)))[1].shape
+    (500,)
+    """
+
+    filter: AnyFilter
+    key: str | int
+
+    def init(self, params: Any) -> Any:
+        """The filter's own state before the first sample."""
+        return self.filter.init(params)
+
+    def step(self, params: Any, state: Any, inputs: Any) -> tuple[Any, jax.Array]:
+        """Take one sample: the filter's next state and the part of what it puts out."""
+        state, whole = self.filter.step(params, state, inputs)
+        return state, getattr(whole, self.key) if isinstance(self.key, str) else whole[self.key]
+
+
 def single_precision(
     form: str, filter: AnyFilter, params: Any, inputs: Any, scale: float
 ) -> SinglePrecision:

@@ -5,16 +5,13 @@ docs/ha1981.md tells what was found.
 """
 
 import hashlib
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from filters import (
-    AnyFilter,
     ConventionalLoop,
     GainedSample,
     StoredGains,
@@ -28,7 +25,7 @@ from studies.ha1981.rows import compare
 from tuner.export.tuned import Quantity
 from tuner.logs import Log
 from tuner.observer import FastestTask, observer_model
-from tuner.single import SinglePrecision, single_precision
+from tuner.single import Part, SinglePrecision, single_precision
 from tuner.solution import Solution
 from tuner.solvers import Convex, Gradient, Ipopt, NelderMead
 from tuner.study import Plan, Source, Study, Target, Task
@@ -114,25 +111,11 @@ def _loop_quantities(channel: Channel, solution: Solution) -> tuple[Quantity, ..
     )
 
 
-@dataclass(frozen=True)
-class _Bias:
-    """A filter of the channel that puts out the bias alone."""
-
-    filter: AnyFilter
-
-    def init(self, params: Any) -> Any:
-        return self.filter.init(params)
-
-    def step(self, params: Any, state: Any, inputs: Any) -> tuple[Any, Array]:
-        state, x = self.filter.step(params, state, inputs)
-        return state, x[0]
-
-
 def _loop_single(channel: Channel, solution: Solution) -> tuple[SinglePrecision, ...]:
     at = np.arange(0, 5 / channel.eta, LOOP_DT)
     step = loop_step(conventional.gains_of(solution).loop(channel.k_gh), LOOP_DT, channel.k_gh)
     bias, z = _altitude(channel, at)
-    check = single_precision("loop", _Bias(ConventionalLoop()), step, z, scale=bias)
+    check = single_precision("loop", Part(ConventionalLoop(), 0), step, z, scale=bias)
     return (check,)
 
 
@@ -183,7 +166,7 @@ def _stored_single(
     bias, z = _altitude(channel, np.arange(len(gains)) * storage.Ts)
     inputs = GainedSample(jnp.asarray(z)[:, None], jnp.asarray(gains))
     model = channel.model(storage.Ts)
-    check = single_precision("stored gains", _Bias(StoredGains()), model, inputs, scale=bias)
+    check = single_precision("stored gains", Part(StoredGains(), 0), model, inputs, scale=bias)
     return (check,)
 
 

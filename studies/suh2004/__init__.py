@@ -4,15 +4,11 @@ Equation numbers are the paper's; docs/suh2004.md tells what was found.
 """
 
 import hashlib
-from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import jax
 import numpy as np
-from jax import Array
 
-from filters import AnyFilter
 from studies.suh2004.figures import figures
 from studies.suh2004.mixed import Recordings, problems, recordings
 from studies.suh2004.paper import DT, STATES, TWO_STEP, Settings, experiment_2, noise
@@ -20,7 +16,7 @@ from studies.suh2004.rows import compare
 from tuner.export.tuned import Quantity
 from tuner.logs import Log
 from tuner.problem import Problem
-from tuner.single import SinglePrecision, single_precision
+from tuner.single import Part, SinglePrecision, single_precision
 from tuner.solution import Solution
 from tuner.solvers import Alternating, Gradient, NelderMead
 from tuner.study import Plan, Source, Study, Target, Task, tuned_values
@@ -79,24 +75,12 @@ def _quantities(solution: Solution) -> tuple[Quantity, ...]:
     return (Quantity("r3", np.array(1.0), "(rad/s)^2", "variance of the gyroscopes, held at 1"),)
 
 
-@dataclass(frozen=True)
-class _Angles:
-    """The filter, of whose outputs the angles alone are looked at."""
-
-    filter: AnyFilter
-
-    def init(self, params: Any) -> Any:
-        return self.filter.init(params)
-
-    def step(self, params: Any, state: Any, inputs: Any) -> tuple[Any, Array]:
-        state, found = self.filter.step(params, state, inputs)
-        return state, found.angles
-
-
 def _single(judged_on: Recordings, solution: Solution) -> tuple[SinglePrecision, ...]:
     inputs = jax.tree.map(lambda leaf: leaf[:, 0], judged_on.inputs)
     parameters = noise(tuned_values(solution))
-    return (single_precision("covariance", _Angles(TWO_STEP), parameters, inputs, scale=SCALE),)
+    return (
+        single_precision("covariance", Part(TWO_STEP, "angles"), parameters, inputs, scale=SCALE),
+    )
 
 
 STUDY = Study(

@@ -4,15 +4,12 @@ Equation numbers are the paper's; docs/you_lee.md tells what was found.
 """
 
 import hashlib
-from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import jax
 import numpy as np
-from jax import Array
 
-from filters import AnyFilter, MixingFilter
+from filters import MixingFilter
 from studies.you_lee.cases import Bench, deterministic, gains
 from studies.you_lee.checks import refuse
 from studies.you_lee.figures import figures
@@ -22,7 +19,7 @@ from studies.you_lee.tuning import AIDS, problems, with_gains
 from tuner.export.tuned import Quantity
 from tuner.logs import Log
 from tuner.problem import Problem
-from tuner.single import SinglePrecision, single_precision
+from tuner.single import Part, SinglePrecision, single_precision
 from tuner.solution import Solution
 from tuner.solvers import Gradient
 from tuner.study import Plan, Source, Study, Target, Task, tuned_values
@@ -79,20 +76,6 @@ def _quantities(settings: Settings, solution: Solution) -> tuple[Quantity, ...]:
     return tuple(found)
 
 
-@dataclass(frozen=True)
-class _Angles:
-    """The filter, of whose outputs the angles alone are looked at."""
-
-    filter: AnyFilter
-
-    def init(self, params: Any) -> Any:
-        return self.filter.init(params)
-
-    def step(self, params: Any, state: Any, inputs: Any) -> tuple[Any, Array]:
-        state, found = self.filter.step(params, state, inputs)
-        return state, found.angles
-
-
 def _single(bench: Bench, solution: Solution) -> tuple[SinglePrecision, ...]:
     """On the flight with table 1's deviations as constant errors."""
     settings = bench.settings
@@ -100,7 +83,7 @@ def _single(bench: Bench, solution: Solution) -> tuple[SinglePrecision, ...]:
     inputs = jax.tree.map(lambda leaf: leaf[:, 0], deterministic(settings, flight, (0, 1, 2, 3, 4)))
     params = gains(settings, flight, settings.start, with_gains(tuned_values(solution)))
     form = "mixing" if aid == "airspeed" else "mixing with velocity"
-    filter = _Angles(MixingFilter(settings.dt, aid))
+    filter = Part(MixingFilter(settings.dt, aid), "angles")
     return (single_precision(form, filter, params, inputs, scale=SCALE),)
 
 
