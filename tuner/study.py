@@ -1,9 +1,12 @@
 """What a study is, and how studies are found."""
 
-from collections.abc import Callable, Iterable, Mapping
+import hashlib
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
 
 from tuner.comparison import Comparison
 from tuner.figure import Figure
@@ -39,6 +42,21 @@ class Source:
     sha256: str
     samples: int
     rate_hz: float
+
+    @classmethod
+    def simulated(cls, name: str, made: Sequence[np.ndarray], rate_hz: float) -> "Source":
+        """Made-up records side by side.
+
+        Args:
+            name: what was made up.
+            made: one array ``(N, k, ...)`` or several, of k records of N samples each.
+            rate_hz: sample rate.
+
+        >>> Source.simulated("two steps", [np.zeros((500, 2, 3))], 100.0).samples
+        1000
+        """
+        digest = hashlib.sha256(b"".join(array.tobytes() for array in made)).hexdigest()
+        return cls(name, digest, made[0].shape[0] * made[0].shape[1], rate_hz)
 
 
 @dataclass(frozen=True)

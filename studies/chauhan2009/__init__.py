@@ -3,7 +3,6 @@
 Equation numbers are the paper's; docs/chauhan2009.md tells what was found.
 """
 
-import hashlib
 from functools import partial
 
 import numpy as np
@@ -39,9 +38,7 @@ def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
 
 def _source(problem: Problem) -> Source:
     made = np.asarray(problem.data.inputs.rate)
-    digest = hashlib.sha256(made.tobytes()).hexdigest()
-    name = f"{made.shape[1]} simulated pitch steps"
-    return Source(name, digest, made.shape[0] * made.shape[1], 1 / DT)
+    return Source.simulated(f"{made.shape[1]} simulated pitch steps", [made], 1 / DT)
 
 
 def _target(problem: Problem, settings: Settings) -> Target:

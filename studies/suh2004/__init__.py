@@ -3,7 +3,6 @@
 Equation numbers are the paper's; docs/suh2004.md tells what was found.
 """
 
-import hashlib
 from functools import partial
 
 import jax
@@ -54,10 +53,8 @@ def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
 
 
 def _source(settings: Settings, tuned_on: Recordings, seed: int) -> Source:
-    made = np.asarray(tuned_on.inputs.acceleration)
-    digest = hashlib.sha256(made.tobytes()).hexdigest()
     name = f"{tuned_on.count} simulated motions with pushes and bias, seeds from {seed}"
-    return Source(name, digest, made.shape[0] * made.shape[1], 1 / DT)
+    return Source.simulated(name, [np.asarray(tuned_on.inputs.acceleration)], 1 / DT)
 
 
 def _target(problem: Problem, judged_on: Recordings) -> Target:

@@ -3,7 +3,6 @@
 Equation numbers are the paper's; docs/you_lee.md tells what was found.
 """
 
-import hashlib
 from functools import partial
 
 import jax
@@ -41,11 +40,9 @@ def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
     solver = Gradient("l-bfgs-b", seed=seed, starts=settings.starts)
     inputs = posed["free"].data.inputs
     refuse(bench, np.asarray(inputs.rate))
-    digest = hashlib.sha256(b"".join(np.asarray(leaf).tobytes() for leaf in inputs)).hexdigest()
     name = f"{settings.train} simulated flights on {settings.trajectory}, seeds from {seed}"
-    samples = settings.samples * settings.train
     return Plan(
-        source=Source(name, digest, samples, settings.rate_hz),
+        source=Source.simulated(name, [np.asarray(leaf) for leaf in inputs], settings.rate_hz),
         tasks=tuple(Task(problem, solver, solver.name) for problem in posed.values()),
         targets=tuple(_target(bench, problem) for problem in posed.values()),
         compare=partial(compare, bench),
