@@ -69,7 +69,7 @@ from filters.mixing import (  # noqa: E402
     accelerometer_angles,
     euler_rates,
 )
-from filters.possibilistic import line  # noqa: E402
+from filters.possibilistic import line, regression  # noqa: E402
 from filters.protocol import AnyFilter, Filter, run  # noqa: E402
 from filters.residual_noise import ResidualNoise  # noqa: E402
 from filters.room import RestRule, RoomKalman, RoomNoise, RoomOutputs, RoomState, blocks  # noqa: E402
@@ -185,6 +185,7 @@ __all__ = [
     "loop_step",
     "predict",
     "riccati_flow",
+    "regression",
     "run",
     "shared",
     "tilt_disturbance",

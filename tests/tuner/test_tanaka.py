@@ -7,13 +7,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax.test_util import check_grads
 
 import tests.oracles_tanaka as oracle
-from filters.possibilistic import line
+from filters.possibilistic import line, regression
 from tuner import tanaka, tanaka_program, tanaka_simplex, tanaka_windows
 from tuner.convex import solve
-from tuner.possibilistic import Outcome
-from tuner.possibilistic.vertices import dual_vertices
+from tuner.possibilistic import Outcome, many
 
 EXACT = 1e-9
 
@@ -119,24 +119,44 @@ def test_one_program_takes_many_samples():
 # --- many windows -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("m", [2, 3, 6, 7])
+@pytest.mark.parametrize("m", [2, 7])
 @pytest.mark.parametrize("fuzzy", [False, True])
 def test_windows_are_those_of_one_by_one(m, fuzzy):
     """An odd number of samples has many ties; signs of t make another dual."""
     rng = np.random.default_rng(m)
     t = np.arange(m) - (2.0 if fuzzy else 0.0)
-    x = rng.integers(-3, 4, (25, m)).astype(float)
+    x = rng.integers(-3, 4, (many.FEW, m)).astype(float)
     e = rng.uniform(0, 1, x.shape) if fuzzy else None
     found = tanaka_windows(t, x, 0.25, e)
-    for i, row in enumerate(x):
-        one = tanaka(t, row, 0.25, None if e is None else e[i])
-        assert found.unique[i] == one.unique
-        close(found.objective[i], one.objective, 10)
-        close(found.center[i], one.center, 10)
-        close(found.spread[i], one.spread, 10)
+    for i in range(25):
+        same(found, i, tanaka(t, x[i], 0.25, None if e is None else e[i]), [4.0, 4.0])
 
 
-def test_windows_of_too_many_samples_or_of_one_time_are_solved_all_the_same():
+def test_every_window_may_have_its_own_t():
+    """Of any scale; one of them determines no center; the last block is not full."""
+    rng = np.random.default_rng(0)
+    count = many.BLOCK + 7
+    t = rng.normal(size=(count, 6, 2)) * 10.0 ** rng.integers(-12, 12, (count, 1, 2))
+    t[-1] = 3.0
+    x = rng.normal(size=(count, 6)) * 10.0 ** rng.integers(-12, 12, (count, 1))
+    e = 0.1 * np.abs(x) * rng.uniform(size=6)
+    found = tanaka_windows(t, x, 0.5, e)
+    assert found.unique[:-1].mean() > 0.9
+    assert not found.unique[-1]
+    for i in (0, 1, 2, many.BLOCK, count - 1):
+        size = np.abs(x[i]).max() / np.array([1.0, *np.abs(t[i]).max(axis=0)])
+        same(found, i, tanaka(t[i], x[i], 0.5, e[i]), size)
+
+
+def same(found, i, one, size):
+    """A window of many is the regression of its own; size: of its coefficients."""
+    assert found.unique[i] == one.unique
+    np.testing.assert_allclose(found.objective[i] / size[0], one.objective / size[0], atol=EXACT)
+    np.testing.assert_allclose(found.center[i] / size, one.center / size, atol=EXACT)
+    np.testing.assert_allclose(found.spread[i] / size, one.spread / size, atol=EXACT)
+
+
+def test_few_windows_long_ones_and_those_of_one_time_are_solved_all_the_same():
     rng = np.random.default_rng(0)
     long = rng.normal(size=(2, 40))
     found = tanaka_windows(np.arange(40), long)
@@ -147,13 +167,36 @@ def test_windows_of_too_many_samples_or_of_one_time_are_solved_all_the_same():
     assert tanaka_windows([0, 1], np.empty((0, 2))).center.shape == (0, 2)
 
 
-def test_the_vertices_know_where_a_tie_may_be():
-    even, odd = (np.stack([np.ones(m), np.arange(float(m))], axis=1) for m in (6, 5))
-    assert dual_vertices(even).decided
-    assert not dual_vertices(odd).decided
-
-
 # --- inside a time loop -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("m", "k"), [(6, 1), (5, 2)])
+def test_random_fractions_are_solved_exactly_there(m, k):
+    """Side by side: where the optimum is unique it is found, and most often known to be so."""
+    rng = np.random.default_rng(m)
+    t = rng.integers(-3, 5, (40, m, k))
+    x, e = rng.integers(-6, 7, (40, m)), rng.integers(0, 3, (40, m))
+    of_t, of_x, of_e = (jnp.asarray(np.moveaxis(a, 0, -1), float) for a in (t, x, e))
+    found = jax.jit(regression)(of_t, of_x, 0.25, of_e)
+    exact = [
+        oracle.fit(t[i].tolist(), x[i].tolist(), Fraction(1, 4), e[i].tolist()) for i in range(40)
+    ]
+    unique = np.array([one.unique for one in exact])
+    assert not (found.unique & ~unique).any()
+    assert found.unique.sum() > 0.9 * unique.sum()
+    assert 10 < unique.sum() < 40
+    for i, one in enumerate(exact):
+        if one.unique:
+            close(found.center[i], one.p)
+            close(found.spread[i], one.c)
+
+
+def test_derivatives_of_a_regression_are_those_of_the_solution():
+    """By t, x, h and e, forwards and backwards, against differences."""
+    rng = np.random.default_rng(1)
+    given = rng.normal(size=(6, 2)), rng.normal(size=(6, 1)), 0.2, rng.uniform(size=(6, 1))
+    fitted = jax.jit(lambda t, x, h, e: regression(t, x, h, e)[:2])
+    check_grads(fitted, tuple(jnp.asarray(a) for a in given), order=1, atol=1e-6, rtol=1e-6)
 
 
 @pytest.mark.parametrize("m", [2, 4, 6, 10])
@@ -213,6 +256,12 @@ def test_windows_refuse_what_one_does():
         tanaka_windows([0, 1], [0.0, 1.0])
     with pytest.raises(ValueError, match="a spread e is -1"):
         tanaka_windows([0, 1], [[0.0, 1.0]], e=[0.0, -1.0])
+    with pytest.raises(ValueError, match=r"t has the shape \(3,\) and x \(1, 2\); W windows"):
+        tanaka_windows([0, 1, 2], [[0.0, 1.0]])
+    with pytest.raises(ValueError, match="the windows are empty"):
+        tanaka_windows([], np.empty((3, 0)))
+    with pytest.raises(ValueError, match="h must be at least 0 and below 1"):
+        tanaka_windows([0, 1], np.empty((0, 2)), h=1.0)
 
 
 @pytest.mark.parametrize(

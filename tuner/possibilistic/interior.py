@@ -52,15 +52,15 @@ def solve(window: Window) -> Point:
         ArithmeticError: where the interior-point method did not get there.
     """
     for tolerance in TOLERANCES:
-        z, y = _interior(window, tolerance)
+        z, y = interior_point(window, tolerance)
         point = _sharpened(window, z, y)
         if point.error <= EXACT:
             break
     return point
 
 
-def _interior(window: Window, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
-    """An end in the middle of the optima: z and the rows' multipliers."""
+def interior_point(window: Window, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+    """Where the interior-point method ends, in the middle of the optima: z and the multipliers."""
     import clarabel
 
     of = window.of

@@ -1,19 +1,20 @@
-"""The regression of many windows that share their t: products with the dual's vertices."""
+"""The regression of many windows side by side, by the dual simplex method of the time loop."""
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tuner.possibilistic.one import tanaka
-from tuner.possibilistic.vertices import MOST, Vertices, bases, dual_vertices
-from tuner.possibilistic.window import window
+from tuner.possibilistic.window import check_degree
 
-CHUNK = 256
-"""Windows at a time: their values at all vertices stay in the processor's cache."""
-_TIE = 1e-12
-"""Vertices whose values differ by less than this, of scaled samples in sum, are equally good."""
+FEW = 256
+"""Fewer windows are solved one by one before the others are compiled."""
+BLOCK = 1024
+"""Windows a call: with as many always, one compilation serves every number of windows."""
+_LANES = 32  # tables of so many programs stay in the processor's fast cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,13 +36,14 @@ class Windows:
 def tanaka_windows(
     t: ArrayLike, x: ArrayLike, h: float = 0.0, e: ArrayLike | None = None
 ) -> Windows:
-    """:func:`tuner.tanaka` for many windows with the same t, exactly and some 50 times as fast.
+    """:func:`tuner.tanaka` for many windows, exactly and some 50 times as fast.
 
-    Windows with several optima, and a t with too many bases (about 20 samples of one regressor) or
-    one that determines no center, are solved one by one.
+    Windows with several optima, and those whose t determines no center, are solved one by one; so
+    are all where they are fewer than 256, for the others have to be compiled (a second or two for
+    every shape of a window).
 
     Args:
-        t: regressors of every window, ``(m,)`` or ``(m, k)``.
+        t: regressors of every window, ``(m,)`` or ``(m, k)``; ``(W, m, k)`` where each has its own.
         x: samples, ``(W, m)``.
         h: degree to which samples have to belong to the band.
         e: their spreads, ``(W, m)`` or ``(m,)``; 0 if left out.
@@ -52,70 +54,87 @@ def tanaka_windows(
     >>> tanaka_windows([0, 1, 2, 3], [[0, 1, 2, 3], [1, 1, 1, 1]]).center.round(9).tolist()
     [[0.0, 1.0], [1.0, 0.0]]
     """
-    x = np.asarray(x, float)
-    if x.ndim != 2:
-        raise ValueError(f"x has the shape {x.shape}; W windows of m samples are (W, m)")
-    e = np.zeros_like(x) if e is None else np.broadcast_to(np.asarray(e, float), x.shape)
-    n = np.asarray(t, float).reshape(x.shape[1], -1).shape[1] + 1 if x.shape[1] else 1
-    found = Windows(
-        np.empty((len(x), n)), np.empty((len(x), n)), np.empty(len(x)), np.zeros(len(x), bool)
-    )
-    rest = np.arange(len(x))
-    asked = window(t, x.ravel()[: x.shape[1]], h, None) if len(x) else None
-    if asked is not None and asked.of.rank == n and bases(x.shape[1], n) <= MOST:
-        _refuse(x, e)
-        columns = asked.of.columns * asked.of.scale
-        vertices = _vertices(columns.tobytes(), columns.shape)
-        for start in range(0, len(x), CHUNK):
-            part = slice(start, start + CHUNK)
-            _fill(found, part, vertices, x[part], e[part], h)
-        rest = np.flatnonzero(~found.unique)
-    for i in rest:
-        one = tanaka(t, x[i], h, e[i])
+    t, x, e = _checked(t, x, h, e)
+    found = _together(t, x, h, e) if len(x) >= FEW else _unsolved(t)
+    for i in np.flatnonzero(~found.unique):
+        one = tanaka(t[i], x[i], h, e[i])
         found.center[i], found.spread[i] = one.center, one.spread
         found.objective[i], found.unique[i] = one.objective, one.unique
     return found
 
 
-@lru_cache(maxsize=8)
-def _vertices(columns: bytes, shape: tuple[int, ...]) -> Vertices:
-    return dual_vertices(np.frombuffer(columns).reshape(shape))
+def _unsolved(t: np.ndarray) -> Windows:
+    """Room for the regressions, none of them unique yet."""
+    count, _, regressors = t.shape
+    return Windows(
+        center=np.zeros((count, regressors + 1)),
+        spread=np.zeros((count, regressors + 1)),
+        objective=np.zeros(count),
+        unique=np.zeros(count, bool),
+    )
 
 
-def _fill(
-    found: Windows, part: slice, vertices: Vertices, x: np.ndarray, e: np.ndarray, h: float
-) -> None:
-    """The windows of a part that have one optimum."""
-    low, high = (x - e).min(axis=1), (x + e).max(axis=1)
-    size = np.where(high > low, high / 2 - low / 2, 1.0)[:, None]
-    middle = (low / 2 + high / 2)[:, None]
-    x, e = (x - middle) / size, (1 - h) * e / size
-    # Vertices that are not sharp are worth 0 for crisp samples, where the times decide.
-    crisp = not e.any() and vertices.decided
-    values = x @ vertices.difference[: vertices.sharp if crisp else None].T
-    if e.any():
-        values += e @ vertices.total.T
-    # Of equally good vertices a sharp one knows the solution.
-    at = values[:, : vertices.sharp].argmax(axis=1)
-    of_sharp = values[np.arange(len(x)), at]
-    best = np.maximum(of_sharp, 0.0) if crisp else values.max(axis=1)
-    sharp = of_sharp >= best - _TIE * x.shape[1]
-    z = np.einsum("wnm,wm->wn", vertices.by_x[at], x)
-    if e.any():
-        z += np.einsum("wnm,wm->wn", vertices.by_e[at], e)
-    n = z.shape[1] // 2
-    center = size * z[:, :n]
-    center[:, :1] += middle
-    found.center[part] = center
-    found.spread[part] = np.maximum(size * z[:, n:], 0.0) / (1 - h)
-    found.objective[part] = best * size[:, 0] / (1 - h)
-    found.unique[part] = sharp
+def _together(t: np.ndarray, x: np.ndarray, h: float, e: np.ndarray) -> Windows:
+    found, solve = _unsolved(t), _compiled()
+    for start in range(0, len(x), BLOCK):
+        part = slice(start, start + BLOCK)
+        size = len(x[part])
+        # The last block is filled up with its first window.
+        taken = start + np.arange(BLOCK) % size if size < BLOCK else part
+        center, spread, unique = (
+            np.asarray(a)[:size] for a in solve(t[taken], x[taken], h, e[taken])
+        )
+        found.center[part], found.spread[part], found.unique[part] = center, spread, unique
+    width = np.abs(t).sum(axis=1)
+    found.objective[:] = t.shape[1] * found.spread[:, 0] + (found.spread[:, 1:] * width).sum(axis=1)
+    return found
 
 
-def _refuse(x: np.ndarray, e: np.ndarray) -> None:
-    for name, array in (("x", x), ("e", e)):
+@cache
+def _compiled() -> Any:
+    """A block's regressions, compiled for every new shape of a window."""
+    import jax
+
+    from filters.possibilistic import regression
+
+    def lanes(windows: Any) -> Any:
+        t, x, e = (jax.numpy.moveaxis(a, 0, -1) for a in windows[:3])
+        return regression(t, x, windows[3], e)
+
+    def block(t: Any, x: Any, h: Any, e: Any) -> Any:
+        parts = [a.reshape(-1, _LANES, *a.shape[1:]) for a in (t, x, e)]
+        h = jax.numpy.full(len(parts[0]), h)
+        found = jax.lax.map(lanes, (*parts, h))
+        return jax.tree.map(lambda a: a.reshape(-1, *a.shape[2:]), found)
+
+    return jax.jit(block)
+
+
+def _checked(
+    t: ArrayLike, x: ArrayLike, h: float, e: ArrayLike | None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Every window's own t, ``(W, m, k)``, and x and e, ``(W, m)``."""
+    given, x = np.asarray(t, float), np.asarray(x, float)
+    check_degree(h)
+    if x.ndim != 2:
+        raise ValueError(f"x has the shape {x.shape}; W windows of m samples are (W, m)")
+    own = given[:, None] if given.ndim == 1 else given
+    own = own[None] if own.ndim == 2 else own
+    if own.ndim != 3 or len(own) not in (1, len(x)) or own.shape[1] != x.shape[1]:
+        raise ValueError(
+            f"t has the shape {given.shape} and x {x.shape}; W windows of m samples of k "
+            "regressors are (m,), (m, k) or (W, m, k), and (W, m)"
+        )
+    if not x.shape[1]:
+        raise ValueError("the windows are empty; give at least one sample for each")
+    e = np.zeros(x.shape) if e is None else np.broadcast_to(np.asarray(e, float), x.shape)
+    for name, array in (("t", own), ("x", x), ("e", e)):
         if not np.isfinite(array).all():
-            w, j = (int(i) for i in np.argwhere(~np.isfinite(array))[0])
-            raise ValueError(f"{name} is {array[w, j]} in window {w} at {j}; leave the window out")
-    if (e < 0).any():
+            w, *at = (int(i) for i in np.argwhere(~np.isfinite(array))[0])
+            where = at[0] if len(at) == 1 else tuple(at)
+            raise ValueError(
+                f"{name} is {array[w, *at]} in window {w} at {where}; leave the window out"
+            )
+    if x.size and e.min() < 0:
         raise ValueError(f"a spread e is {e.min():g}; give none below 0")
+    return np.broadcast_to(own, (len(x), *own.shape[1:])), x, e

@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tuner.possibilistic.vertices import constraint_rows
-
 _RANK = 1e-11
 """Singular values below this share of the largest count as zero."""
 
@@ -98,8 +96,7 @@ def window(t: ArrayLike, x: ArrayLike, h: float, e: ArrayLike | None) -> Window:
     """
     t, x = _finite("t", t), _finite("x", x)
     spreads = np.zeros(x.shape) if e is None else _finite("e", e)
-    if not 0 <= h < 1:
-        raise ValueError(f"h must be at least 0 and below 1, where spreads are infinite; got {h:g}")
+    check_degree(h)
     if x.ndim != 1 or t.ndim not in (1, 2) or len(t) != len(x) or spreads.shape != x.shape:
         raise ValueError(
             f"t has the shape {t.shape}, x {x.shape} and e {spreads.shape}; m samples of k "
@@ -114,6 +111,16 @@ def window(t: ArrayLike, x: ArrayLike, h: float, e: ArrayLike | None) -> Window:
     values = (x - middle) / size
     of = _regressors(t.tobytes(), t.shape)
     return Window(of, values, (1 - h) / size * spreads, float(h), middle, size)
+
+
+def check_degree(h: float) -> None:
+    """Refuse an h that is not a degree.
+
+    Raises:
+        ValueError: for an h outside 0 to below 1.
+    """
+    if not 0 <= h < 1:
+        raise ValueError(f"h must be at least 0 and below 1, where spreads are infinite; got {h:g}")
 
 
 @lru_cache(maxsize=64)
@@ -133,6 +140,11 @@ def _regressors(t: bytes, shape: tuple[int, ...]) -> Regressors:
     cost = np.concatenate([np.zeros(rank), np.abs(columns).sum(axis=0)[used]])
     unseen = np.linalg.qr(right[rank:].T / scale[:, None])[0]
     return Regressors(columns, scale, used, basis, unseen, rows, cost, _sparse(-rows))
+
+
+def constraint_rows(T: np.ndarray) -> np.ndarray:
+    """What has to be at least (x + e', e' - x), with e' = (1 - h) e, of (p, s): ``(2m, 2n)``."""
+    return np.block([[T, np.abs(T)], [-T, np.abs(T)]])
 
 
 def _sparse(matrix: np.ndarray) -> Any:
