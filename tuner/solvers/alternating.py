@@ -8,7 +8,7 @@ from tuner.problem import Problem
 from tuner.solution import Solution
 from tuner.solvers.gradient import minimise
 from tuner.solvers.multistart import Minimum, from_several
-from tuner.solvers.nelder_mead import nelder_mead
+from tuner.solvers.nelder_mead import boxed
 
 
 @dataclass(frozen=True)
@@ -60,8 +60,8 @@ class Alternating:
         if steps.all():
             return Minimum(z, problem.value(z), 1, True, "nothing is smooth")
         low, high = (np.where(steps, z, end) for end in problem.space.box())
-        options = {"gtol": self.gradient, "maxiter": self.iterations, "ftol": 1e-15}
-        return minimise(problem, z, "l-bfgs-b", options, (low, high))
+        limits = {"gtol": self.gradient, "maxiter": self.iterations}
+        return minimise(problem, z, "l-bfgs-b", limits, (low, high))
 
     def _switch(self, problem: Problem, z: np.ndarray) -> Minimum:
         """The best thresholds beside the other coordinates of z."""
@@ -73,15 +73,12 @@ class Alternating:
             point[steps] = part
             return point
 
-        edge = np.where(z[steps] + self.step <= high, self.step, -self.step)
-        found = nelder_mead(
+        found = boxed(
             lambda part: problem.value(whole(part)),
-            np.vstack([z[steps], z[steps] + np.diag(edge)]),
-            xtol=1e-3,
-            ftol=np.inf,
-            limit=100 * len(edge),
-            box=(low, high),
+            z[steps],
+            (low, high),
+            step=self.step,
+            tolerance=1e-3,
+            limit=100 * len(low),
         )
-        return Minimum(
-            whole(found.z), found.value, found.evaluations, found.finished, found.message
-        )
+        return replace(found, z=whole(found.z))

@@ -53,7 +53,7 @@ class Gradient:
 
     def _descend(self, problem: Problem, z: np.ndarray) -> Minimum:
         limits = {"gtol": self.gradient, "maxiter": self.iterations}
-        return minimise(problem, z, self.name, limits | _TOLERANCE[self.name], problem.space.box())
+        return minimise(problem, z, self.name, limits, problem.space.box())
 
 
 _TOLERANCE = {"l-bfgs-b": {"ftol": 1e-15}, "trust-constr": {"xtol": 1e-9}}
@@ -64,7 +64,7 @@ def minimise(
     problem: Problem,
     z: np.ndarray,
     method: str,
-    options: dict[str, Any],
+    limits: dict[str, Any],
     box: tuple[np.ndarray, np.ndarray],
 ) -> Minimum:
     """One scipy descent on value / |value at the start|: its tolerances suit values near 1.
@@ -73,7 +73,7 @@ def minimise(
         problem: what is minimised.
         z: the start, ``(n,)``.
         method: scipy's name of the method.
-        options: the method's.
+        limits: the method's options that end it, besides its least progress.
         box: lowest and highest z, ``(n,)`` each; equal where a coordinate is to stay.
     """
     from scipy.optimize import Bounds, minimize
@@ -96,7 +96,7 @@ def minimise(
         hess=(lambda point: problem.hessian(point) / scale) if second else None,
         method=method,
         bounds=Bounds(low, high),
-        options=options,
+        options=limits | _TOLERANCE[method],
     )
     # Every Hessian costs two gradients per coordinate.
     extra = 2 * len(z) * ended.nhev if second else 0

@@ -38,17 +38,38 @@ class NelderMead:
         return from_several(problem, self.name, self._descend, starts=self.starts, seed=self.seed)
 
     def _descend(self, problem: Problem, z: np.ndarray) -> Minimum:
-        low, high = problem.space.box()
-        # A step that would leave the box goes the other way.
-        step = np.where(z + self.step <= high, self.step, -self.step)
-        return nelder_mead(
-            lambda point: problem.value(np.clip(point, low, high)),
-            np.vstack([z, z + np.diag(step)]),
-            xtol=self.tolerance,
-            ftol=np.inf,
-            limit=self.evaluations * len(z),
-            box=(low, high),
-        )
+        box, limit = problem.space.box(), self.evaluations * len(z)
+        return boxed(problem.value, z, box, step=self.step, tolerance=self.tolerance, limit=limit)
+
+
+def boxed(
+    function: Callable[[np.ndarray], float],
+    z: np.ndarray,
+    box: tuple[np.ndarray, np.ndarray],
+    *,
+    step: float,
+    tolerance: float,
+    limit: int,
+) -> Minimum:
+    """Minimise within a box, from a simplex with one step along each coordinate.
+
+    Args:
+        function: what is minimised; never called outside the box.
+        z: the start, ``(n,)``.
+        box: lowest and highest z, ``(n,)`` each.
+        step: edge of the first simplex.
+        tolerance: size of the last simplex.
+        limit: of evaluations and of iterations.
+
+    >>> box = np.array([0.0, 0.0]), np.array([1.0, 1.0])
+    >>> start, cost = np.full(2, 0.9), lambda z: z @ z - 4 * z[1]
+    >>> boxed(cost, start, box, step=0.5, tolerance=1e-6, limit=400).z.round(5).tolist()
+    [0.0, 1.0]
+    """
+    # A step that would leave the box goes the other way.
+    edge = np.where(z + step <= box[1], step, -step)
+    simplex = np.vstack([z, z + np.diag(edge)])
+    return nelder_mead(function, simplex, xtol=tolerance, ftol=np.inf, limit=limit, box=box)
 
 
 def fminsearch(function: Callable[[np.ndarray], float], start: np.ndarray) -> Minimum:
