@@ -148,6 +148,23 @@ def measure(motion: Motion, *, gyroscope: Sensor, accelerometer: Sensor, seed: i
     return ImuSample(jnp.asarray(force), jnp.asarray(rate))
 
 
+def even_normals(count: int, size: int, seed: int) -> np.ndarray:
+    """Standard normal numbers for runs that together show the distribution, ``(count, size)``.
+
+    A Latin hypercube: of each column one number lies in every 1/count of the distribution, so that
+    means over the runs scatter far less than with independent numbers, and tend to the same.
+
+    Source: McKay, Beckman and Conover, Technometrics 21(2), 1979.
+
+    >>> even_normals(100, 1, seed=0).std().round(2)
+    np.float64(1.0)
+    """
+    from scipy.special import ndtri
+    from scipy.stats.qmc import LatinHypercube
+
+    return np.asarray(ndtri(LatinHypercube(size, rng=np.random.default_rng(seed)).random(count)))
+
+
 def _angles(swing: Swing, time: np.ndarray, draw: np.random.Generator) -> tuple[np.ndarray, ...]:
     """Angles and their rates, ``(N, 3)`` each."""
     count = swing.count

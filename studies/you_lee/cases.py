@@ -14,7 +14,7 @@ from filters import MixingFilter, MixingGains, MixingSample, Several, VelocityNo
 from filters.mixing import Aid
 from studies.you_lee.flight import TRAJECTORIES, Motion, Trajectory, motion
 from studies.you_lee.settings import GRAVITY, HELD_OUT, Settings, Start
-from tuner.simulation import Sensor
+from tuner.simulation import Sensor, even_normals
 
 PER_HOUR = float(np.radians(1.0)) / 3600
 """1 deg/h in rad/s."""
@@ -22,6 +22,7 @@ MICRO = 1e-6 * GRAVITY
 """1 ug in ft/s^2."""
 CHUNK = 25
 """Runs side by side: 42 MB of 300 s at 100 Hz."""
+ALL = slice(None)
 SETTLED = 0.2
 """The level root mean square leaves out this share of level flight, 50 s of 250."""
 SHOWN = 301
@@ -95,21 +96,36 @@ class Errors(NamedTuple):
     airspeed: np.ndarray
 
 
-def sensor_errors(settings: Settings, seeds: Iterable[int]) -> Errors:
-    """Table 1's errors, one run a seed; every flight gets the same."""
+def sensor_errors(settings: Settings, first: int, count: int, part: slice = ALL) -> Errors:
+    """Table 1's errors in runs with the seeds first, first + 1, ..; every flight gets the same.
+
+    The biases at turn-on decide most of an error, so those of all runs together are spread evenly.
+
+    Args:
+        settings: of the study.
+        first: seed of the first run.
+        count: how many runs there are.
+        part: which of them are made; all if left out.
+    """
     still = np.zeros((settings.samples, 3))
     hour = np.sqrt(3600.0)
-    gyro = Sensor(walk=settings.gyro_walk * PER_HOUR / hour, turn_on=settings.gyro_bias * PER_HOUR)
-    acc = Sensor(walk=settings.acc_walk * MICRO / hour, turn_on=settings.acc_bias * MICRO)
-    made = [
-        (
-            acc.measure(still, settings.dt, seed + 2**31),
-            gyro.measure(still, settings.dt, seed),
-            settings.airspeed_noise * np.random.default_rng([seed, 2]).normal(size=len(still)),
+    gyro_walk, acc_walk = settings.gyro_walk * PER_HOUR / hour, settings.acc_walk * MICRO / hour
+    gyro_bias, acc_bias = settings.gyro_bias * PER_HOUR, settings.acc_bias * MICRO
+    turn_on = even_normals(count, 6, first)
+    runs = list(zip(range(first, first + count), turn_on, strict=True))
+    made = []
+    for seed, start in runs[part]:
+        gyro = Sensor(walk=gyro_walk, bias=tuple(gyro_bias * start[:3]))
+        acc = Sensor(walk=acc_walk, bias=tuple(acc_bias * start[3:]))
+        draw = np.random.default_rng([seed, 2])
+        made.append(
+            (
+                acc.measure(still, settings.dt, seed + 2**31),
+                gyro.measure(still, settings.dt, seed),
+                settings.airspeed_noise * draw.normal(size=len(still)),
+            )
         )
-        for seed in seeds
-    ]
-    return Errors(*(np.stack(part, axis=1) for part in zip(*made, strict=True)))
+    return Errors(*(np.stack(errors, axis=1) for errors in zip(*made, strict=True)))
 
 
 def measured(flight: Flown, errors: Errors) -> MixingSample:
@@ -215,15 +231,15 @@ class Bench:
     def train(self) -> tuple[MixingSample, np.ndarray]:
         """What is tuned on: inputs ``(N, k, ...)`` and truth ``(N, 2)``."""
         flight = self.flights[self.settings.trajectory]
-        seeds = range(self.seed, self.seed + self.settings.train)
-        return measured(flight, sensor_errors(self.settings, seeds)), flight.truth
+        errors = sensor_errors(self.settings, self.seed, self.settings.train)
+        return measured(flight, errors), flight.truth
 
     def spread(self, case: Case, runs: int | None = None) -> Spread:
         """One case; see :meth:`spreads`."""
         return self.spreads([case], runs)[0]
 
     def spreads(self, cases: Iterable[Case], runs: int | None = None) -> list[Spread]:
-        """Each case over all Monte Carlo runs, or the first of them; in chunks, and only once."""
+        """Each case over all Monte Carlo runs, or fewer; in chunks, and only once."""
         cases, count = list(cases), min(runs or self.settings.runs, self.settings.runs)
         wanted = [case for case in dict.fromkeys(cases) if (case, count) not in self._known]
         parts: dict[Case, list[Spread]] = {case: [] for case in wanted}
@@ -234,10 +250,9 @@ class Bench:
         return [self._known[case, count] for case in cases]
 
     def _chunks(self, count: int) -> Iterator[Errors]:
-        first = self.seed + HELD_OUT
-        for begin in range(first, first + count, CHUNK):
-            seeds = range(begin, min(begin + CHUNK, first + count))
-            yield sensor_errors(self.settings, seeds)
+        for begin in range(0, count, CHUNK):
+            part = slice(begin, begin + CHUNK)
+            yield sensor_errors(self.settings, self.seed + HELD_OUT, count, part)
 
     def _one(self, case: Case, errors: Errors) -> Spread:
         flight = self.flights[case.trajectory]

@@ -99,7 +99,7 @@ def test_determinant_of_13(name):
 def test_sensors_have_the_errors_of_table_1():
     """At the start and in what they walk: 400 runs of a few samples."""
     settings = Settings(level=1.0, turn=1.0, ramp=0.2, rate_hz=5.0)
-    errors = cases.sensor_errors(settings, range(400))
+    errors = cases.sensor_errors(settings, 0, 400)
     hour = oracle.GYR_DENSITY * settings.dt
     for found, sigma, density in (
         (errors.rate, oracle.GYR_BIAS, hour),
@@ -114,10 +114,28 @@ def test_sensors_have_the_errors_of_table_1():
 
 
 def test_runs_follow_their_seeds():
-    again = [cases.sensor_errors(SHORT, seeds) for seeds in (range(3), range(1, 3))]
+    again = [cases.sensor_errors(SHORT, 7, 3, part) for part in (slice(3), slice(1, 3))]
     for one, other in zip(*again, strict=True):
         np.testing.assert_array_equal(one[:, 1:], other)
         assert not np.array_equal(one[:, 0], one[:, 1])
+
+
+REFERENCE = {
+    ("none", "zero"): ((2.45, 2.11), (4.62, 4.68)),
+    ("airspeed", "zero"): ((0.229, 0.0488), (1.849, 0.888)),
+    ("velocity", "zero"): ((0.229, 0.0488), (1.653, 0.595)),
+    ("velocity", "true"): (None, (0.376, 0.174)),
+}
+"""An independent simulation's 100 runs on T1: level RMS, mean largest error in the turn, deg."""
+
+
+def test_a_hundred_runs_are_within_15_percent_of_an_independent_simulations():
+    many = Bench(Settings(), seed=0)
+    spreads = many.spreads([Case("T1", aid, start) for aid, start in REFERENCE])
+    for found, (level, turn) in zip(spreads, REFERENCE.values(), strict=True):
+        if level is not None:
+            np.testing.assert_allclose(found.level_rms, level, rtol=0.15)
+        np.testing.assert_allclose(found.turn_maximum, turn, rtol=0.15)
 
 
 def test_monte_carlo_is_the_textbooks(monkeypatch):
@@ -126,7 +144,7 @@ def test_monte_carlo_is_the_textbooks(monkeypatch):
     for name, value in (("N", N), ("T", SHORT.dt), ("LEVEL", 20.0), ("TURN", 20.0), ("RAMP", 5.0)):
         monkeypatch.setattr(oracle, name, value)
     flight = bench().flights["T1"]
-    errors = cases.sensor_errors(settings, range(1000, 1003))
+    errors = cases.sensor_errors(settings, 1000, 3)
     inputs = cases.measured(flight, errors)
     sensors = oracle.Sensors(*(np.asarray(part) for part in (inputs[1], inputs[0], inputs[2])))
     true = oracle.truth("T1")

@@ -4,9 +4,10 @@ from functools import cache
 
 import numpy as np
 import pytest
+import scipy.stats
 from scipy.spatial.transform import Rotation
 
-from tuner.simulation import GRAVITY, Bursts, Sensor, Swing, measure, simulate
+from tuner.simulation import GRAVITY, Bursts, Sensor, Swing, even_normals, measure, simulate
 
 SWING = Swing(size=(0.4, 0.3, 1.0))
 STILL = Swing(size=(0.0, 0.0, 0.0))
@@ -220,6 +221,19 @@ def test_pitch_near_the_vertical():
 def test_swing_that_is_no_number():
     with pytest.raises(ValueError, match="swing"):
         simulate(seconds=5.0, dt=0.1, seed=0, swing=Swing(size=(0.1, np.nan, 0.1)))
+
+
+def test_even_normals_are_normal_and_their_means_scatter_less():
+    """Each quantile holds one; columns know nothing of each other; other seeds, other numbers."""
+    drawn = np.stack([even_normals(100, 2, seed) for seed in range(50)])
+    ranks = np.floor(100 * scipy.stats.norm.cdf(drawn))
+    np.testing.assert_array_equal(np.sort(ranks, axis=1)[..., 0], np.tile(np.arange(100), (50, 1)))
+    # Independent numbers would scatter by 0.1 and 0.07.
+    assert drawn.mean(axis=1).std() < 0.01
+    assert drawn.std(axis=1).std() < 0.02
+    both = drawn.reshape(-1, 2).T
+    assert abs(np.corrcoef(both)[0, 1]) < 5 / np.sqrt(5000)
+    assert len(np.unique(drawn[:, 0, 0])) == 50
 
 
 def test_turn_on_bias_is_drawn_anew_and_changes_nothing_else():
