@@ -71,9 +71,7 @@ def steady_kalman(
     if not part.A.size:
         zero = np.zeros_like(A)
         return SteadyKalman(zero, zero, np.zeros_like(C.T), np.zeros(0), part.modes)
-    small = np.asarray((_dare if discrete else _care)(part.A, part.C, part.W, V))
-    if np.isnan(small).any():
-        small = _by_schur(part, V, discrete)
+    small = _solved(part, V, discrete)
     if np.isnan(small).any():
         raise ValueError(
             "the Riccati equation was not solved, although every mode is seen and driven; the "
@@ -90,6 +88,12 @@ def steady_kalman(
 def _measured(P: Array, C: Array, V: Array, discrete: bool) -> tuple[Array, Array]:
     """The covariance after a measurement, and the gain."""
     return (updated(P, C, V), steady_gain(P, C, V)) if discrete else (P, bucy_gain(P, C, V))
+
+
+def _solved(part: Reduction, V: np.ndarray, discrete: bool) -> np.ndarray:
+    """The covariance before a measurement, ``(r, r)``, by whichever method finds it; else NaN."""
+    doubled = np.asarray((_dare if discrete else _care)(part.A, part.C, part.W, V))
+    return _by_schur(part, V, discrete) if np.isnan(doubled).any() else doubled
 
 
 def _by_schur(part: Reduction, V: np.ndarray, discrete: bool) -> np.ndarray:

@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike
 
 from tuner.observer.model import observer_model, refuse_undetectable
 from tuner.observer.reduction import fastest
-from tuner.observer.units import scaled
+from tuner.observer.search import Ended
+from tuner.observer.units import Scaled, scaled
 from tuner.solution import Status
 
 
@@ -89,9 +90,14 @@ def fastest_observer(
     bounds = _bounds(bound, len(model.M))
     step = _step(dt, discrete)
     own = scaled(model, np.sqrt(bounds))
-    per = own.units.time * step
     refuse_undetectable(own.inner, own.units.time)
     found = fastest(own.inner, tolerance, bounds)
+    return _outside(own, found, step, time.perf_counter() - begun)
+
+
+def _outside(own: Scaled, found: Ended, step: float, seconds: float) -> FastestObserver:
+    """What was found for the inner model, for the outer one, whose rates are per ``step``."""
+    per = own.units.time * step
     covariance = own.covariance(found.gain)
     return FastestObserver(
         status=found.status,
@@ -102,11 +108,11 @@ def fastest_observer(
         poles=own.poles(found.gain),
         rate=own.inner.rate(found.gain) / per,
         covariance=covariance,
-        variances=model.variances(covariance),
+        variances=own.outer.variances(covariance),
         multipliers=found.multipliers,
         needed=found.needed,
         solved=found.solved,
-        seconds=time.perf_counter() - begun,
+        seconds=seconds,
     )
 
 
