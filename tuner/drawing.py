@@ -11,6 +11,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
 
+MANY = 6
+"""A legend of more entries than this stands beside the axes."""
+
 
 def table(figure: Figure) -> bytes:
     """The figure's data as CSV: one row per point, with the curve's label; a map row by row."""
@@ -47,9 +50,18 @@ def picture(figure: Figure) -> bytes:
         filled = axes.contourf(figure.x, figure.y, figure.z.T, levels=40, cmap="viridis")
         canvas.colorbar(filled, label=figure.z_label)
         _draw_lines(figure.marks, axes, on_map=True)
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(fontsize=8, framealpha=0.9)
+    _explain(canvas, axes)
     return _png(canvas)
+
+
+def _explain(canvas: "Canvas", axes: "Axes") -> None:
+    """The legend: where it covers least, or beside the axes if it would cover much anywhere."""
+    entries = len(axes.get_legend_handles_labels()[0])
+    if entries > MANY:
+        canvas.legend(fontsize=8, loc="outside right upper")
+    elif entries:
+        # Left to its default, which is the same, matplotlib warns where finding it took a second.
+        axes.legend(fontsize=8, framealpha=0.9, loc="best")
 
 
 def _draw_chart(chart: Chart, axes: "Axes") -> None:

@@ -8,7 +8,7 @@ import zlib
 import numpy as np
 import pytest
 
-from tuner.drawing import picture, table
+from tuner.drawing import MANY, picture, table
 from tuner.figure import Chart, Line, Map
 
 NASTY = 'a "quoted", comma\nand line'
@@ -82,6 +82,13 @@ def pixels(data):
     return zlib.decompress(b"".join(body for kind, body in chunks(data) if kind == b"IDAT"))
 
 
+def image(data):
+    """Brightness, 0 to 255, of every pixel."""
+    from matplotlib.image import imread
+
+    return 255 * imread(io.BytesIO(data))[..., :3].mean(axis=-1)
+
+
 @pytest.mark.parametrize("log", ["", "x", "y", "xy"])
 def test_chart_as_picture(log):
     line = Line("one", np.array([1.0, 2.0, 3.0]), np.array([1.0, 10.0, 5.0]))
@@ -98,6 +105,16 @@ def test_chart_as_picture(log):
 def test_map_as_picture_shows_its_quantity():
     other = Map(**{**vars(MAP), "z": MAP.z[::-1]})
     assert pixels(picture(MAP)) != pixels(picture(other))
+
+
+@pytest.mark.parametrize(("count", "beside"), [(MANY, False), (MANY + 1, True)])
+def test_a_long_legend_leaves_the_axes_free(count, beside):
+    """Beside a legend the axes' frame ends well before the picture does."""
+    x = np.array([0.0, 1.0])
+    named = [Line(f"line {i}", x, i + x) for i in range(count)]
+    drawn = image(picture(Chart("c", "t", "x", "y", tuple(named))))
+    right = np.flatnonzero((drawn < 40).sum(axis=0) > 0.7 * len(drawn)).max()
+    assert (right < 0.9 * drawn.shape[1]) == beside
 
 
 def test_equal_figures_give_equal_pictures():
