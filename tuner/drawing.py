@@ -65,12 +65,27 @@ def _explain(canvas: "Canvas", axes: "Axes") -> None:
 
 
 def _draw_chart(chart: Chart, axes: "Axes") -> None:
-    _draw_lines(chart.lines, axes, on_map=False)
+    if chart.numbered:
+        _draw_numbered(chart.lines, axes)
+    else:
+        _draw_lines(chart.lines, axes, on_map=False)
     axes.grid(alpha=0.3)
     if "x" in chart.log:
         axes.set_xscale("log")
     if "y" in chart.log:
         axes.set_yscale("log")
+
+
+def _draw_numbered(lines: tuple[Line, ...], axes: "Axes") -> None:
+    """Points above each number that occurs, in its order."""
+    numbers = np.unique([x for line in lines for x in line.x if np.isfinite(x)])
+    turned = 0 if len(numbers) <= 25 else 90
+    labels = [f"{number:g}" for number in numbers]
+    axes.set_xticks(np.arange(len(numbers)), labels, fontsize=7, rotation=turned)
+    for i, line in enumerate(lines):
+        known = np.isfinite(line.x)
+        at, marker = np.searchsorted(numbers, line.x[known]), "osD^vP*X"[i % 8]
+        axes.plot(at, line.y[known], marker, label=line.label, ms=6, mec="k", mew=0.5)
 
 
 def _draw_lines(lines: tuple[Line, ...], axes: "Axes", *, on_map: bool) -> None:

@@ -24,6 +24,8 @@ class Chart:
         x_label, y_label: the axes, with units.
         lines: the curves, drawn in order.
         log: which axes are logarithmic, "", "x", "y" or "xy".
+        numbered: whether x are numbers of things, not a quantity: points at equal distances, each
+            labelled with its number, and not joined.
     """
 
     name: str
@@ -32,6 +34,7 @@ class Chart:
     y_label: str
     lines: tuple[Line, ...]
     log: str = ""
+    numbered: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,6 +31,7 @@ def figures(
         y_label="RMSE, deg",
         lines=tuple(lines),
         log="y",
+        numbered=True,
     )
     yield Chart(
         name="in_time",

@@ -117,6 +117,27 @@ def test_a_long_legend_leaves_the_axes_free(count, beside):
     assert (right < 0.9 * drawn.shape[1]) == beside
 
 
+def test_numbers_stand_at_equal_distances():
+    """Trials 1, 2 and 30 are drawn as 1, 2 and 3 would be, but for their labels."""
+    charts = [
+        Chart("c", "t", "x", "y", (Line("one", np.array(x), np.array([1.0, 5, 3])),), "y", True)
+        for x in ([1.0, 2.0, 30.0], [1.0, 2.0, 3.0], [30.0, 2.0, 1.0])
+    ]
+    same, other, turned = (image(picture(chart)) for chart in charts)
+    above = slice(0, 480)  # the labels are below
+    np.testing.assert_array_equal(same[above], other[above])
+    assert (same != other).any()
+    assert (same[above] != turned[above]).any()
+
+
+def test_points_of_numbers_may_be_missing():
+    gap = Line("gap", np.array([1.0, np.nan, 4.0]), np.array([1.0, np.nan, 2.0]))
+    whole = Line("gap", np.array([1.0, 4.0]), np.array([1.0, 2.0]))
+    nothing = Line("none", np.zeros(0), np.zeros(0))
+    one, other = (Chart("c", "t", "x", "y", (n, nothing), "", True) for n in (gap, whole))
+    assert picture(one) == picture(other)
+
+
 def test_equal_figures_give_equal_pictures():
     assert picture(MAP) == picture(MAP)
 
