@@ -66,6 +66,10 @@ def transitions(A: Array, G: Array, S: Array, dt: np.ndarray) -> Transition:
 
     Raises:
         ValueError: where a sample time is negative or not finite.
+
+    >>> A, G = jnp.array([[0.0, 1.0], [0.0, 0.0]]), jnp.array([[0.0], [1.0]])
+    >>> transitions(A, G, jnp.eye(1), np.array([0.5, 2.0])).F[:, 0, 1].round(12).tolist()
+    [0.5, 2.0]
     """
     steps = np.asarray(dt, dtype=np.float64)
     wrong = np.flatnonzero(~(np.isfinite(steps) & (steps >= 0)))

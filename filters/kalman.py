@@ -77,6 +77,12 @@ def update(estimate: Estimate, h: Array, r: Array, z: Array) -> tuple[Estimate, 
         h: measurement row, ``(n,)``.
         r: measurement variance, ``()``, positive.
         z: measurement, ``()`` or ``(s,)`` for s signals; any NaN counts for all of them.
+
+    >>> one = jnp.ones(1)
+    >>> ahead = predict(Estimate(0 * one, jnp.eye(1)), jnp.eye(1), jnp.eye(1))  # variance 2
+    >>> after, innovation = update(ahead, one, jnp.array(2.0), jnp.array(3.0))
+    >>> after.x.tolist(), after.P.tolist(), innovation.variance.tolist()
+    ([1.5], [[1.0]], 4.0)
     """
     x, P = estimate
     missing = jnp.any(jnp.isnan(z))

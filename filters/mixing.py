@@ -192,7 +192,15 @@ def accelerometer_angles(force: Array, rate: Array, velocity: Array, gravity: Ar
 
 
 def euler_rates(angles: Array, rate: Array) -> Array:
-    """The rates of (roll, pitch), (2), rad/s, ``(2,)``; pitch must stay below 90 deg."""
+    """The rates of (roll, pitch), (2), rad/s, ``(2,)``; pitch must stay below 90 deg.
+
+    Args:
+        angles: (roll, pitch), rad, ``(2,)``.
+        rate: (p, q, r), rad/s, ``(3,)``.
+
+    >>> euler_rates(jnp.zeros(2), jnp.array([0.1, 0.2, 0.3])).tolist()
+    [0.1, 0.2]
+    """
     (phi, theta), (p, q, r) = angles, rate
     sine, cosine = jnp.sin(phi), jnp.cos(phi)
     return jnp.stack([p + jnp.tan(theta) * (q * sine + r * cosine), q * cosine - r * sine])

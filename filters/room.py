@@ -271,7 +271,11 @@ _START = 0.01
 
 
 def blocks(samples: ImuSample, length: int) -> ImuSample:
-    """Samples ``(N, ...)`` in blocks ``(N // length, length, ...)``, without an unfinished one."""
+    """Samples ``(N, ...)`` in blocks ``(N // length, length, ...)``, without an unfinished one.
+
+    >>> blocks(ImuSample(jnp.zeros((10, 3)), jnp.zeros((10, 3))), 4).rate.shape
+    (2, 4, 3)
+    """
     cut: ImuSample = jax.tree.map(lambda leaf: _cut(leaf, length), samples)
     return cut
 

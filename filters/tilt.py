@@ -148,7 +148,15 @@ class TiltKalman:
 
 
 def tilt_transition(x: Array, dt: float) -> Array:
-    """Phi of (4), ``(5, 5)``: exact for rates that do not turn the axes meanwhile."""
+    """Phi of (4), ``(5, 5)``: exact for rates that do not turn the axes meanwhile.
+
+    Args:
+        x: pitch, roll, rad, and rates, rad/s, ``(5,)``.
+        dt: s.
+
+    >>> (tilt_transition(jnp.zeros(5), 0.5) @ jnp.array([0.0, 0.0, 0.2, 0.4, 0.0])).tolist()
+    [0.2, 0.1, 0.2, 0.4, 0.0]
+    """
     W = _kinematics(x)
     upper = jnp.concatenate([jnp.eye(2, dtype=x.dtype), W * dt], axis=1)
     lower = jnp.concatenate([jnp.zeros((3, 2), x.dtype), jnp.eye(3, dtype=x.dtype)], axis=1)

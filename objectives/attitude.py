@@ -73,7 +73,11 @@ class AttitudeRmse:
 
 
 def masked(truth: Array, counts: Array) -> Array:
-    """A truth ``(N, ...)`` that only counts where ``counts`` ``(N,)`` is true: NaN elsewhere."""
+    """A truth ``(N, ...)`` that only counts where ``counts`` ``(N,)`` is true: NaN elsewhere.
+
+    >>> masked(jnp.ones((2, 2)), jnp.array([True, False])).tolist()
+    [[1.0, 1.0], [nan, nan]]
+    """
     shape = counts.shape + (1,) * (truth.ndim - 1)
     return jnp.where(counts.reshape(shape), truth, jnp.nan)
 

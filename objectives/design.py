@@ -33,7 +33,11 @@ def decay_rate(A: Array) -> Array:
 
 
 def spectral_radius(F: Array) -> Array:
-    """The largest abs(eigenvalue) of a discrete error's transition, ``()``; below 1 if stable."""
+    """The largest abs(eigenvalue) of a discrete error's transition, ``()``; below 1 if stable.
+
+    >>> float(spectral_radius(jnp.array([[0.0, 1.0], [-0.25, 0.0]])).round(12))
+    0.5
+    """
     return jnp.abs(jnp.linalg.eigvals(F)).max()
 
 

@@ -52,7 +52,12 @@ def dare(F: Array, H: Array, Q: Array, R: Array) -> Array:
 
 
 def steady_gain(P: Array, H: Array, R: Array) -> Array:
-    """K = P H' (H P H' + R)^-1, ``(n, m)``: what the filter adds of an innovation, P predicted."""
+    """K = P H' (H P H' + R)^-1, ``(n, m)``: what the filter adds of an innovation, P predicted.
+
+    >>> one = jnp.eye(1)
+    >>> steady_gain(3 * one, one, one).tolist(), updated(3 * one, one, one).tolist()
+    ([[0.75]], [[0.75]])
+    """
     return solve(congruence(H, P) + R, product(H, P.T)).T
 
 
@@ -107,7 +112,12 @@ def care(A: Array, C: Array, W: Array, V: Array) -> Array:
 
 
 def bucy_gain(P: Array, C: Array, V: Array) -> Array:
-    """K = P C' V^-1, ``(n, m)``, 1/s: the gain of a Kalman-Bucy filter."""
+    """K = P C' V^-1, ``(n, m)``, 1/s: the gain of a Kalman-Bucy filter.
+
+    >>> one = jnp.eye(1)
+    >>> bucy_gain(care(-one, one, 3 * one, one), one, one).round(9).tolist()
+    [[1.0]]
+    """
     return solve(V, product(C, P.T)).T
 
 

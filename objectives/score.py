@@ -76,6 +76,18 @@ def score(filter: AnyFilter | None, objective: Objective, params: Any, data: Dat
     """Run a filter over the data and score it: one number, differentiable in ``params``.
 
     Without a filter nothing is run, and the objective judges ``params`` themselves.
+
+    Args:
+        filter: the filter, or None.
+        objective: from outputs and truth to one number, or a :class:`Fold`.
+        params: the filter's.
+        data: inputs and truth.
+
+    >>> from filters import GyroscopeFilter, Noise
+    >>> at_rest = Data(jnp.zeros(100), jnp.zeros(100))
+    >>> error = lambda outputs, truth: ((outputs - truth) ** 2).mean()
+    >>> float(score(GyroscopeFilter(dt=0.01), error, Noise.of(R=1e-4, Q=1.0), at_rest))
+    0.0
     """
     return _judge(objective, data, _collect(filter, objective, params, data))
 

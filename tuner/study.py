@@ -161,6 +161,9 @@ def find_study(name: str) -> Study:
 
     Raises:
         ValueError: for an unknown name, with the near ones.
+
+    >>> find_study("kownacki2010").paper.split(",")[0]
+    'C. Kownacki'
     """
     for point in entry_points(group=GROUP):
         if point.name == name:

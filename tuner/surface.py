@@ -49,6 +49,13 @@ def grid(problem: Problem, axes: dict[str, np.ndarray]) -> np.ndarray:
 
     Raises:
         ValueError: for an unknown name, and for a value outside its constraint.
+
+    >>> from tuner import Positive, Problem, Space
+    >>> space = Space.of(a=Positive(1.0, 0.1, 10.0), b=Positive(1.0, 0.1, 10.0))
+    >>> product = lambda p, _: p["a"] * p["b"]
+    >>> problem = Problem("product", space, filter=None, build=lambda p: p, objective=product)
+    >>> grid(problem, {"a": np.array([1.0, 2.0]), "b": np.array([3.0, 5.0])}).round(9).tolist()
+    [[3.0, 5.0], [6.0, 10.0]]
     """
     mesh = np.meshgrid(*axes.values(), indexing="ij")
     points = zip(*(axis.ravel() for axis in mesh), strict=True)
