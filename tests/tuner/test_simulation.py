@@ -223,17 +223,22 @@ def test_swing_that_is_no_number():
         simulate(seconds=5.0, dt=0.1, seed=0, swing=Swing(size=(0.1, np.nan, 0.1)))
 
 
-def test_even_normals_are_normal_and_their_means_scatter_less():
-    """Each quantile holds one; columns know nothing of each other; other seeds, other numbers."""
-    drawn = np.stack([even_normals(100, 2, seed) for seed in range(50)])
-    ranks = np.floor(100 * scipy.stats.norm.cdf(drawn))
-    np.testing.assert_array_equal(np.sort(ranks, axis=1)[..., 0], np.tile(np.arange(100), (50, 1)))
-    # Independent numbers would scatter by 0.1 and 0.07.
-    assert drawn.mean(axis=1).std() < 0.01
-    assert drawn.std(axis=1).std() < 0.02
-    both = drawn.reshape(-1, 2).T
-    assert abs(np.corrcoef(both)[0, 1]) < 5 / np.sqrt(5000)
+@pytest.mark.parametrize("count", [7, 100])
+def test_even_normals_are_normal_and_their_mean_squares_exact(count):
+    drawn = np.stack([even_normals(count, 6, seed) for seed in range(50)])
+    np.testing.assert_allclose(drawn.mean(axis=1), 0.0, atol=1e-12)
+    squares = np.einsum("rci,rcj->rij", drawn, drawn) / count
+    np.testing.assert_allclose(squares, np.broadcast_to(np.eye(6), squares.shape), atol=1e-12)
     assert len(np.unique(drawn[:, 0, 0])) == 50
+
+
+def test_even_normals_have_the_distribution():
+    """Each quantile of a hypercube holds one; many that were turned are still as good."""
+    few = np.array([even_normals(5, 6, seed) for seed in range(20)])
+    ranks = np.floor(5 * scipy.stats.norm.cdf(few))
+    np.testing.assert_array_equal(np.sort(ranks, axis=1)[..., 0], np.tile(np.arange(5), (20, 1)))
+    many = even_normals(2000, 2, 0)
+    assert scipy.stats.kstest(many[:, 0], "norm").statistic < 0.01
 
 
 def test_turn_on_bias_is_drawn_anew_and_changes_nothing_else():
