@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from filters.small import product, solve
+from filters.small import product, solve, traced_once
 
 # A mode that keeps a share of 1 - 2^-44 a sample is stable by less than what rounding does to F.
 _MOST_DOUBLINGS = 50
@@ -75,6 +75,7 @@ class _Powers(NamedTuple):
     rounds: Array
 
 
+@traced_once
 def doubled(F: Array, Q: Array) -> Array:
     """The Stein equation's solution by doubling; not for differentiation."""
 
@@ -90,6 +91,7 @@ def doubled(F: Array, Q: Array) -> Array:
     return jnp.where(jnp.abs(end.power).max() <= _GONE, end.total, jnp.nan)
 
 
+@traced_once
 def fastest(A: Array) -> Array:
     """The largest abs(eigenvalue) of A to within a quarter, ``()``; 0 where A is nilpotent.
 
@@ -109,18 +111,39 @@ def _both_sides(A: Array, X: Array) -> Array:
     return product(A, X) + product(X, A.T)
 
 
+@traced_once
 def improved(A: Array, Q: Array, X: Array) -> Array:
     """The Lyapunov equation's solution from an approximation X; not for differentiation.
 
     What X leaves over is solved for by Cayley's transform, whose own rounding then counts little.
     """
+    return _transform(A).improved(Q, X)
+
+
+class _Cayley(NamedTuple):
+    """A, with the matrices and the rate that make a Stein equation of a Lyapunov equation."""
+
+    A: Array
+    inverse: Array
+    moved: Array
+    rate: Array
+
+    def improved(self, Q: Array, X: Array) -> Array:
+        over = congruence(self.inverse, _both_sides(self.A, X) + Q)
+        return X + doubled(self.moved, 2 * self.rate * over)
+
+
+def _transform(A: Array) -> _Cayley:
     one = jnp.eye(A.shape[0])
     fast, slow = fastest(A), 1 / fastest(solve(A, one))
     rate = jnp.where(slow > _ROUNDING * fast, jnp.sqrt(fast * slow), jnp.nan)
     inverse = solve(rate * one - A, one)
-    over = 2 * rate * congruence(inverse, _both_sides(A, X) + Q)
-    return X + doubled(one + 2 * product(inverse, A), over)
+    return _Cayley(A, inverse, one + 2 * product(inverse, A), rate)
 
 
+@traced_once
 def _twice(A: Array, Q: Array) -> Array:
-    return improved(A, Q, improved(A, Q, jnp.zeros_like(Q)))
+    """From nothing, then from that; in a loop, which is compiled once."""
+    cayley = _transform(A)
+    X: Array = jax.lax.fori_loop(0, 2, lambda _, X: cayley.improved(Q, X), jnp.zeros_like(Q))
+    return X
