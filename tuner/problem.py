@@ -174,7 +174,12 @@ def _value_and_gradient(static: Static, z: Array, data: Data) -> tuple[Array, Ar
 
 @jax.jit(static_argnums=0)
 def _excesses(static: Static, z: Array, data: Data) -> tuple[Array, Array]:
-    return static.excesses(z, data), jax.jacfwd(lambda at: static.excesses(at, data))(z)
+    def twice(at: Array) -> tuple[Array, Array]:
+        excess = static.excesses(at, data)
+        return excess, excess
+
+    slopes, excess = jax.jacfwd(twice, has_aux=True)(z)
+    return excess, slopes
 
 
 @jax.jit(static_argnums=0)

@@ -3,13 +3,14 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
 from tuner.design.model import LinearDesign
 from tuner.parameters import Limited, Parameter
-from tuner.problem import Problem
+from tuner.problem import Problem, Static
 
 
 class Observer(NamedTuple):
@@ -67,8 +68,13 @@ class Spread:
 
 def gain_of(problem: Problem, z: np.ndarray) -> np.ndarray:
     """The gain L ``(n, m)`` at a point of one of these problems."""
-    observer: Observer = problem.static.built(jnp.asarray(z))
-    return np.asarray(observer.L)
+    return np.asarray(_gain(problem.static, jnp.asarray(z)))
+
+
+@jax.jit(static_argnums=0)
+def _gain(static: Static, z: Array) -> Array:
+    observer: Observer = static.built(z)
+    return observer.L
 
 
 @dataclass(frozen=True)
