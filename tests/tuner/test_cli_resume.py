@@ -1,5 +1,6 @@
 """Interrupted runs: exit code 130, everything saved, and a command that goes on."""
 
+import contextlib
 import json
 import os
 import shlex
@@ -7,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -164,6 +166,30 @@ def test_a_finished_run_cannot_be_resumed(cli, here, toy):
     assert code == 2
     assert err == "tuner: --resume needs --out with the folder of an interrupted run\n"
     assert snapshot(here) == before
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send")
+def test_ctrl_c_is_heard_at_the_next_step_where_python_drops_it(cli, here, offer):
+    """As it does in a callback of the garbage collector."""
+    study = toy_study()
+
+    def plan(*given):
+        made = study.plan(*given)
+
+        def compare(solutions):
+            with contextlib.suppress(KeyboardInterrupt):
+                signal.raise_signal(signal.SIGINT)
+            return made.compare(solutions)
+
+        return replace(made, compare=compare)
+
+    offer(replace(study, plan=plan))
+    handler = signal.getsignal(signal.SIGINT)
+    code, out, err = cli("run", "toy", "--out", "out")
+    assert (code, out) == (130, "")
+    assert err.startswith(GO_ON)
+    assert not (here / "out" / "result.json").exists()
+    assert signal.getsignal(signal.SIGINT) is handler
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send")

@@ -3,13 +3,14 @@
 import shlex
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from tuner.cache import use_cache
+from tuner.cli.interrupt import interruptible
 from tuner.cli.recipe import LogEntries, Recipe, log_beside, read_recipe
 from tuner.cli.settings import parse_settings
 from tuner.environment import environment
@@ -64,7 +65,7 @@ def execute(request: Request) -> int:
     recipe = _recipe(study, request, values, plan)
     finished = _finished(folder, recipe) if request.resume else {}
     _write_down(folder, recipe, plan)
-    with _progress() as progress:
+    with interruptible() as check, _progress(check) as progress:
         run = Run(study, values, plan, seed, folder, progress)
         try:
             solutions = run.solve(request.jobs, finished)
@@ -185,8 +186,12 @@ def _say_plan(study: Study, plan: Plan) -> None:
 
 
 @contextmanager
-def _progress() -> Iterator[Progress]:
-    """A bar on stderr, from the first second on; nothing where stderr is no terminal."""
+def _progress(check: Callable[[], None]) -> Iterator[Progress]:
+    """A bar on stderr, from the first second on; nothing where stderr is no terminal.
+
+    Args:
+        check: called at every step.
+    """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
     from rich.progress import Progress as Bar
@@ -202,6 +207,7 @@ def _progress() -> Iterator[Progress]:
         shown = bar.add_task("starting", total=1)
 
         def report(what: str, done: int, total: int) -> None:
+            check()
             bar.update(shown, description=what, completed=done, total=total)
 
         yield report

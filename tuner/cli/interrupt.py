@@ -1,0 +1,36 @@
+"""A Ctrl-C that is not lost."""
+
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+
+@contextmanager
+def interruptible() -> Iterator[Callable[[], None]]:
+    """Yield a check that raises KeyboardInterrupt where one was asked for before and went lost.
+
+    Python drops exceptions that are raised in callbacks of its garbage collector, and JAX has one
+    there: a Ctrl-C at that moment would do nothing. Outside the main thread, which alone hears of
+    signals, the check does nothing.
+    """
+    asked = False
+
+    def interrupt(_signal: int, _frame: FrameType | None) -> None:
+        nonlocal asked
+        asked = True
+        raise KeyboardInterrupt
+
+    def check() -> None:
+        if asked:
+            raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():
+        yield check
+        return
+    before = signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield check
+    finally:
+        signal.signal(signal.SIGINT, before)
