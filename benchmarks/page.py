@@ -9,7 +9,7 @@ _TEXT = """\
 # Performance
 
 Made by `python -m benchmarks --write docs/performance.md`; the numbers below are one run's,
-and worth publishing only where the noise is below 10 %.
+and where the noise is above 10 % **at best** says more than **figure**.
 
 - Work: Kownacki's gyroscope filter, {samples} samples, 2 states, a scalar measurement, float64.
 - Machine: {machine}.
