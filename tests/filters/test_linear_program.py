@@ -9,7 +9,8 @@ from scipy.optimize import linprog
 from filters.linear_program import optimum
 
 ROWS, FREE, SPREADS, LANES = 9, 2, 2, 48
-solve = jax.jit(optimum)
+# Without the compiler's optimisation, which changes no formula and takes most of the time.
+solve = jax.jit(optimum, compiler_options={"xla_backend_optimization_level": 0})
 
 
 def programs(seed):
