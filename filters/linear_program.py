@@ -2,7 +2,7 @@
 
     minimise c's  subject to  A (p, s) >= b,  s >= 0,  with c >= 0 and p free.
 
-Where A's first rows determine p, (p from these, s = 0) is a start with the multipliers (0, c): not
+Rows of A that determine p give a start, (p from these, s = 0), with the multipliers (0, c): not
 feasible yet, but its cost is a lower bound. Every step lets in the row that is broken most and lets
 out the one whose multiplier reaches zero first, so that the bound rises until no row is broken
 (Lemke 1954; Chvatal 1983, ch. 10). The programs lie along the last axis and take their steps
@@ -17,7 +17,9 @@ from jax import Array, lax
 
 KEPT = 1e-10
 """An optimum breaks no row by more; data are scaled to 1."""
-_BROKEN, _PIVOT, _TIE = 1e-12, 1e-9, 1e-12
+_BROKEN = 1e-12  # what some tens of exchanges may leave of rounding is no reason for another one
+_PIVOT = 1e-9  # a divisor below it would lose more digits than the last Newton step gives back
+_TIE = 1e-12  # multipliers that reach zero together but for rounding: the largest divisor is taken
 
 
 class Optimum(NamedTuple):
