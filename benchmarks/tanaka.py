@@ -12,11 +12,15 @@ from tuner.possibilistic.interior import interior_point
 from tuner.possibilistic.window import window
 
 PART = "Tanaka's regression, windows of 10 samples"
-WINDOWS, ONE_BY_ONE, SLOW = 10_000, 200, 10
+WINDOWS, ONE_BY_ONE, SAME, SLOW = 10_000, 200, 2000, 10
 AGREED = 1e-10
-WHY = "Clarabel alone takes more than that here; sharpening and proof come on top"
-SHARED, OWN, ONE = "10 000 windows that share t", "10 000 windows, each with its own t", "one call"
-TARGETS = {SHARED: 5.0, OWN: 100.0, ONE: 100.0}
+WHY = (
+    "only where t is not met before: Clarabel alone takes more than that here, and scaling t, the "
+    "sharpened point and its proof come on top; many such windows together are in the row above"
+)
+SHARED, OWN = "10 000 windows that share t", "10 000 windows, each with its own t"
+ONE, NEW = "one call of 2000 with one t", "one call, a new t each"
+TARGETS = {SHARED: 5.0, OWN: 100.0, ONE: 100.0, NEW: 100.0}
 
 
 def rows() -> list[Row]:
@@ -31,7 +35,8 @@ def rows() -> list[Row]:
     calls: dict[str, tuple[int, Callable[[], object]]] = {
         SHARED: (WINDOWS, lambda: tanaka_windows(t, x)),
         OWN: (WINDOWS, lambda: tanaka_windows(own, x)),
-        ONE: (ONE_BY_ONE, lambda: [tanaka(t, one) for one in x[:ONE_BY_ONE]]),
+        ONE: (SAME, lambda: [tanaka(t, one) for one in x[:SAME]]),
+        NEW: (ONE_BY_ONE, lambda: [tanaka(own[i], x[i]) for i in range(ONE_BY_ONE)]),
         "Clarabel alone": (ONE_BY_ONE, lambda: [interior_point(one, 1e-8) for one in asked]),
         "HiGHS": (SLOW, lambda: [tanaka_simplex(t, one) for one in x[:SLOW]]),
         "cvxpy": (SLOW, lambda: [solve(program, {"x": one}) for one in x[:SLOW]]),

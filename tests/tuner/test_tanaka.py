@@ -14,7 +14,8 @@ import tests.oracles_tanaka as oracle
 from filters.possibilistic import line, regression
 from tuner import tanaka, tanaka_program, tanaka_simplex, tanaka_windows
 from tuner.convex import solve
-from tuner.possibilistic import Outcome, many
+from tuner.possibilistic import Outcome, corners, interior, many
+from tuner.possibilistic.corners import Corners
 
 EXACT = 1e-9
 # Without the compiler's optimisation, which changes no formula and takes most of the time.
@@ -77,6 +78,45 @@ def test_multipliers_prove_the_objective(seed):
     close((1 - h) * (u + v) @ abs(T) + w, abs(T).sum(axis=0))
     close((u - v) @ x + (1 - h) * (u + v) @ e, found.objective, 10)
     assert (abs(x - T @ found.center) <= (1 - h) * (abs(T) @ found.spread - e) + EXACT).all()
+
+
+@pytest.mark.parametrize(("m", "k"), [(4, 1), (10, 1), (9, 2), (14, 3)])
+def test_windows_met_before_change_no_answer(m, k, monkeypatch):
+    """Integers, so that many windows have several optima and pass through degenerate corners."""
+    rng = np.random.default_rng(m)
+    t, fuzzy = rng.integers(-4, 5, (m, k)), rng.integers(0, 3, (60, m))
+    x = rng.integers(-3, 4, (60, m))
+    after = [tanaka(t, one, 0.25, e) for one, e in zip(x, fuzzy, strict=True)]
+    monkeypatch.setattr(Corners, "optimum", lambda self, sides: None)
+    for one, e, found in zip(x, fuzzy, after, strict=True):
+        alone = tanaka(t, one, 0.25, e)
+        assert (found.status, found.message) == (alone.status, alone.message)
+        for name in ("center", "spread", "objective", "above", "below", "least"):
+            np.testing.assert_allclose(getattr(found, name), getattr(alone, name), atol=1e-12)
+
+
+@pytest.mark.parametrize("kept", [1 << 16, 300])
+def test_windows_met_before_are_solved_from_corner_to_corner(kept, monkeypatch):
+    """Without the interior-point method, however many corners may be kept; HiGHS agrees."""
+    monkeypatch.setattr(corners, "KEPT", kept)
+    rng = np.random.default_rng(kept)
+    t, x = rng.uniform(0, 9, 10), rng.normal(size=(40, 10))
+    tanaka(t, x[0])
+    monkeypatch.delattr(interior, "interior_point")
+    for one in x:
+        found, simplex = tanaka(t, one), tanaka_simplex(t, one)
+        assert found.unique
+        close(found.objective, simplex.objective)
+        close(found.center, simplex.center)
+        close(found.spread, simplex.spread)
+
+
+def test_a_window_of_many_regressors_is_left_to_the_interior_point(monkeypatch):
+    monkeypatch.setattr(corners, "STEPS", 2)
+    rng = np.random.default_rng(0)
+    t, x = rng.normal(size=(20, 3)), rng.normal(size=(5, 20))
+    for one in x:
+        close(tanaka(t, one).objective, tanaka_simplex(t, one).objective)
 
 
 def test_for_crisp_samples_h_scales_the_spread_alone():

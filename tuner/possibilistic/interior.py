@@ -4,6 +4,8 @@ An interior-point method ends in the middle of the set of optima, where every co
 tight on the whole set, with a positive multiplier, or slack (Goldman and Tucker 1956). The tight
 ones, as equations, are that set's affine hull: a point where it is unique. Where it is not, least
 squares choose one, by a least-distance programme (Lawson and Hanson 1974, ch. 23).
+
+A window whose t was met before is looked for among the corners first, several times as fast.
 """
 
 from dataclasses import dataclass
@@ -12,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from tuner.possibilistic.corners import Corner, corners
 from tuner.possibilistic.window import Window
 
 TOLERANCES = (1e-8, 1e-12)
@@ -51,12 +54,26 @@ def solve(window: Window) -> Point:
     Raises:
         ArithmeticError: where the interior-point method did not get there.
     """
+    met = corners(window.of).optimum(window.sides)
+    if met and (point := _at(window, met)).error <= EXACT:
+        return point
     for tolerance in TOLERANCES:
         z, y = interior_point(window, tolerance)
         point = _sharpened(window, z, y)
         if point.error <= EXACT:
             break
     return point
+
+
+def _at(window: Window, corner: Corner) -> Point:
+    z = corner.inverse @ window.sides[corner.rows]
+    return _proved(window, z, corner.bound, unique=True)
+
+
+def _proved(window: Window, z: np.ndarray, multipliers: np.ndarray, unique: bool) -> Point:
+    broken = window.sides - window.of.rows @ z
+    gap = window.of.cost @ z - window.sides @ multipliers
+    return Point(z, multipliers, unique, float(broken.max()), float(gap))
 
 
 def interior_point(window: Window, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
@@ -95,32 +112,17 @@ def _sharpened(window: Window, z: np.ndarray, y: np.ndarray) -> Point:
     G, b, cost = window.of.rows, window.sides, window.of.cost
     tight = y > G @ z - b
     rows, sides = G[tight], b[tight]
-    exact = _corner(rows, sides, cost)
-    unique = exact is not None
-    if exact is None:
-        # The least step to the tight rows' solutions keeps to the middle of the face.
-        step, _, rank, _ = np.linalg.lstsq(rows, sides - rows @ z, rcond=_RANK)
-        unique = bool(rank == len(z))
-        z = z + step if unique else _nearest(window, z + step, tight)
-        mend, *_ = np.linalg.lstsq(rows.T, cost - rows.T @ y[tight], rcond=_RANK)
-        exact = z, y[tight] + mend
-    z, multipliers = exact
-    y = np.zeros(len(b))
-    y[tight] = np.maximum(multipliers, 0.0)
-    return Point(z, y, unique, float((b - G @ z).max()), float(cost @ z - b @ y))
-
-
-def _corner(
-    rows: np.ndarray, sides: np.ndarray, cost: np.ndarray
-) -> tuple[np.ndarray, np.ndarray] | None:
-    """Point and multipliers where as many rows are tight as there are unknowns, as is usual."""
-    if rows.shape[0] != rows.shape[1]:
-        return None
-    try:
-        inverse = np.linalg.inv(rows)
-    except np.linalg.LinAlgError:
-        return None
-    return (inverse @ sides, cost @ inverse) if np.abs(inverse).max() < 1 / _RANK else None
+    as_many = len(rows) == len(z)  # as is usual
+    if as_many and (corner := corners(window.of).at(tuple(np.flatnonzero(tight).tolist()))):
+        return _at(window, corner)
+    # The least step to the tight rows' solutions keeps to the middle of the face.
+    step, _, rank, _ = np.linalg.lstsq(rows, sides - rows @ z, rcond=_RANK)
+    unique = bool(rank == len(z))
+    z = z + step if unique else _nearest(window, z + step, tight)
+    mend, *_ = np.linalg.lstsq(rows.T, cost - rows.T @ y[tight], rcond=_RANK)
+    multipliers = np.zeros(len(b))
+    multipliers[tight] = np.maximum(y[tight] + mend, 0.0)
+    return _proved(window, z, multipliers, unique)
 
 
 def _nearest(window: Window, z: np.ndarray, tight: np.ndarray) -> np.ndarray:

@@ -36,7 +36,7 @@ class Windows:
 def tanaka_windows(
     t: ArrayLike, x: ArrayLike, h: float = 0.0, e: ArrayLike | None = None
 ) -> Windows:
-    """:func:`tuner.tanaka` for many windows, exactly and some 50 times as fast.
+    """:func:`tuner.tanaka` for many windows, exactly and some 20 times as fast.
 
     Windows with several optima, and those whose t determines no center, are solved one by one; so
     are all where they are fewer than 256, for the others have to be compiled (a second or two for

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -24,8 +25,9 @@ class Regressors:
         used: which columns are not zero throughout, ``(n,)`` of bool.
         basis: orthonormal coordinates of the centers that the samples can tell apart,
             ``(n, rank)``.
-        unseen: orthonormal changes of the center, in the user's scale, that no sample shows,
-            ``(n, n - rank)``.
+        center: from these coordinates to the shortest center in the user's scale, ``(n, rank)``.
+        level: the shortest center of a constant 1, ``(n,)``.
+        spread: from the used spreads to those in the user's scale, ``(n, used)``.
         rows: what has to be at least the window's sides, of z: ``(2m + used, rank + used)``.
         cost: what is minimised, of z.
         matrix: the negative rows as Clarabel takes them.
@@ -35,7 +37,9 @@ class Regressors:
     scale: np.ndarray
     used: np.ndarray
     basis: np.ndarray
-    unseen: np.ndarray
+    center: np.ndarray
+    level: np.ndarray
+    spread: np.ndarray
     rows: np.ndarray
     cost: np.ndarray
     matrix: Any
@@ -56,6 +60,7 @@ class Window:
         spreads: (1 - h) times the scaled spreads, ``(m,)``.
         h: degree to which samples have to belong to the regression.
         middle, size: of the values.
+        sides: what the rows have to be at least.
     """
 
     of: Regressors
@@ -64,27 +69,14 @@ class Window:
     h: float
     middle: float
     size: float
-
-    @property
-    def sides(self) -> np.ndarray:
-        """The right-hand sides of the rows."""
-        m = len(self.values)
-        sides = np.zeros(len(self.of.rows))
-        sides[:m] = self.spreads + self.values
-        sides[m : 2 * m] = self.spreads - self.values
-        return sides
+    sides: np.ndarray
 
     def restored(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Center, the shortest that fits, and spread in the user's scale."""
         of = self.of
-        center = self.size * (of.basis @ z[: of.rank]) / of.scale
-        center[0] += self.middle
-        if of.unseen.shape[1]:
-            center -= of.unseen @ (of.unseen.T @ center)
-        spread = np.zeros(len(of.scale))
-        factor = self.size / (1 - self.h) / of.scale[of.used]
-        spread[of.used] = np.maximum(z[of.rank :], 0.0) * factor
-        return center, spread
+        center = self.size * (of.center @ z[: of.rank]) + self.middle * of.level
+        spread = of.spread @ np.maximum(z[of.rank :], 0.0)
+        return center, self.size / (1 - self.h) * spread
 
 
 def window(t: ArrayLike, x: ArrayLike, h: float, e: ArrayLike | None) -> Window:
@@ -94,8 +86,8 @@ def window(t: ArrayLike, x: ArrayLike, h: float, e: ArrayLike | None) -> Window:
         ValueError: for an empty window, shapes that do not fit, numbers that are not finite,
             spreads below 0, or an h outside 0 to below 1.
     """
-    t, x = _finite("t", t), _finite("x", x)
-    spreads = np.zeros(x.shape) if e is None else _finite("e", e)
+    t, x = np.asarray(t, float), np.asarray(x, float)
+    spreads = np.zeros(x.shape) if e is None else np.asarray(e, float)
     check_degree(h)
     if x.ndim != 1 or t.ndim not in (1, 2) or len(t) != len(x) or spreads.shape != x.shape:
         raise ValueError(
@@ -104,13 +96,26 @@ def window(t: ArrayLike, x: ArrayLike, h: float, e: ArrayLike | None) -> Window:
         )
     if not len(x):
         raise ValueError("the window is empty; give at least one sample")
-    if spreads.min() < 0:
-        raise ValueError(f"a spread e is {spreads.min():g} at {spreads.argmin()}; none is below 0")
-    low, high = float((x - spreads).min()), float((x + spreads).max())
+    low, high = _range(x, None if e is None else spreads)
     size, middle = high / 2 - low / 2 or 1.0, low / 2 + high / 2
-    values = (x - middle) / size
     of = _regressors(t.tobytes(), t.shape)
-    return Window(of, values, (1 - h) / size * spreads, float(h), middle, size)
+    values, spreads = (x - middle) / size, (1 - h) / size * spreads
+    none = np.zeros(of.spread.shape[1])
+    sides = np.concatenate([spreads + values, spreads - values, none])
+    return Window(of, values, spreads, float(h), middle, size, sides)
+
+
+def _range(x: np.ndarray, e: np.ndarray | None) -> tuple[float, float]:
+    """The least and the largest sample, with its spread."""
+    low, high = (x, x) if e is None else (x - e, x + e)
+    ends = float(low.min()), float(high.max())
+    if not (isfinite(ends[0]) and isfinite(ends[1])):
+        _finite("x", x)
+        _finite("e", x if e is None else e)
+        raise ValueError("x and e together are larger than any number; give them in a larger unit")
+    if e is not None and e.min() < 0:
+        raise ValueError(f"a spread e is {e.min():g} at {e.argmin()}; none is below 0")
+    return ends
 
 
 def check_degree(h: float) -> None:
@@ -125,26 +130,43 @@ def check_degree(h: float) -> None:
 
 @lru_cache(maxsize=64)
 def _regressors(t: bytes, shape: tuple[int, ...]) -> Regressors:
-    given = np.frombuffer(t).reshape(shape[0], -1)
-    columns = np.column_stack([np.ones(len(given)), given])
+    given = _finite("t", np.frombuffer(t).reshape(shape)).reshape(shape[0], -1)
+    columns = np.ones((len(given), given.shape[1] + 1))
+    columns[:, 1:] = given
     scale = np.abs(columns).max(axis=0)
     used = scale > 0
-    scale = np.where(used, scale, 1.0)
-    columns = columns / scale
+    scale[~used] = 1.0
+    columns /= scale
     _, singular, right = np.linalg.svd(columns)
     rank = int((singular > _RANK * singular[0]).sum())
     basis = right[:rank].T
+    spread = np.eye(len(scale))[:, used]
     rows, n = constraint_rows(columns), len(scale)
-    rows = np.hstack([rows[:, :n] @ basis, rows[:, n:][:, used]])
-    rows = np.vstack([rows, np.eye(rows.shape[1])[rank:]])
-    cost = np.concatenate([np.zeros(rank), np.abs(columns).sum(axis=0)[used]])
-    unseen = np.linalg.qr(right[rank:].T / scale[:, None])[0]
-    return Regressors(columns, scale, used, basis, unseen, rows, cost, _sparse(-rows))
+    least = np.eye(rank + spread.shape[1])[rank:]
+    rows = np.concatenate([np.hstack([rows[:, :n] @ basis, rows[:, n:] @ spread]), least])
+    shortest = np.eye(n)
+    if rank < n:
+        # No sample shows changes of the center along these, so the shortest center has none.
+        unseen = np.linalg.qr(right[rank:].T / scale[:, None])[0]
+        shortest -= unseen @ unseen.T
+    return Regressors(
+        columns=columns,
+        scale=scale,
+        used=used,
+        basis=basis,
+        center=shortest @ (basis / scale[:, None]),
+        level=shortest[:, 0],
+        spread=spread / scale[:, None],
+        rows=rows,
+        cost=np.concatenate([np.zeros(rank), np.abs(columns).sum(axis=0)[used]]),
+        matrix=_sparse(-rows),
+    )
 
 
 def constraint_rows(T: np.ndarray) -> np.ndarray:
     """What has to be at least (x + e', e' - x), with e' = (1 - h) e, of (p, s): ``(2m, 2n)``."""
-    return np.block([[T, np.abs(T)], [-T, np.abs(T)]])
+    size = np.abs(T)
+    return np.concatenate([np.hstack([T, size]), np.hstack([-T, size])])
 
 
 def _sparse(matrix: np.ndarray) -> Any:
