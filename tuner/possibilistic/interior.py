@@ -32,6 +32,7 @@ class Point:
         z: (coordinates of the center, (1 - h) times the used spreads).
         multipliers: of the rows, not negative.
         unique: whether there is no other optimum with these coordinates.
+        cost: what is minimised, of z.
         violation: by how much z breaks a row at most.
         gap: cost of z less what the multipliers prove.
     """
@@ -39,6 +40,7 @@ class Point:
     z: np.ndarray
     multipliers: np.ndarray
     unique: bool
+    cost: float
     violation: float
     gap: float
 
@@ -71,9 +73,10 @@ def _at(window: Window, corner: Corner) -> Point:
 
 
 def _proved(window: Window, z: np.ndarray, multipliers: np.ndarray, unique: bool) -> Point:
-    broken = window.sides - window.of.rows @ z
-    gap = window.of.cost @ z - window.sides @ multipliers
-    return Point(z, multipliers, unique, float(broken.max()), float(gap))
+    violation = float((window.sides - window.of.rows @ z).max())
+    cost = float(window.of.cost @ z)
+    gap = cost - float(window.sides @ multipliers)
+    return Point(z, multipliers, unique, cost, violation, gap)
 
 
 def interior_point(window: Window, tolerance: float) -> tuple[np.ndarray, np.ndarray]:

@@ -85,7 +85,7 @@ def tanaka(t: ArrayLike, x: ArrayLike, h: float = 0.0, e: ArrayLike | None = Non
     return Regression(
         center=center,
         spread=spread,
-        objective=float(of.cost @ point.z) * factor,
+        objective=point.cost * factor,
         unique=status is Outcome.UNIQUE,
         status=status,
         message=message,

@@ -35,7 +35,7 @@ def tanaka_simplex(
 
     asked = window(t, x, h, e)
     of = asked.of
-    bounds = [(None, None)] * of.rank + [(0, None)] * of.spread.shape[1]
+    bounds = [(None, None)] * of.rank + [(0, None)] * (len(of.cost) - of.rank)
     rows = 2 * len(asked.values)  # the rest are the bounds
     found = linprog(
         of.cost,

@@ -25,9 +25,9 @@ class Regressors:
         used: which columns are not zero throughout, ``(n,)`` of bool.
         basis: orthonormal coordinates of the centers that the samples can tell apart,
             ``(n, rank)``.
-        center: from these coordinates to the shortest center in the user's scale, ``(n, rank)``.
+        restore: from z to the shortest center and the spread in the user's scale,
+            ``(2n, rank + used)``.
         level: the shortest center of a constant 1, ``(n,)``.
-        spread: from the used spreads to those in the user's scale, ``(n, used)``.
         rows: what has to be at least the window's sides, of z: ``(2m + used, rank + used)``.
         cost: what is minimised, of z.
         matrix: the negative rows as Clarabel takes them.
@@ -37,9 +37,8 @@ class Regressors:
     scale: np.ndarray
     used: np.ndarray
     basis: np.ndarray
-    center: np.ndarray
+    restore: np.ndarray
     level: np.ndarray
-    spread: np.ndarray
     rows: np.ndarray
     cost: np.ndarray
     matrix: Any
@@ -73,10 +72,8 @@ class Window:
 
     def restored(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Center, the shortest that fits, and spread in the user's scale."""
-        of = self.of
-        center = self.size * (of.center @ z[: of.rank]) + self.middle * of.level
-        spread = of.spread @ np.maximum(z[of.rank :], 0.0)
-        return center, self.size / (1 - self.h) * spread
+        both, n = self.size * (self.of.restore @ z), len(self.of.scale)
+        return both[:n] + self.middle * self.of.level, np.maximum(both[n:], 0.0) / (1 - self.h)
 
 
 def window(t: ArrayLike, x: ArrayLike, h: float, e: ArrayLike | None) -> Window:
@@ -100,7 +97,7 @@ def window(t: ArrayLike, x: ArrayLike, h: float, e: ArrayLike | None) -> Window:
     size, middle = high / 2 - low / 2 or 1.0, low / 2 + high / 2
     of = _regressors(t.tobytes(), t.shape)
     values, spreads = (x - middle) / size, (1 - h) / size * spreads
-    none = np.zeros(of.spread.shape[1])
+    none = np.zeros(len(of.cost) - of.rank)
     sides = np.concatenate([spreads + values, spreads - values, none])
     return Window(of, values, spreads, float(h), middle, size, sides)
 
@@ -154,9 +151,8 @@ def _regressors(t: bytes, shape: tuple[int, ...]) -> Regressors:
         scale=scale,
         used=used,
         basis=basis,
-        center=shortest @ (basis / scale[:, None]),
-        level=shortest[:, 0],
-        spread=spread / scale[:, None],
+        restore=_beside(shortest @ (basis / scale[:, None]), spread / scale[:, None]),
+        level=shortest[:, 0].copy(),
         rows=rows,
         cost=np.concatenate([np.zeros(rank), np.abs(columns).sum(axis=0)[used]]),
         matrix=_sparse(-rows),
@@ -167,6 +163,14 @@ def constraint_rows(T: np.ndarray) -> np.ndarray:
     """What has to be at least (x + e', e' - x), with e' = (1 - h) e, of (p, s): ``(2m, 2n)``."""
     size = np.abs(T)
     return np.concatenate([np.hstack([T, size]), np.hstack([-T, size])])
+
+
+def _beside(A: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """The two on the diagonal of a matrix that is zero elsewhere."""
+    (m, n), (p, q) = A.shape, B.shape
+    both = np.zeros((m + p, n + q))
+    both[:m, :n], both[m:, n:] = A, B
+    return both
 
 
 def _sparse(matrix: np.ndarray) -> Any:
