@@ -14,12 +14,13 @@ from tuner.possibilistic.window import window
 PART = "Tanaka's regression, windows of 10 samples"
 WINDOWS, ONE_BY_ONE, SAME, SLOW = 10_000, 200, 2000, 10
 AGREED = 1e-10
-WHY = (
-    "only where t is not met before: Clarabel alone takes more than that here, and scaling t, the "
-    "sharpened point and its proof come on top; many such windows together are in the row above"
-)
 SHARED, OWN = "10 000 windows that share t", "10 000 windows, each with its own t"
 ONE, NEW = "one call of 2000 with one t", "one call, a new t each"
+WHY = {
+    ONE: "the target is of a machine on which HiGHS takes 0.92 ms and Clarabel alone 0.06 ms",
+    NEW: "as above; scaling t, the sharpened point and its proof come on top of Clarabel. Many "
+    "such windows together are in the second row",
+}
 TARGETS = {SHARED: 5.0, OWN: 100.0, ONE: 100.0, NEW: 100.0}
 
 
@@ -55,7 +56,7 @@ def rows() -> list[Row]:
             unit="us",
             target=target,
             note=f"centers of many and of single windows differ by {apart:.1g} at most",
-            why=WHY,
+            why=WHY.get(name, ""),
         )
         for name, target in TARGETS.items()
     ]
