@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 MANY = 6
 """A legend of more entries than this stands beside the axes."""
+WIDTH = 0.7
+"""Share of the distance between numbers over which the points of several lines spread."""
 
 
 def table(figure: Figure) -> bytes:
@@ -77,15 +79,16 @@ def _draw_chart(chart: Chart, axes: "Axes") -> None:
 
 
 def _draw_numbered(lines: tuple[Line, ...], axes: "Axes") -> None:
-    """Points above each number that occurs, in its order."""
+    """Points above each number that occurs, in its order; those of all lines side by side."""
     numbers = np.unique([x for line in lines for x in line.x if np.isfinite(x)])
     turned = 0 if len(numbers) <= 25 else 90
     labels = [f"{number:g}" for number in numbers]
     axes.set_xticks(np.arange(len(numbers)), labels, fontsize=7, rotation=turned)
     for i, line in enumerate(lines):
         known = np.isfinite(line.x)
+        aside = WIDTH * ((i + 0.5) / len(lines) - 0.5)
         at, marker = np.searchsorted(numbers, line.x[known]), "osD^vP*X"[i % 8]
-        axes.plot(at, line.y[known], marker, label=line.label, ms=6, mec="k", mew=0.5)
+        axes.plot(at + aside, line.y[known], marker, label=line.label, ms=5, mec="k", mew=0.5)
 
 
 def _draw_lines(lines: tuple[Line, ...], axes: "Axes", *, on_map: bool) -> None:

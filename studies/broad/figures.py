@@ -19,11 +19,10 @@ def figures(
     """All of them."""
     found = {name: judged_at(name, contest, solutions) for name in tuned}
     at, label = _numbers(contest)
-    every = range(len(contest.trials))
-    lines = [_by_trial(name, contest, at, every, one.inclination) for name, one in found.items()]
+    lines = [Line(name, at, one.inclination) for name, one in found.items()]
     if folds:
         errors = left_out(contest, folds, solutions)
-        lines.insert(0, _by_trial("room, trial left out", contest, at, folds, errors))
+        lines.insert(0, Line("room, trial left out", at[list(folds)], errors))
     yield Chart(
         name="by_trial",
         title="Inclination error in motion by trial",
@@ -49,20 +48,6 @@ def _numbers(contest: Contest) -> tuple[np.ndarray, str]:
     if len(set(heads)) == len(heads) and all(head.isdecimal() for head in heads):
         return np.array(heads, float), "number of the trial"
     return 1.0 + np.arange(len(heads)), "trial, in the order of their names"
-
-
-def _by_trial(
-    name: str, contest: Contest, at: np.ndarray, of: Sequence[int], errors: np.ndarray
-) -> Line:
-    """Errors of some trials, with a gap where disturbed trials follow undisturbed ones."""
-    x, y = at[list(of)], errors
-    disturbed = [contest.trials[i].disturbed for i in of]
-    calm = disturbed.count(False)
-    if (
-        disturbed == sorted(disturbed) and 1 < calm < len(of) - 1
-    ):  # a lone point beside the gap would not be drawn
-        x, y = np.insert(x, calm, np.nan), np.insert(y, calm, np.nan)
-    return Line(name, x, y)
 
 
 def _in_time(contest: Contest, error: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -581,8 +581,8 @@ def test_figures(monkeypatch):
     left, room = by_trial.lines
     np.testing.assert_array_equal(left.x, [1, 26])
     np.testing.assert_array_equal(left.y, [1, 3])
-    np.testing.assert_array_equal(room.x, [1, 3, np.nan, 26, 28])
-    np.testing.assert_array_equal(room.y, [1, 2, np.nan, 3, 4])
+    np.testing.assert_array_equal(room.x, [1, 3, 26, 28])
+    np.testing.assert_array_equal(room.y, [1, 2, 3, 4])
     assert by_trial.x_label == "number of the trial"
     (line,) = in_time.lines
     np.testing.assert_allclose(line.x, [1.5, 2.5])

@@ -130,6 +130,19 @@ def test_numbers_stand_at_equal_distances():
     assert (same[above] != turned[above]).any()
 
 
+def test_equal_points_of_numbers_stand_side_by_side():
+    """Not one above the other: more of the first line's colour is seen than in the legend."""
+    from matplotlib.image import imread
+
+    x, y = np.arange(1.0, 21.0), np.ones(20)
+    chart = Chart("c", "t", "x", "y", (Line("one", x, y), Line("other", x, y)), "", True)
+    pixels = (255 * imread(io.BytesIO(picture(chart)))[..., :3]).round()
+    blue, orange = (
+        (pixels == colour).all(axis=-1).sum() for colour in ((31, 119, 180), (255, 127, 14))
+    )
+    assert blue > 0.3 * orange > 100  # a circle beside a square
+
+
 def test_points_of_numbers_may_be_missing():
     gap = Line("gap", np.array([1.0, np.nan, 4.0]), np.array([1.0, np.nan, 2.0]))
     whole = Line("gap", np.array([1.0, 4.0]), np.array([1.0, 2.0]))
