@@ -72,6 +72,8 @@ def make(solver, seed=0, starts=3, trials=25):
     """A solver; samplers make few trials where nothing depends on how good they are."""
     if solver in SAMPLERS:
         return Sampler(solver, seed=seed, trials=trials)
+    if solver == "ipopt":
+        return Ipopt(seed, starts, iterations=100)  # at a kink it uses them up
     return make_solver(solver, seed=seed, starts=starts, storage="")
 
 
