@@ -119,6 +119,14 @@ def test_a_window_of_many_regressors_is_left_to_the_interior_point(monkeypatch):
         close(tanaka(t, one).objective, tanaka_simplex(t, one).objective)
 
 
+def test_a_long_window_needs_no_square_of_its_length():
+    """20 000 squared would be 3 GB."""
+    t = np.linspace(0, 9, 20_000)
+    found = tanaka(t, np.random.default_rng(0).normal(size=len(t)))
+    assert found.unique
+    assert max(found.violation, abs(found.gap) / found.objective) <= 1e-12
+
+
 def test_for_crisp_samples_h_scales_the_spread_alone():
     """Where the optimum is unique, and where it is not."""
     for t, x in (((1, 2, 3, 4, 5), (8.0, 6.4, 9.5, 13.5, 13.0)), ((0, 1, 2), (0.0, 1.0, 0.0))):

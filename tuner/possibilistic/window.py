@@ -1,5 +1,6 @@
 """One window of samples for the regression: checked, and scaled so that no size matters."""
 
+from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 from math import isfinite
@@ -134,13 +135,11 @@ def _regressors(t: bytes, shape: tuple[int, ...]) -> Regressors:
     used = scale > 0
     scale[~used] = 1.0
     columns /= scale
-    _, singular, right = np.linalg.svd(columns)
+    n = len(scale)
+    _, singular, right = np.linalg.svd(columns, full_matrices=len(columns) < n)
     rank = int((singular > _RANK * singular[0]).sum())
-    basis = right[:rank].T
-    spread = np.eye(len(scale))[:, used]
-    rows, n = constraint_rows(columns), len(scale)
-    least = np.eye(rank + spread.shape[1])[rank:]
-    rows = np.concatenate([np.hstack([rows[:, :n] @ basis, rows[:, n:] @ spread]), least])
+    basis, spread = right[:rank].T, np.eye(n)[:, used]
+    rows = _rows(columns @ basis, np.abs(columns) @ spread)
     shortest = np.eye(n)
     if rank < n:
         # No sample shows changes of the center along these, so the shortest center has none.
@@ -159,10 +158,14 @@ def _regressors(t: bytes, shape: tuple[int, ...]) -> Regressors:
     )
 
 
-def constraint_rows(T: np.ndarray) -> np.ndarray:
-    """What has to be at least (x + e', e' - x), with e' = (1 - h) e, of (p, s): ``(2m, 2n)``."""
-    size = np.abs(T)
-    return np.concatenate([np.hstack([T, size]), np.hstack([-T, size])])
+def _rows(center: np.ndarray, spread: np.ndarray) -> np.ndarray:
+    """What has to be at least (x + e', e' - x, 0), with e' = (1 - h) e, of z."""
+    (m, rank), used = center.shape, spread.shape[1]
+    rows = np.zeros((2 * m + used, rank + used))
+    rows[:m, :rank], rows[m : 2 * m, :rank] = center, -center
+    rows[:m, rank:] = rows[m : 2 * m, rank:] = spread
+    rows[2 * m :, rank:] = np.eye(used)
+    return rows
 
 
 def _beside(A: np.ndarray, B: np.ndarray) -> np.ndarray:
@@ -175,11 +178,17 @@ def _beside(A: np.ndarray, B: np.ndarray) -> np.ndarray:
 
 def _sparse(matrix: np.ndarray) -> Any:
     """All entries, zeros too."""
+    # SciPy's checks of a new matrix take as long as all else here.
+    made = copy(_ones(matrix.shape))
+    made.data = matrix.ravel(order="F")
+    return made
+
+
+@lru_cache(maxsize=64)
+def _ones(shape: tuple[int, int]) -> Any:
     from scipy.sparse import csc_matrix
 
-    rows, columns = matrix.shape
-    indices, starts = np.tile(np.arange(rows), columns), rows * np.arange(columns + 1)
-    return csc_matrix((matrix.ravel(order="F"), indices, starts), shape=matrix.shape)
+    return csc_matrix(np.ones(shape))
 
 
 def _finite(name: str, values: ArrayLike) -> np.ndarray:
