@@ -26,7 +26,8 @@ class Regression(NamedTuple):
         center, spread: p and c, the intercept first, ``(s, k + 1)`` each.
         unique: whether it is certain that no other (p, c) does as well, ``(s,)``. Where it is
             not, because samples tie, one that does best is given, or, where t determines no
-            center, something arbitrary; :func:`tuner.tanaka` tells these apart.
+            center, something arbitrary; :func:`tuner.tanaka` tells these apart. Samples that
+            are not finite, h outside 0 to below 1 and spreads below 0 make everything NaN.
     """
 
     center: Array
@@ -46,12 +47,18 @@ def regression(t: Array, x: Array, h: Array | float = 0.0, e: Array | None = Non
         h: degree to which the samples have to belong to the band, 0 to below 1.
         e: spreads of the samples, not negative, ``(m, s)``; 0 (crisp) if left out.
 
+    Raises:
+        ValueError: for no samples.
+
     >>> found = regression(jnp.arange(3.0), jnp.array([[1.0], [3.0], [5.0]]))
     >>> found.center.round(12).tolist()
     [[1.0, 2.0]]
     """
     m, signals = x.shape
-    e = jnp.zeros_like(x) if e is None else e
+    if not m:
+        raise ValueError("the window is empty; give at least one sample")
+    h = _degree(h)
+    e = jnp.zeros_like(x) if e is None else jnp.where(e >= 0, e, jnp.nan)
     t = t.reshape(m, -1, 1) if t.ndim < 3 else t
     t = jnp.broadcast_to(t, (*t.shape[:2], signals))
     columns = jnp.concatenate([jnp.ones((m, 1, signals)), t], axis=1)
@@ -69,7 +76,14 @@ def regression(t: Array, x: Array, h: Array | float = 0.0, e: Array | None = Non
     z, multiplier = optimum(jnp.concatenate(rows), sides, width.sum(axis=0))
     p, s = jnp.split(z * size / jnp.tile(scale, (2, 1)), 2)
     p = p.at[0].add(middle)
-    return Regression(p.T, jnp.maximum(s, 0.0).T / (1 - h), multiplier > DECIDED)
+    c = jnp.maximum(s, 0.0) / (1 - h)
+    finite = jnp.isfinite(p).all(axis=0) & jnp.isfinite(c).all(axis=0)
+    return Regression(p.T, c.T, (multiplier > DECIDED) & finite)
+
+
+def _degree(h: Array | float) -> Array:
+    """NaN where h is none."""
+    return jnp.where((jnp.asarray(h) >= 0) & (jnp.asarray(h) < 1), h, jnp.nan)
 
 
 class Line(NamedTuple):
@@ -105,6 +119,7 @@ def line(window: Array, dt: float, h: Array | float = 0.0) -> Line:
         raise ValueError(
             f"a line through {m} equally spaced samples need not be unique; take an even number"
         )
+    h = _degree(h)
     mean = dt * (m - 1) / 2
     upper, above = _support(window, dt, 1)
     lower, below = _support(window, dt, -1)

@@ -149,10 +149,13 @@ def in_words(values: Sequence[float]) -> str:
 
 
 def likeness(outcome: Outcome, keep: np.ndarray) -> float:
-    """The largest correlation of an angle's normalised innovation with its next one."""
-    found = [0.0]
+    """The largest correlation of an angle's normalised innovation with its next one.
+
+    NaN where every angle has too few.
+    """
+    found = []
     for column in (outcome.innovation / np.sqrt(outcome.variance))[keep].T:
         known = column[~np.isnan(column)]
         if len(known) > BLOCK:
             found.append(float((known[1:] * known[:-1]).sum() / (known**2).sum()))
-    return max(found, key=abs)
+    return max(found, key=abs, default=np.nan)

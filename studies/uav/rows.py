@@ -108,9 +108,12 @@ def _consistent(run: Run, how: str) -> Iterator[Comparison]:
     )
     count = int((keep & ~np.isnan(run.outcome.nis).all(axis=1)).sum())
     rho, bound = likeness(run.outcome, keep), WHITE / np.sqrt(max(count, 1))
+    row = f"uav.white_{how}.{name}", "an innovation tells nothing of the next"
+    if not np.isfinite(rho):
+        yield undecided(*row, note=f"{count} updates are too few")
+        return
     yield claim(
-        f"uav.white_{how}.{name}",
-        "an innovation tells nothing of the next",
+        *row,
         abs(rho) <= bound,
         ours=rho,
         note=f"largest correlation of an angle; white within {bound:.2g} of {count} updates; "

@@ -473,6 +473,8 @@ def test_innovations_that_repeat_are_not_white():
     y = np.stack([np.repeat([1.0, -1.0], 40), np.tile([1.0, -1.0], 40), np.full(80, np.nan)], 1)
     outcome = Outcome(None, None, y, np.ones((80, 3)))
     assert likeness(outcome, np.ones(80, bool)) == pytest.approx(-79 / 80)
+    few = Outcome(None, None, y[:8], np.ones((8, 3)))
+    assert np.isnan(likeness(few, np.ones(8, bool)))
 
 
 VERDICTS = {

@@ -1,4 +1,4 @@
-"""Windows of a t met before: the dual simplex method from corner to corner.
+"""The dual simplex method from corner to corner, which are kept for windows of the same t.
 
 At a corner of the feasible set as many rows are tight as there are unknowns. Which rows those are
 decides its multipliers, and what the tight sides make of every other row, whatever the samples: the
@@ -14,9 +14,9 @@ import numpy as np
 from tuner.possibilistic.window import Regressors
 
 FEASIBLE = 1e-13
-"""Sides have the size 1: a row that is broken by less is held."""
+"""Sides have the size 1: a row that is broken by less is held, one with less to spare tight."""
 CERTAIN = 1e-9
-"""Less than this share of the largest may be zero: multipliers, and what a row has to spare."""
+"""Multipliers below this share of the largest may be zero, where the optimum is not unique."""
 LARGEST = 1e9
 """Rows of the size 1 whose inverse has larger entries hardly differ."""
 STEPS = 25
@@ -45,6 +45,15 @@ class Corner:
     bound: np.ndarray
     certain: bool
 
+    @property
+    def n(self) -> int:
+        """How many unknowns there are."""
+        return len(self.rows)
+
+    def spare(self, sides: np.ndarray) -> np.ndarray:
+        """What every row is above its side here, ``(rows,)``."""
+        return np.asarray(self.shares @ sides[self.rows] - sides)
+
 
 def _corner(of: Regressors, rows: np.ndarray) -> Corner | None:
     try:
@@ -62,6 +71,29 @@ def _corner(of: Regressors, rows: np.ndarray) -> Corner | None:
     return Corner(rows, inverse, of.rows @ inverse, multipliers.tolist(), bound, certain)
 
 
+def _first(of: Regressors) -> np.ndarray:
+    """Rows whose multipliers are not negative, found from t alone.
+
+    Both rows of one sample j, with the largest multiplier w for which 2 w abs(t_j) stays below the
+    cost; then one spread costs nothing more, and the bounds of the others take what is left. Rows
+    of other samples, to determine the center, have the multiplier 0.
+    """
+    rank, m = of.rank, len(of.columns)
+    left = of.rows[:m, :rank].copy()
+    samples = []
+    for _ in range(rank):
+        j = int((left**2).sum(axis=1).argmax())
+        samples.append(j)
+        direction = left[j] / np.linalg.norm(left[j])
+        left -= np.outer(left @ direction, direction)
+    size = of.rows[samples[0], rank:]
+    free = int(
+        np.argmin(np.divide(of.cost[rank:], size, np.full(len(size), np.inf), where=size > 0))
+    )
+    least = [2 * m + i for i in range(len(size)) if i != free]
+    return np.array(sorted([*samples, m + samples[0], *least]))
+
+
 class Corners:
     """Those of one t that were met."""
 
@@ -70,6 +102,9 @@ class Corners:
         self._met: dict[tuple[int, ...], Corner | None] = {}
         # One value, replaced as a whole: a thread never sees half of it.
         self._starts: tuple[tuple[Corner, ...], np.ndarray] = ((), np.zeros((0, len(of.rows))))
+        first = _corner(of, _first(of))
+        if first:
+            self._starts = (first,), first.bound[None]
 
     def at(self, rows: tuple[int, ...]) -> Corner | None:
         """The corner of these rows, ascending; None where they hardly differ or prove nothing."""
@@ -83,21 +118,24 @@ class Corners:
                 self._starts = (*corners, found), np.vstack([bounds, found.bound])
         return found
 
-    def optimum(self, sides: np.ndarray) -> Corner | None:
-        """The only optimum; None where none is found, or another or more tight rows may exist.
-
-        So it has the only multipliers too: no answer depends on the windows met before.
-        """
+    def optimum(self, sides: np.ndarray, steps: int = STEPS) -> Corner | None:
+        """An optimal corner, the same whatever was met before; None where it is not reached."""
         corners, bounds = self._starts
-        at = corners[int((bounds @ sides).argmax())] if corners else None
-        for _ in range(STEPS):
+        best = corners[int((bounds @ sides).argmax())] if corners else None
+        end = self._end(best, sides, steps)
+        if end is None or (end.certain and np.count_nonzero(end.spare(sides) < FEASIBLE) == end.n):
+            return end
+        # More rows are tight than needed, or other points as good: several corners are optimal.
+        return self._end(corners[0], sides, steps)
+
+    def _end(self, at: Corner | None, sides: np.ndarray, steps: int) -> Corner | None:
+        for _ in range(steps):
             if at is None:
                 return None
-            broken = sides - at.shares @ sides[at.rows]
-            worst = int(broken.argmax())
-            if broken[worst] <= FEASIBLE:
-                only = at.certain and np.count_nonzero(broken > -CERTAIN) == len(at.rows)
-                return at if only else None
+            spare = at.spare(sides)
+            worst = int(spare.argmin())
+            if spare[worst] >= -FEASIBLE:
+                return at
             at = self._beside(at, worst)
         return None
 

@@ -1,13 +1,13 @@
-"""One window solved to the last digits: an interior point names the face, algebra finds the point.
+"""One window solved to the last digits: from corner to corner, or from an interior point.
 
-An interior-point method ends in the middle of the set of optima, where every constraint is either
-tight on the whole set, with a positive multiplier, or slack (Goldman and Tucker 1956). The tight
-ones, as equations, are that set's affine hull: a point where it is unique. Where it is not, least
-squares choose one, by a least-distance programme (Lawson and Hanson 1974, ch. 23).
-
-A window whose t was met before is looked for among the corners first, several times as fast.
+A corner with positive multipliers is the only optimum. Where there may be others, an interior-point
+method ends in the middle of the set of optima, where every constraint is either tight on the whole
+set, with a positive multiplier, or slack (Goldman and Tucker 1956). The tight ones, as equations,
+are that set's affine hull: a point where it is unique. Where it is not, least squares choose one,
+by a least-distance programme (Lawson and Hanson 1974, ch. 23).
 """
 
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -19,8 +19,11 @@ from tuner.possibilistic.window import Window
 
 TOLERANCES = (1e-8, 1e-12)
 """What Clarabel is asked for, the second where the first does not tell tight from slack."""
+PATIENT = 2000
+"""So many corners are tried where the interior-point method fails too."""
 EXACT = 1e-10
 """Scaled data have the size 1: a point is kept that breaks no row by more, and proves as much."""
+ROUNDED = 1e-13
 _RANK = 1e-9
 
 
@@ -31,7 +34,7 @@ class Point:
     Attributes:
         z: (coordinates of the center, (1 - h) times the used spreads).
         multipliers: of the rows, not negative.
-        unique: whether there is no other optimum with these coordinates.
+        unique: whether there is no other optimum with these coordinates; None if that is not known.
         cost: what is minimised, of z.
         violation: by how much z breaks a row at most.
         gap: cost of z less what the multipliers prove.
@@ -39,7 +42,7 @@ class Point:
 
     z: np.ndarray
     multipliers: np.ndarray
-    unique: bool
+    unique: bool | None
     cost: float
     violation: float
     gap: float
@@ -54,25 +57,31 @@ def solve(window: Window) -> Point:
     """The optimum of a window, and of several the one nearest the data.
 
     Raises:
-        ArithmeticError: where the interior-point method did not get there.
+        ArithmeticError: where neither method got there.
     """
-    met = corners(window.of).optimum(window.sides)
-    if met and (point := _at(window, met)).error <= EXACT:
+    corner = corners(window.of).optimum(window.sides)
+    point = _at(window, corner) if corner and corner.certain else None
+    if point and point.error <= EXACT:
         return point
-    for tolerance in TOLERANCES:
-        z, y = interior_point(window, tolerance)
-        point = _sharpened(window, z, y)
-        if point.error <= EXACT:
-            break
+    with suppress(ArithmeticError):
+        for tolerance in TOLERANCES:
+            point = _sharpened(window, *interior_point(window, tolerance))
+            if point.error <= EXACT:
+                return point
+    corner = corner or corners(window.of).optimum(window.sides, PATIENT)
+    if corner:
+        return _at(window, corner)
+    if point is None:
+        raise ArithmeticError("neither corners nor an interior point lead to the optimum")
     return point
 
 
 def _at(window: Window, corner: Corner) -> Point:
     z = corner.inverse @ window.sides[corner.rows]
-    return _proved(window, z, corner.bound, unique=True)
+    return _proved(window, z, corner.bound, True if corner.certain else None)
 
 
-def _proved(window: Window, z: np.ndarray, multipliers: np.ndarray, unique: bool) -> Point:
+def _proved(window: Window, z: np.ndarray, multipliers: np.ndarray, unique: bool | None) -> Point:
     violation = float((window.sides - window.of.rows @ z).max())
     cost = float(window.of.cost @ z)
     gap = cost - float(window.sides @ multipliers)
@@ -137,6 +146,8 @@ def _nearest(window: Window, z: np.ndarray, tight: np.ndarray) -> np.ndarray:
     of = window.of
     _, singular, right = np.linalg.svd(of.rows[tight])
     N = right[int((singular > _RANK * singular[0]).sum()) :].T
+    # Weights are as large as the units are small: what rounding left of a zero would count.
+    N[np.abs(N) < ROUNDED] = 0.0
     weights = np.diag(1 / of.scale[of.used])
     fits = of.columns @ of.basis
     none = np.zeros((len(fits), len(weights)))
@@ -153,8 +164,12 @@ def _least_distance(C: np.ndarray, d: np.ndarray) -> np.ndarray:
     """The shortest w with C w >= d, of which there is one."""
     from scipy.optimize import nnls
 
+    if not len(C):
+        return np.zeros(C.shape[1])
     goal = np.zeros(C.shape[1] + 1)
     goal[-1] = 1.0
     E = np.vstack([C.T, d])
     residual = E @ nnls(E, goal)[0] - goal
+    if not residual[-1]:
+        raise ArithmeticError("no point of the face is above the slack rows")
     return np.asarray(-residual[:-1] / residual[-1])

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import Enum
+from math import isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -78,14 +79,20 @@ def tanaka(t: ArrayLike, x: ArrayLike, h: float = 0.0, e: ArrayLike | None = Non
     asked = window(t, x, h, e)
     point = solve(asked)
     center, spread = asked.restored(point.z)
-    status, message = _ended(asked, point)
     of, m, factor = asked.of, len(asked.values), asked.size / (1 - h)
+    objective = point.cost * factor
+    status, message = _ended(asked, point)
+    if not (isfinite(objective) and isfinite(center.sum() + spread.sum())):
+        status, message = (
+            Outcome.INEXACT,
+            ("a coefficient is larger than any number; give t, or x, in another unit"),
+        )
     least = np.zeros(len(of.scale))
     least[of.used] = point.multipliers[2 * m :] * of.scale[of.used]
     return Regression(
         center=center,
         spread=spread,
-        objective=point.cost * factor,
+        objective=objective,
         unique=status is Outcome.UNIQUE,
         status=status,
         message=message,
@@ -99,10 +106,15 @@ def tanaka(t: ArrayLike, x: ArrayLike, h: float = 0.0, e: ArrayLike | None = Non
 
 def _ended(asked: Window, point: Point) -> tuple[Outcome, str]:
     m, n = asked.of.columns.shape
-    if point.error > EXACT:
+    if not point.error <= EXACT:
         return Outcome.INEXACT, (
             f"the point found is right to {point.error:.1g} of the data's range only; check "
-            "t for values that hardly differ"
+            "t for regressors, or samples, that hardly differ"
+        )
+    if point.unique is None:
+        return Outcome.INEXACT, (
+            "an optimum was found, but not whether there are others; check t for regressors, or "
+            "samples, that hardly differ"
         )
     if asked.of.rank < n:
         return Outcome.UNDETERMINED, (

@@ -6,20 +6,25 @@ from numpy.typing import ArrayLike
 from tuner.convex import ConvexProgram, building
 from tuner.possibilistic.window import window
 
+NEAR = 1e4
+"""Up to this size, and down to its inverse, regressors are near 1."""
+
 
 def tanaka_program(t: ArrayLike, h: float = 0.0) -> ConvexProgram:
     """Tanaka's linear program for given regressors, built once for any samples.
 
     Parameters are ``x`` and ``e`` (0 unless given), ``(m,)``; variables ``center`` and ``spread``,
     ``(k + 1,)``; constraints ``above`` and ``below``, whose multipliers are those of
-    :func:`tuner.tanaka`. Where several points are optimal the solver ends between them.
+    :func:`tuner.tanaka`. Where several points are optimal the solver ends between them. It is
+    solved as it stands, to some 1e-8 of sizes near 1, where :func:`tuner.tanaka` scales first.
 
     Args:
         t: regressors without the intercept, ``(m,)`` or ``(m, k)``.
         h: degree to which samples have to belong to the band.
 
     Raises:
-        ValueError: as :func:`tuner.tanaka`.
+        ValueError: as :func:`tuner.tanaka`; where t does not determine the center; for regressors
+            that are not of a size near 1, and, when it is solved, for samples that are much larger.
 
     >>> from tuner.convex import solve
     >>> program = tanaka_program([0.0, 1.0, 2.0, 3.0])
@@ -28,12 +33,23 @@ def tanaka_program(t: ArrayLike, h: float = 0.0) -> ConvexProgram:
     """
     import cvxpy as cp
 
-    zeros = np.zeros(len(np.asarray(t)))
+    zeros = np.zeros(np.shape(t)[:1])
     of = window(t, zeros, h, None).of
+    if of.rank < len(of.scale):
+        raise ValueError(
+            f"{len(zeros)} samples whose t has rank {of.rank} with the intercept do not determine "
+            f"{len(of.scale)} coefficients; take more, or other, samples, or tuner.tanaka"
+        )
+    if not 1 / NEAR <= of.scale.min() <= of.scale.max() <= NEAR:
+        raise ValueError(
+            f"the largest entries of the regressors are {of.scale.min():g} to {of.scale.max():g}; "
+            f"give t in units in which they are {1 / NEAR:g} to {NEAR:g}, or use tuner.tanaka"
+        )
     columns = of.columns * of.scale
     size = np.abs(columns)
     with building():
-        x, e = cp.Parameter(len(zeros), name="x"), cp.Parameter(len(zeros), name="e", nonneg=True)
+        x = cp.Parameter(len(zeros), name="x", bounds=[-NEAR, NEAR])
+        e = cp.Parameter(len(zeros), name="e", bounds=[0.0, NEAR])
         center, spread = cp.Variable(columns.shape[1]), cp.Variable(columns.shape[1], nonneg=True)
         room = (1 - h) * (size @ spread - e)
         rows = {"above": columns @ center + room >= x, "below": room - columns @ center >= -x}

@@ -9,11 +9,18 @@ from tuner.possibilistic.window import window
 
 
 class Vertex(NamedTuple):
-    """An optimal vertex: center and spread, ``(k + 1,)``, and the objective."""
+    """An optimal vertex.
+
+    Attributes:
+        center, spread: ``(k + 1,)``.
+        objective: the sum of the spreads at all samples.
+        determined: whether t determines the center; if not, it is the shortest one.
+    """
 
     center: np.ndarray
     spread: np.ndarray
     objective: float
+    determined: bool
 
 
 def tanaka_simplex(
@@ -22,7 +29,7 @@ def tanaka_simplex(
     """One optimum of :func:`tuner.tanaka`'s program, by the simplex method of HiGHS.
 
     Its objective is that of :func:`tuner.tanaka`; its center is another one where several are
-    optimal. Where t does not determine the center, neither does the vertex.
+    optimal.
 
     Raises:
         ValueError: as :func:`tuner.tanaka`.
@@ -43,8 +50,10 @@ def tanaka_simplex(
         b_ub=-asked.sides[:rows],
         bounds=bounds,
         method="highs-ds",
+        options={"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10},
     )
     if found.status:
         raise ArithmeticError(f"HiGHS did not get there: {found.message}")
     center, spread = asked.restored(np.asarray(found.x))
-    return Vertex(center, spread, float(found.fun) * asked.size / (1 - h))
+    determined = of.rank == len(center)
+    return Vertex(center, spread, float(found.fun) * asked.size / (1 - h), determined)

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+TINY = 1e-290
+"""Smaller sizes leave numbers next to them few digits, or none."""
 _RANK = 1e-11
 """Singular values below this share of the largest count as zero."""
 
@@ -96,8 +98,10 @@ def window(t: ArrayLike, x: ArrayLike, h: float, e: ArrayLike | None) -> Window:
         raise ValueError("the window is empty; give at least one sample")
     low, high = _range(x, None if e is None else spreads)
     size, middle = high / 2 - low / 2 or 1.0, low / 2 + high / 2
+    if size < TINY:
+        raise ValueError(f"x and e span {high - low:g} only; give them in a smaller unit")
     of = _regressors(t.tobytes(), t.shape)
-    values, spreads = (x - middle) / size, (1 - h) / size * spreads
+    values, spreads = (x - middle) / size, (1 - h) * (spreads / size)
     none = np.zeros(len(of.cost) - of.rank)
     sides = np.concatenate([spreads + values, spreads - values, none])
     return Window(of, values, spreads, float(h), middle, size, sides)
@@ -134,6 +138,8 @@ def _regressors(t: bytes, shape: tuple[int, ...]) -> Regressors:
     scale = np.abs(columns).max(axis=0)
     used = scale > 0
     scale[~used] = 1.0
+    if scale.min() < TINY:
+        raise ValueError(f"a regressor is {scale.min():g} at most; give t in a smaller unit")
     columns /= scale
     n = len(scale)
     _, singular, right = np.linalg.svd(columns, full_matrices=len(columns) < n)
