@@ -118,6 +118,63 @@ def test_a_window_of_many_regressors_is_left_to_the_interior_point(monkeypatch):
         close(tanaka(t, one).objective, tanaka_simplex(t, one).objective)
 
 
+@pytest.mark.parametrize(("m", "noise"), [(4, -7), (6, -7), (6, -10)])
+def test_one_large_sample_among_small_ones(m, noise):
+    """Met for the first time or not: an interior point does not tell rows so near apart."""
+    rng = np.random.default_rng(m - noise)
+    for _ in range(10):
+        x = [Fraction(int(n), 10**-noise) for n in rng.integers(-9, 10, m)]
+        x[rng.integers(m)] = Fraction(1)
+        exact = oracle.fit([[Fraction(t)] for t in range(m)], x)
+        corners.corners.cache_clear()
+        agrees(tanaka(np.arange(m), floats(x)), exact)
+
+
+@pytest.mark.parametrize("offset", [1e4, 1e6, 1e8])
+def test_times_far_from_zero(offset):
+    rng = np.random.default_rng(int(offset))
+    for x in rng.normal(size=(5, 6)):
+        found, simplex = (f(offset + np.arange(6), x) for f in (tanaka, tanaka_simplex))
+        assert found.status is Outcome.UNIQUE
+        assert found.objective == pytest.approx(simplex.objective, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("t", "x"),
+    [
+        ([1, 1 + 1e-10], [7.0, 7.0]),
+        (1.7e9 + np.arange(6), [0.7] * 6),
+        (1.7e9 + np.arange(6), [0.0, 1, 5, 2, 3, 1]),
+        (132_000 + np.arange(6), [0.9, 0.8, 0.0, 0.7, -0.7, -1.8]),
+        ([[1, 1e-16], [2, 3e-16], [1, 5e-16], [3, 1e-16]], [0, 1, 5, 2.0]),
+    ],
+)
+def test_times_that_hardly_differ_end_with_a_status(t, x):
+    found, simplex = tanaka(t, x), tanaka_simplex(t, x)
+    assert found.unique == (found.status is Outcome.UNIQUE)
+    assert np.isfinite(found.center).all()
+    assert found.objective == pytest.approx(simplex.objective, rel=1e-3, abs=1e-6)
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-6, 1e-12])
+def test_a_tie_does_not_depend_on_the_regressors_unit(unit):
+    t = unit * np.array([[-1.0, 2], [2, 3], [1, 3], [-1, 3]])
+    found = tanaka(t, [4, -1, 2, -4])
+    assert found.status is Outcome.SEVERAL
+    close(found.center * [1, unit, unit], [17, 1, -6])
+
+
+def test_answers_that_no_number_holds_are_not_unique():
+    for t, x in (
+        ([0, 1e-200, 2e-200, 3e-200], [0, 1e200, 5e200, 2e200]),
+        (range(3), [1e308, -1e308, 0]),
+    ):
+        with np.errstate(over="ignore"):
+            found = tanaka(t, x)
+        assert found.status is Outcome.INEXACT
+        assert "larger than any number" in found.message
+
+
 def test_a_long_window_needs_no_square_of_its_length():
     """20 000 squared would be 3 GB."""
     t = np.linspace(0, 9, 20_000)
@@ -289,6 +346,9 @@ REFUSED = {
     "nan h": (([0, 1], [0, 1]), {"h": np.nan}, "got nan"),
     "shapes": (([0, 1, 2], [0, 1]), {}, "t has the shape (3,), x (2,) and e (2,)"),
     "spread": (([0, 1], [0, 1]), {"e": [0.0, -1.0]}, "a spread e is -1 at 1"),
+    "tiny x": (([0, 1, 2], [0, 1e-310, 0]), {}, "span 1e-310 only; give them in a smaller unit"),
+    "tiny t": (([0, 1e-310, 2e-310], [0, 1, 0]), {}, "a regressor is 2e-310 at most; give t in"),
+    "sum": (([0, 1], [1e308, 0]), {"e": [1e308, 0]}, "x and e together are larger than any"),
 }
 
 
@@ -325,6 +385,39 @@ def test_what_t_does_not_determine_is_said(t, x):
     assert found.status is Outcome.UNDETERMINED
     assert "do not determine" in found.message
     assert (abs(found.violation) + abs(found.gap)) <= EXACT
+
+
+def test_programs_refuse_what_they_cannot_solve():
+    with pytest.raises(ValueError, match="whose t has rank 1 with the intercept do not determine"):
+        tanaka_program([2, 2, 2])
+    with pytest.raises(ValueError, match=r"the largest entries of the regressors are 1 to 3e\+12"):
+        tanaka_program([0, 1e12, 3e12])
+    with pytest.raises(ValueError, match=r"t has the shape \(\)"):
+        tanaka_program(3.0)
+    with pytest.raises(ValueError, match="'x': Parameter value must be in bounds"):
+        solve(tanaka_program([0, 1, 2]), {"x": [0, 1e12, 0]})
+
+
+@pytest.mark.parametrize(
+    ("h", "e"), [(1.0, 0.0), (2.0, 0.0), (-1.0, 0.0), (np.nan, 0.0), (0.0, -1.0)]
+)
+def test_in_the_time_loop_bad_degrees_and_spreads_give_no_numbers(h, e):
+    x = jnp.array([[0.0], [1.0], [5.0], [2.0]])
+    found = quickly(regression)(jnp.arange(4.0), x, h, e * jnp.ones_like(x))
+    assert not found.unique.any()
+    assert np.isnan(found.center).all()
+    if not e:
+        assert np.isnan(line(x, 1.0, h).spread).all()
+
+
+def test_in_the_time_loop_an_empty_window_is_refused():
+    with pytest.raises(ValueError, match="the window is empty"):
+        regression(jnp.zeros((0, 1)), jnp.zeros((0, 2)))
+
+
+def test_windows_say_how_each_ended():
+    found = tanaka_windows([[[0], [0], [1]], [[2], [2], [2]], [[0], [1], [3]]], [[0, 1, 0.5]] * 3)
+    assert list(found.status) == [Outcome.SEVERAL, Outcome.UNDETERMINED, Outcome.UNIQUE]
 
 
 def test_a_tie_is_said():

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tuner.possibilistic.one import tanaka
+from tuner.possibilistic.one import Outcome, tanaka
 from tuner.possibilistic.window import check_degree
 
 FEW = 256
@@ -25,12 +25,14 @@ class Windows:
         center, spread: ``(W, k + 1)``.
         objective: ``(W,)``.
         unique: ``(W,)`` of bool.
+        status: ``(W,)`` of :class:`tuner.possibilistic.Outcome`.
     """
 
     center: np.ndarray
     spread: np.ndarray
     objective: np.ndarray
     unique: np.ndarray
+    status: np.ndarray
 
 
 def tanaka_windows(
@@ -59,7 +61,7 @@ def tanaka_windows(
     for i in np.flatnonzero(~found.unique):
         one = tanaka(t[i], x[i], h, e[i])
         found.center[i], found.spread[i] = one.center, one.spread
-        found.objective[i], found.unique[i] = one.objective, one.unique
+        found.objective[i], found.unique[i], found.status[i] = one.objective, one.unique, one.status
     return found
 
 
@@ -71,6 +73,7 @@ def _unsolved(t: np.ndarray) -> Windows:
         spread=np.zeros((count, regressors + 1)),
         objective=np.zeros(count),
         unique=np.zeros(count, bool),
+        status=np.full(count, Outcome.UNIQUE),
     )
 
 

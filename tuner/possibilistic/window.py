@@ -26,8 +26,8 @@ class Regressors:
         columns: rows (1, t_j1, .., t_jk), each column scaled to a largest entry of 1, ``(m, n)``.
         scale: of the columns, ``(n,)``; 1 for one of zeros.
         used: which columns are not zero throughout, ``(n,)`` of bool.
-        basis: orthonormal coordinates of the centers that the samples can tell apart,
-            ``(n, rank)``.
+        basis: coordinates of the centers that the samples can tell apart, ``(n, rank)``; samples
+            show 1 of each in the root mean square, and no two of them alike.
         restore: from z to the shortest center and the spread in the user's scale,
             ``(2n, rank + used)``.
         level: the shortest center of a constant 1, ``(n,)``.
@@ -109,7 +109,10 @@ def window(t: ArrayLike, x: ArrayLike, h: float, e: ArrayLike | None) -> Window:
 
 def _range(x: np.ndarray, e: np.ndarray | None) -> tuple[float, float]:
     """The least and the largest sample, with its spread."""
-    low, high = (x, x) if e is None else (x - e, x + e)
+    low = high = x
+    if e is not None:
+        with np.errstate(over="ignore"):  # said below
+            low, high = x - e, x + e
     ends = float(low.min()), float(high.max())
     if not (isfinite(ends[0]) and isfinite(ends[1])):
         _finite("x", x)
@@ -144,7 +147,8 @@ def _regressors(t: bytes, shape: tuple[int, ...]) -> Regressors:
     n = len(scale)
     _, singular, right = np.linalg.svd(columns, full_matrices=len(columns) < n)
     rank = int((singular > _RANK * singular[0]).sum())
-    basis, spread = right[:rank].T, np.eye(n)[:, used]
+    basis = right[:rank].T * (np.sqrt(len(columns)) / singular[:rank])
+    spread = np.eye(n)[:, used]
     rows = _rows(columns @ basis, np.abs(columns) @ spread)
     shortest = np.eye(n)
     if rank < n:
