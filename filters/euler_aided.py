@@ -96,7 +96,8 @@ class EulerKalman:
         dt: time between ticks, s.
         every: ticks between measurements.
         law: constant Q, fuzzy by :func:`filters.residual_noise.fuzzy_noise`, or random.
-        samples: residuals in the window, an even number.
+        samples: residuals in the window, an even number. They count as `every` ticks apart, also
+            where measurements were missing between them.
         slope: of the fuzzy law's line: its center's, or that of the band's edge, with h.
         kinematics: half of Omega q; printed: (3) without the half, twice the rate.
         propagation: psd, (I + T A) P (I + T A)' + T Q; printed: (6), which drops T^2 A P A'.
