@@ -53,8 +53,8 @@ def tanaka_windows(
     Raises:
         ValueError: as :func:`tuner.tanaka`, for every window alike.
 
-    >>> tanaka_windows([0, 1, 2, 3], [[0, 1, 2, 3], [1, 1, 1, 1]]).center.round(9).tolist()
-    [[0.0, 1.0], [1.0, 0.0]]
+    >>> tanaka_windows([0, 1, 2, 3], [[1, 3, 5, 7], [4, 3, 2, 1]]).center.round(9).tolist()
+    [[1.0, 2.0], [4.0, -1.0]]
     """
     t, x, e = _checked(t, x, h, e)
     found = _together(t, x, h, e) if len(x) >= FEW else _unsolved(t)
