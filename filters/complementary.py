@@ -104,17 +104,17 @@ class Mahony:
 
     def init(self, params: MahonyGains) -> MahonyState:
         """The start, without bias."""
-        return MahonyState(params.q0, jnp.zeros(3))
+        return MahonyState(params.q0, jnp.zeros(3, params.q0.dtype))
 
     def step(
         self, params: MahonyGains, state: MahonyState, inputs: ImuSample
     ) -> tuple[MahonyState, Array]:
         """Compare directions, turn, and put out the attitude ``(4,)``."""
         q = begun(state.q, inputs.acceleration)
-        error = _apart(q, inputs.acceleration, jnp.array(UP))
+        error = _apart(q, inputs.acceleration, jnp.array(UP, inputs.acceleration.dtype))
         if inputs.field is not None:
             level = rotate(q, _seen(inputs.field))
-            north = jnp.stack([jnp.zeros(()), jnp.hypot(level[0], level[1]), level[2]])
+            north = jnp.stack([jnp.zeros_like(level[2]), jnp.hypot(level[0], level[1]), level[2]])
             error = error + _apart(q, inputs.field, normalise(north))
         push = state.push + params.ki * self.dt * error
         rate = inputs.rate + params.kp * error + push
@@ -153,10 +153,10 @@ class Madgwick:
     def step(self, params: MadgwickGain, state: Array, inputs: ImuSample) -> tuple[Array, Array]:
         """Turn by the gyroscopes less the gradient step, and put out the attitude ``(4,)``."""
         state = begun(state, inputs.acceleration)
-        slope = _slope(state, inputs.acceleration, jnp.array(UP))
+        slope = _slope(state, inputs.acceleration, jnp.array(UP, inputs.acceleration.dtype))
         if inputs.field is not None:
             level = rotate(state, _seen(inputs.field))
-            north = jnp.stack([jnp.zeros(()), jnp.hypot(level[0], level[1]), level[2]])
+            north = jnp.stack([jnp.zeros_like(level[2]), jnp.hypot(level[0], level[1]), level[2]])
             slope = slope + _slope(state, inputs.field, normalise(north))
         length = jnp.sqrt(jnp.maximum(slope @ slope, 1e-30))
         moved = multiply(state, jnp.concatenate([jnp.zeros(1), inputs.rate])) / 2

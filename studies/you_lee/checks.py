@@ -6,6 +6,9 @@ from studies.you_lee.cases import Bench, Flown
 from studies.you_lee.flight import Trajectory
 from studies.you_lee.settings import GRAVITY, Settings
 
+FARTHEST = 0.2
+"""Angle in a sample, rad, above which the filter's sums mean little."""
+
 
 def refuse(bench: Bench, rates: np.ndarray) -> None:
     """Refuse settings on which results would mean nothing.
@@ -15,12 +18,23 @@ def refuse(bench: Bench, rates: np.ndarray) -> None:
         rates: what the gyroscopes show, ``(N, k, 3)``.
 
     Raises:
-        ValueError: where an accelerometer attitude does not exist on the true flight, or the
-            velocity filter's switch never or always fires.
+        ValueError: where the true flight turns too far in a sample, or has no accelerometer
+            attitude, or the velocity filter's switch never or always fires.
     """
     for name, flight in bench.flights.items():
+        _turn(bench.settings, name, flight)
         _attitude(bench.settings, name, flight)
     _switch(bench.settings.threshold, np.linalg.norm(rates, axis=2))
+
+
+def _turn(settings: Settings, name: Trajectory, flight: Flown) -> None:
+    """(2) is summed with the rates of a sample's middle."""
+    fastest = float(np.linalg.norm(np.asarray(flight.sensed.rate), axis=1).max())
+    if fastest * settings.dt > FARTHEST:
+        raise ValueError(
+            f"{name} turns with up to {fastest:.3g} rad/s, {fastest * settings.dt:.3g} rad in a "
+            f"sample, at {settings.speed:g} ft/s; give a higher speed or rate_hz, or a longer ramp"
+        )
 
 
 def _attitude(settings: Settings, name: Trajectory, flight: Flown) -> None:

@@ -3,7 +3,7 @@
 from typing import Literal, get_args
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from studies.you_lee.flight import Course, Trajectory
 
@@ -48,8 +48,22 @@ class Settings(BaseModel):
     zeta_low: float | None = Field(None, gt=0, description="least damping, (15) has 1")
     zeta_high: float | None = Field(None, gt=0, description="largest damping")
 
+    @field_validator("start", mode="before")
+    @classmethod
+    def _word(cls, value: object) -> object:
+        """A bare `true` on the command line is read as TOML's."""
+        return "true" if value is True else value
+
     @model_validator(mode="after")
     def _fits(self) -> "Settings":
+        if (
+            4 - 2 * self.K1 * self.dt + self.K1 * self.K2 * self.dt**2 <= 0
+            or self.K2 * self.dt >= 1
+        ):
+            raise ValueError(
+                f"sums of {self.dt:g} s grow without end with K1 = {self.K1:g} and K2 = "
+                f"{self.K2:g} 1/s; give smaller gains or a higher rate_hz"
+            )
         if 2 * self.ramp > self.turn:
             raise ValueError(
                 f"banking and coming back take {2 * self.ramp:g} s of a turn of {self.turn:g} s; "

@@ -91,8 +91,9 @@ def spaces(settings: Settings) -> dict[str, Space]:
     low, high = settings.zeta_low, settings.zeta_high
     if low is None and high is None:
         return found
-    low = min(low or 0.1, 0.1) if low is None else low
-    high = max(low, 10.0) if high is None else high
+    if low is None:
+        low = 0.1 if high is None else min(0.1, high / 10)
+    high = max(10.0, 10 * low) if high is None else high
     zeta = Limited(float(np.clip(published.damping, low, high)), low, high)
     tuned = Positive(omega, min(1e-3, omega), max(1.0, omega), "rad/s")
     return found | {"limited": Space.of(omega=tuned, zeta=zeta)}

@@ -1,5 +1,6 @@
 """The study of You and Lee: its flights and sensors, its rows, and what it refuses."""
 
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
@@ -317,6 +318,8 @@ REFUSED = {
     "no samples": ({"rate_hz": 0.1}, "no sample in a phase of the flight; give a higher rate"),
     "damping": ({"zeta_low": 1.0, "zeta_high": 0.5}, "zeta_low must be below zeta_high"),
     "name": ({"mach": 1.0}, "mach"),
+    "unstable": ({"K1": 250.0}, "0.01 s grow without end with K1 = 250 and K2 = 0.0125 1/s"),
+    "unstable bias": ({"K2": 100.0}, "grow without end"),
 }
 
 
@@ -327,10 +330,32 @@ def test_settings_that_mean_nothing_are_refused(case):
         Settings(**changed)
 
 
+@pytest.mark.parametrize("K1", [0.05, 150.0, 199.0, 201.0])
+def test_gains_are_refused_where_the_sums_have_no_end(K1):
+    """The roots of the loop as it is summed, (1) by Euler."""
+    dt, K2 = 0.01, 0.0125
+    step = np.array([[1 - K1 * dt, dt], [-K1 * K2 * dt, 1.0]])
+    grows = np.abs(np.linalg.eigvals(step)).max() >= 1
+    with pytest.raises(ValidationError) if grows else nullcontext():
+        Settings(K1=K1, K2=K2)
+    assert grows == (K1 > 200)
+
+
+def test_one_bound_of_the_damping_is_enough():
+    for bound in ({"zeta_low": 20.0}, {"zeta_low": 10.0}, {"zeta_high": 0.05}):
+        space = spaces(SHORT.model_copy(update=bound))["limited"]
+        assert np.isfinite(space.start()).all()
+
+
+def test_a_start_may_be_true_on_the_command_line():
+    assert Settings(start=True).start == "true"
+
+
 @pytest.mark.parametrize(
     ("changed", "sentence"),
     [
         ({"bank": 80.0}, r"on T1 \(10\) would take the arc sine of .* give a smaller bank or tilt"),
+        ({"speed": 1.0}, "rad in a sample, at 1 ft/s; give a higher speed or rate_hz"),
         ({"threshold": 0.5}, "0.5 rad/s never fires: the gyroscopes show .* a lower threshold"),
         ({"threshold": 1e-9}, "1e-09 rad/s always fires: the gyroscopes show .* higher threshold"),
     ],
