@@ -159,7 +159,7 @@ class Madgwick:
             north = jnp.stack([jnp.zeros_like(level[2]), jnp.hypot(level[0], level[1]), level[2]])
             slope = slope + _slope(state, inputs.field, normalise(north))
         length = jnp.sqrt(jnp.maximum(slope @ slope, 1e-30))
-        moved = multiply(state, jnp.concatenate([jnp.zeros(1), inputs.rate])) / 2
+        moved = multiply(state, jnp.concatenate([jnp.zeros_like(inputs.rate[:1]), inputs.rate])) / 2
         q = normalise(state + self.dt * (moved - params.beta * slope / length))
         return q, q
 

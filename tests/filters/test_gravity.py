@@ -402,3 +402,18 @@ def test_without_a_direction_the_gyroscopes_turn_it_alone(filter, missing):
     _, six = stepped(filter, gains, state, ImuSample(force, rate))
     _, nine = stepped(filter, gains, state, ImuSample(force, rate, nothing))
     np.testing.assert_allclose(nine, six, rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("filter", "params"),
+    [(Mahony(DT), MahonyGains(1.0, 0.1, ONE)), (Madgwick(DT), MadgwickGain(0.1, ONE))],
+    ids=["Mahony", "Madgwick"],
+)
+def test_complementary_filters_run_in_single_precision(filter, params):
+    """As on a small machine; the difference is float32's."""
+    draw = np.random.default_rng(0).normal(size=(3, 9, 3))
+    given = params, ImuSample(*draw)
+    wide = compiled(filter, *jax.tree.map(jnp.asarray, given))
+    narrow = compiled(filter, *jax.tree.map(lambda v: jnp.asarray(v, jnp.float32), given))
+    assert narrow[1].dtype == jnp.float32
+    np.testing.assert_allclose(narrow[1], wide[1], rtol=0, atol=1e-5)
