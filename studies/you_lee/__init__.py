@@ -39,7 +39,7 @@ def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
     posed = problems(bench)
     solver = Gradient("l-bfgs-b", seed=seed, starts=settings.starts)
     inputs = posed["free"].data.inputs
-    refuse(bench, np.asarray(inputs.rate))
+    refuse(bench, inputs)
     name = f"{settings.train} simulated flights on {settings.trajectory}, seeds from {seed}"
     return Plan(
         source=Source.simulated(name, [np.asarray(leaf) for leaf in inputs], settings.rate_hz),

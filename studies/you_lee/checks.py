@@ -2,29 +2,34 @@
 
 import numpy as np
 
+from filters import MixingSample
 from studies.you_lee.cases import Bench, Flown
 from studies.you_lee.flight import Trajectory
 from studies.you_lee.settings import GRAVITY, Settings
 
+MISSING = 0.1
+"""Share of a run's samples without an attitude above which it says little of the filter."""
 FARTHEST = 0.2
 """Angle in a sample, rad, above which the filter's sums mean little."""
 
 
-def refuse(bench: Bench, rates: np.ndarray) -> None:
+def refuse(bench: Bench, shown: MixingSample) -> None:
     """Refuse settings on which results would mean nothing.
 
     Args:
         bench: the flights.
-        rates: what the gyroscopes show, ``(N, k, 3)``.
+        shown: by the sensors in k runs, ``(N, k, ...)``.
 
     Raises:
-        ValueError: where the true flight turns too far in a sample, or has no accelerometer
-            attitude, or the velocity filter's switch never or always fires.
+        ValueError: where the true flight turns too far in a sample, where it, or much of what the
+            sensors show, has no accelerometer attitude, or where the velocity filter's switch
+            never or always fires.
     """
     for name, flight in bench.flights.items():
         _turn(bench.settings, name, flight)
         _attitude(bench.settings, name, flight)
-    _switch(bench.settings.threshold, np.linalg.norm(rates, axis=2))
+    _shown(shown)
+    _switch(bench.settings.threshold, np.linalg.norm(np.asarray(shown.rate), axis=2))
 
 
 def _turn(settings: Settings, name: Trajectory, flight: Flown) -> None:
@@ -54,6 +59,20 @@ def _attitude(settings: Settings, name: Trajectory, flight: Flown) -> None:
                 f"{t:.4g} s on), so the accelerometers give no attitude; give a smaller bank or "
                 "tilt"
             )
+
+
+def _shown(shown: MixingSample) -> None:
+    """(10) of what the sensors show; the filter passes over samples that have no arc sine."""
+    force, rate = np.asarray(shown.force), np.asarray(shown.rate)
+    along = force[..., 0] / GRAVITY
+    level = np.sqrt(np.clip(1 - along**2, 1e-12, None))
+    across = (rate[..., 2] * np.asarray(shown.airspeed) - force[..., 1]) / (GRAVITY * level)
+    missing = (np.maximum(np.abs(along), np.abs(across)) >= 1).mean(axis=0).max()
+    if missing > MISSING:
+        raise ValueError(
+            f"(10) would take the arc sine of more than 1 in {100 * missing:.3g} % of a run's "
+            "samples, so the accelerometers give no attitude; give smaller errors of the sensors"
+        )
 
 
 def _switch(threshold: float, size: np.ndarray) -> None:

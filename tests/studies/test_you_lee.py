@@ -136,13 +136,14 @@ def test_a_hundred_runs_are_within_15_percent_of_the_notes():
 def test_tuned_gains_are_at_least_as_good_as_the_notes_on_independent_runs():
     """On runs of the textbook that share neither code nor draws with those that tuned them.
 
-    The notes give theirs .3765 on one sample of 100 runs; samples scatter by .011 about .386.
+    The notes give theirs .3765 on one sample of 100 runs; such samples scatter by .011 about .386,
+    and what the gains differ by, .0008, by as much: 300 runs tell them apart.
     """
     tuned = 0.0244, 0.0314  # docs/you_lee.md
     notes, _ = oracle.BEST_GAINS
     both = np.array([notes, tuned])[..., None]
     true = oracle.truth("T1")
-    found = oracle.run(oracle.random("T1", runs=100, seed=1), true, "eq10", both[:, 0], both[:, 1])
+    found = oracle.run(oracle.random("T1", runs=300), true, "eq10", both[:, 0], both[:, 1])
     theirs, ours = oracle.whole_rms(*oracle.errors(found, true))
     assert ours <= theirs < 0.43
 
@@ -347,14 +348,19 @@ def test_one_bound_of_the_damping_is_enough():
         assert np.isfinite(space.start()).all()
 
 
-def test_a_start_may_be_true_on_the_command_line():
+def test_a_start_may_be_true_on_the_command_line(capfd):
+    """Which reads it as a truth value, as TOML does."""
     assert Settings(start=True).start == "true"
+    assert invoke(["run", "you_lee", "--set", "start=true", "--dry-run"]) == 0
+    assert "would solve velocity" in capfd.readouterr().out
 
 
 @pytest.mark.parametrize(
     ("changed", "sentence"),
     [
         ({"bank": 80.0}, r"on T1 \(10\) would take the arc sine of .* give a smaller bank or tilt"),
+        ({"acc_bias": 1e7}, "arc sine of more than 1 in .* % .* smaller errors of the sensors"),
+        ({"airspeed_noise": 1e9}, "arc sine of more than 1 in .* % of a run's samples"),
         ({"speed": 1.0}, "rad in a sample, at 1 ft/s; give a higher speed or rate_hz"),
         ({"threshold": 0.5}, "0.5 rad/s never fires: the gyroscopes show .* a lower threshold"),
         ({"threshold": 1e-9}, "1e-09 rad/s always fires: the gyroscopes show .* higher threshold"),
@@ -363,7 +369,7 @@ def test_a_start_may_be_true_on_the_command_line():
 def test_flights_that_mean_nothing_are_refused(changed, sentence):
     flown = Bench(SHORT.model_copy(update=changed), 0)
     with pytest.raises(ValueError, match=sentence):
-        checks.refuse(flown, np.asarray(flown.train()[0].rate))
+        checks.refuse(flown, flown.train()[0])
 
 
 @pytest.mark.parametrize("word", ["speed=0", "threshold=0.5"])
@@ -402,7 +408,7 @@ def test_what_is_exported_besides_the_parameters():
 
 def test_errors_are_finite_in_a_steep_bank():
     steep = Bench(SHORT.model_copy(update={"bank": 55.0}), 0)
-    checks.refuse(steep, np.asarray(steep.train()[0].rate))
+    checks.refuse(steep, steep.train()[0])
     flight = steep.flights["T1"]
     for aid in ("airspeed", "velocity"):
         params = gains(steep.settings, flight, "zero", {})

@@ -83,10 +83,8 @@ def tanaka(t: ArrayLike, x: ArrayLike, h: float = 0.0, e: ArrayLike | None = Non
     objective = point.cost * factor
     status, message = _ended(asked, point)
     if not (isfinite(objective) and isfinite(center.sum() + spread.sum())):
-        status, message = (
-            Outcome.INEXACT,
-            ("a coefficient is larger than any number; give t, or x, in another unit"),
-        )
+        status = Outcome.INEXACT
+        message = "a coefficient is larger than any number; give t, or x, in another unit"
     least = np.zeros(len(of.scale))
     least[of.used] = point.multipliers[2 * m :] * of.scale[of.used]
     return Regression(

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tuner.convex import ConvexProgram, building
-from tuner.possibilistic.window import window
+from tuner.possibilistic.window import Regressors, window
 
 NEAR = 1e4
 """Up to this size, and down to its inverse, regressors are near 1."""
@@ -35,16 +35,7 @@ def tanaka_program(t: ArrayLike, h: float = 0.0) -> ConvexProgram:
 
     zeros = np.zeros(np.shape(t)[:1])
     of = window(t, zeros, h, None).of
-    if of.rank < len(of.scale):
-        raise ValueError(
-            f"{len(zeros)} samples whose t has rank {of.rank} with the intercept do not determine "
-            f"{len(of.scale)} coefficients; take more, or other, samples, or tuner.tanaka"
-        )
-    if not 1 / NEAR <= of.scale.min() <= of.scale.max() <= NEAR:
-        raise ValueError(
-            f"the largest entries of the regressors are {of.scale.min():g} to {of.scale.max():g}; "
-            f"give t in units in which they are {1 / NEAR:g} to {NEAR:g}, or use tuner.tanaka"
-        )
+    _refuse(of)
     columns = of.columns * of.scale
     size = np.abs(columns)
     with building():
@@ -61,4 +52,18 @@ def tanaka_program(t: ArrayLike, h: float = 0.0) -> ConvexProgram:
             {"center": center, "spread": spread},
             rows,
             {"x": zeros, "e": zeros},
+        )
+
+
+def _refuse(of: Regressors) -> None:
+    """What is not determined, or too large or small to be solved as it stands."""
+    if of.rank < len(of.scale):
+        raise ValueError(
+            f"{len(of.columns)} samples whose t has rank {of.rank} with the intercept do not "
+            f"determine {len(of.scale)} coefficients; take more, or other, samples, or tuner.tanaka"
+        )
+    if not 1 / NEAR <= of.scale.min() <= of.scale.max() <= NEAR:
+        raise ValueError(
+            f"the largest entries of the regressors are {of.scale.min():g} to {of.scale.max():g}; "
+            f"give t in units in which they are {1 / NEAR:g} to {NEAR:g}, or use tuner.tanaka"
         )

@@ -26,8 +26,8 @@ class Regressors:
         columns: rows (1, t_j1, .., t_jk), each column scaled to a largest entry of 1, ``(m, n)``.
         scale: of the columns, ``(n,)``; 1 for one of zeros.
         used: which columns are not zero throughout, ``(n,)`` of bool.
-        basis: coordinates of the centers that the samples can tell apart, ``(n, rank)``; samples
-            show 1 of each in the root mean square, and no two of them alike.
+        basis: coordinates of the centers that the samples can tell apart, ``(n, rank)``: their
+            values at the samples are orthogonal, with a root mean square of 1.
         restore: from z to the shortest center and the spread in the user's scale,
             ``(2n, rank + used)``.
         level: the shortest center of a constant 1, ``(n,)``.
