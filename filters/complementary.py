@@ -14,6 +14,7 @@ from filters.rotation import (
     from_rotation_vector,
     multiply,
     normalise,
+    or_else,
     rotate,
     rotate_back,
 )
@@ -34,7 +35,7 @@ class FirstOrderGain(NamedTuple):
 
 
 class AngleSample(NamedTuple):
-    """A rate in rad/s and an angle in rad of the same shape; a NaN angle is missing."""
+    """A rate in rad/s and an angle in rad of the same shape; NaN is missing, a rate then 0."""
 
     rate: Array
     angle: Array
@@ -62,7 +63,7 @@ class FirstOrder:
         self, params: FirstOrderGain, state: Array, inputs: AngleSample
     ) -> tuple[Array, Array]:
         """Move by the rate, and go a share of the way to what is measured."""
-        ahead = state + inputs.rate * self.dt
+        ahead = state + or_else(inputs.rate, jnp.zeros_like(inputs.rate)) * self.dt
         apart = jnp.where(jnp.isnan(inputs.angle), 0.0, inputs.angle - ahead)
         angle = ahead + self.dt / (params.tau + self.dt) * apart
         return angle, angle
@@ -117,7 +118,7 @@ class Mahony:
             north = jnp.stack([jnp.zeros_like(level[2]), jnp.hypot(level[0], level[1]), level[2]])
             error = error + _apart(q, inputs.field, normalise(north))
         push = state.push + params.ki * self.dt * error
-        rate = inputs.rate + params.kp * error + push
+        rate = or_else(inputs.rate, -push) + params.kp * error + push
         q = normalise(multiply(q, from_rotation_vector(rate * self.dt)))
         return MahonyState(q, push), q
 
@@ -159,29 +160,34 @@ class Madgwick:
             north = jnp.stack([jnp.zeros_like(level[2]), jnp.hypot(level[0], level[1]), level[2]])
             slope = slope + _slope(state, inputs.field, normalise(north))
         length = jnp.sqrt(jnp.maximum(slope @ slope, 1e-30))
-        moved = multiply(state, jnp.concatenate([jnp.zeros_like(inputs.rate[:1]), inputs.rate])) / 2
+        still = jnp.zeros_like(inputs.rate)
+        rate = jnp.concatenate([still[:1], or_else(inputs.rate, still)])
+        moved = multiply(state, rate) / 2
         q = normalise(state + self.dt * (moved - params.beta * slope / length))
         return q, q
 
 
 def _apart(q: Array, measured: Array, direction: Array) -> Array:
     """Measured direction x expected one, in sensor coordinates; 0 where nothing is measured."""
-    size = jnp.sqrt(measured @ measured)
-    seen = size > 0  # also false for NaN
-    unit = jnp.where(seen, measured, 0.0) / jnp.where(seen, size, 1.0)
+    unit, _ = _unit(measured)
     return cross(unit, rotate_back(q, direction))
 
 
+def _unit(measured: Array) -> tuple[Array, Array]:
+    """Its direction, and whether it has one: not where it is 0, infinite or NaN."""
+    size = jnp.sqrt(measured @ measured)
+    seen = (size > 0) & (size < jnp.inf)
+    return jnp.where(seen, measured, 0.0) / jnp.where(seen, size, 1.0), seen
+
+
 def _seen(field: Array) -> Array:
-    """The field, or some other where there is none: it must not be zero or NaN on its way."""
-    return jnp.where(field @ field > 0, field, jnp.array([0.0, 1.0, 0.0], field.dtype))
+    """The field, or some other where it has no direction: it must not be NaN on its way."""
+    return jnp.where(_unit(field)[1], field, jnp.array([0.0, 1.0, 0.0], field.dtype))
 
 
 def _slope(q: Array, measured: Array, direction: Array) -> Array:
     """Gradient of abs(q* direction q - measured)^2 / 2 by the four entries of q."""
-    size = jnp.sqrt(measured @ measured)
-    seen = size > 0
-    unit = jnp.where(seen, measured, 0.0) / jnp.where(seen, size, 1.0)
+    unit, seen = _unit(measured)
     expected, pull = jax.vjp(lambda q: rotate_back(q, direction), q)
     slope: Array
     (slope,) = pull(jnp.where(seen, expected - unit, 0.0))

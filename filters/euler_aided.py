@@ -22,6 +22,7 @@ from filters.residual_noise import (
     random_noise,
     remembered,
 )
+from filters.rotation import or_else
 
 
 class EulerNoise(NamedTuple):
@@ -44,7 +45,7 @@ class EulerSample(NamedTuple):
     """One tick's inputs; stacked along time for :func:`filters.run`.
 
     Attributes:
-        rate: gyroscopes, rad/s, ``(3,)``.
+        rate: gyroscopes, rad/s, ``(3,)``; NaN means missing, and is taken as no turn.
         z: measured (phi, theta, psi), rad, ``(3,)``; NaN throughout where there is no measurement.
         draw: uniform numbers of the random law, ``(7,)``; None for the others.
     """
@@ -149,7 +150,7 @@ class EulerKalman:
         """(3) to (6), without a projection."""
         x, P = state.estimate
         half = 0.5 if self.kinematics == "half" else 1.0
-        turn = half * turning(rate - x[4:])
+        turn = half * turning(or_else(rate, x[4:]) - x[4:])
         A = jnp.zeros((7, 7), x.dtype).at[:4, :4].set(turn).at[:4, 4:].set(-half * moved_by(x[:4]))
         TQ = self.dt * jnp.diag(state.Q)
         if self.propagation == "psd":

@@ -13,7 +13,7 @@ from jax import Array
 
 from filters.extended import linearised
 from filters.kalman import Estimate, predict
-from filters.rotation import begun, from_rotation_vector, multiply, normalise, rotate_back
+from filters.rotation import begun, from_rotation_vector, multiply, normalise, or_else, rotate_back
 
 
 class ImuSample(NamedTuple):
@@ -22,7 +22,7 @@ class ImuSample(NamedTuple):
     Attributes:
         acceleration: specific force, m/s^2, ``(3,)``; +g along z where z points up at rest. NaN
             means missing.
-        rate: angular rate, rad/s, ``(3,)``.
+        rate: angular rate, rad/s, ``(3,)``; NaN means missing, and is taken as no turn.
         field: magnetic field in any unit, ``(3,)``, or None; NaN means missing.
     """
 
@@ -111,7 +111,7 @@ class GravityKalman:
         self, params: GravityNoise, state: GravityState, inputs: ImuSample
     ) -> tuple[GravityState, GravityOutputs]:
         """Turn by the gyroscopes, detect, and correct by the accelerometers."""
-        turn = from_rotation_vector((inputs.rate - state.b) * self.dt)
+        turn = from_rotation_vector((or_else(inputs.rate, state.b) - state.b) * self.dt)
         q = multiply(begun(state.q, inputs.acceleration), turn)
         P = self._spread(params, state.P, turn)
         up = rotate_back(q, jnp.array([0.0, 0.0, 1.0], q.dtype))

@@ -87,8 +87,14 @@ def begun(q: Array, acceleration: Array) -> Array:
     1.0
     """
     upright = jnp.array([0.0, 0.0, 1.0], q.dtype)
-    measured = jnp.where(acceleration @ acceleration > 0, acceleration, upright)
+    square = acceleration @ acceleration
+    measured = jnp.where((square > 0) & (square < jnp.inf), acceleration, upright)
     return jnp.where(q @ q > 0, q, level(measured))
+
+
+def or_else(rate: Array, still: Array) -> Array:
+    """A measured rate, or what it is at rest along the axes on which it is missing (NaN)."""
+    return jnp.where(jnp.isnan(rate), still, rate)
 
 
 def level(acceleration: Array) -> Array:

@@ -126,7 +126,10 @@ class Run:
     def tuned(self, target: Target, solutions: Solutions) -> Tuned:
         """What is exported for a target: its parameters, and what follows from them."""
         solution = best(target.problem.name, solutions)
-        parameters = [Quantity(n, p.value, p.unit) for n, p in solution.parameters.items()]
+        parameters = [
+            Quantity(name, p.value, p.unit, target.meanings.get(name, ""))
+            for name, p in solution.parameters.items()
+        ]
         return Tuned(
             name=solution.problem,
             filter=target.filter,

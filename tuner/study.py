@@ -98,6 +98,7 @@ class Target:
         dt: sample time, s; 0 where it is continuous.
         quantities: what is exported besides the parameters, given the solution.
         single: the same solution run in single precision.
+        meanings: of the parameters, a short sentence by name.
     """
 
     problem: "Problem"
@@ -106,6 +107,7 @@ class Target:
     dt: float
     quantities: "Callable[[Solution], tuple[Quantity, ...]]"
     single: "Callable[[Solution], tuple[SinglePrecision, ...]]"
+    meanings: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -54,6 +54,16 @@ class Settings(BaseModel):
     seconds: float | None = Field(None, gt=0, description="only so much of each trial, s")
 
 
+MEANINGS = {
+    "place": "of the measurement that the sensor stays where it is",
+    "accelerometer": "of the white noise of the accelerometers",
+    "turning": "of the gyroscopes' noise in proportion to the rate",
+    "bias": "of the drift of the gyroscopes' bias",
+    "matrix0": "deviation of the gyroscopes' scales and misalignments at the start",
+    "lead": "how far ahead of the last sample the attitude is wanted",
+}
+
+
 def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
     """Every filter tuned on all trials; the room filter also without each of them in turn.
 
@@ -123,6 +133,7 @@ def _target(posed: Problem, rate_hz: float) -> Target:
         dt=1 / rate_hz,
         quantities=_quantities,
         single=lambda _: (),
+        meanings=MEANINGS,
     )
 
 

@@ -19,6 +19,14 @@ from tuner.solution import Solution
 from tuner.solvers import NelderMead
 from tuner.study import Plan, Source, Study, Target, Task
 
+MEANINGS = {
+    "angle": "deviation of the measured angles",
+    "floor": "least spectral density of each state's noise",
+    "h": "level of membership of the regression",
+    "quaternion": "spectral density of the quaternion's noise",
+    "bias": "spectral density of the gyroscopes' bias",
+}
+
 
 def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
     """Every law tuned on the same steps by the same means, judged on others; and the sweep."""
@@ -49,6 +57,7 @@ def _target(problem: Problem, settings: Settings) -> Target:
         dt=DT,
         quantities=partial(_quantities, settings),
         single=lambda _: (),
+        meanings=MEANINGS,
     )
 
 

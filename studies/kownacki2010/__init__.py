@@ -20,6 +20,12 @@ from tuner.solution import Solution
 from tuner.solvers import NelderMead, make_solver
 from tuner.study import Plan, Source, Study, Target, Task, tuned_values
 
+MEANINGS = {
+    "Q": "process noise",
+    "R": "variance of the measurement",
+    "P0": "covariance at the start",
+}
+
 
 def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
     """The paper's procedure on both built-in records, or on the channels of a log.
@@ -63,6 +69,7 @@ def _target(bench: Bench, problem: Problem) -> Target:
         dt=bench.dt,
         quantities=partial(_quantities, bench),
         single=partial(_single, bench),
+        meanings=MEANINGS,
     )
 
 

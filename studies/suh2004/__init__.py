@@ -25,6 +25,15 @@ HELD_OUT = 1000
 SCALE = float(np.radians(15.0))
 """Size of the angles that the single-precision check goes by, rad."""
 
+MEANINGS = {
+    "q1": "spectral density of the angular acceleration",
+    "r_nom": "variance of the accelerometers at rest",
+    "r_big": "variance of disturbed accelerometers",
+    "alpha1": "share of r that stays from sample to sample",
+    "alpha2": "what a residual of 1 g adds to r",
+    "delta": "by how much the squared acceleration may differ from g^2 at rest",
+}
+
 
 def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
     """All three filters tuned on the same records by the same means, judged on others."""
@@ -65,6 +74,7 @@ def _target(problem: Problem, judged_on: Recordings) -> Target:
         dt=DT,
         quantities=_quantities,
         single=partial(_single, judged_on),
+        meanings=MEANINGS,
     )
 
 

@@ -57,6 +57,14 @@ class Settings(BaseModel):
     )
 
 
+MEANINGS = {f"R_{angle}": f"variance of the measured {angle}" for angle in ANGLES} | {
+    "Q_quaternion": "spectral density of the quaternion's noise",
+    "Q_bias": "spectral density of the gyroscopes' bias",
+    "floor_quaternion": "least spectral density of the quaternion's noise",
+    "floor_bias": "least spectral density of the gyroscopes' bias",
+}
+
+
 def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
     """Both laws tuned on one flight by the same means, judged on the others."""
     if settings.tuned in settings.judged or len(set(settings.judged)) < len(settings.judged):
@@ -109,6 +117,7 @@ def _target(posed: Problem, settings: Settings) -> Target:
         dt=1 / settings.ticks_per_second,
         quantities=lambda _: (),
         single=lambda _: (),
+        meanings=MEANINGS,
     )
 
 

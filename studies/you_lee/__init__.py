@@ -9,11 +9,11 @@ import jax
 import numpy as np
 
 from filters import MixingFilter
-from studies.you_lee.cases import Bench, deterministic, gains
+from studies.you_lee.cases import Bench, deterministic, gains, start_velocity
 from studies.you_lee.checks import refuse
 from studies.you_lee.figures import figures
 from studies.you_lee.rows import compare
-from studies.you_lee.settings import Settings
+from studies.you_lee.settings import GRAVITY, Settings
 from studies.you_lee.tuning import AIDS, problems, with_gains
 from tuner.export.tuned import Quantity
 from tuner.logs import Log
@@ -26,11 +26,23 @@ from tuner.study import Plan, Source, Study, Target, Task, tuned_values
 SCALE = float(np.radians(30.0))
 """Size of the angles that the single-precision check goes by, rad."""
 MEANINGS = {
-    "K1": ("1/s", "how fast the angles follow the accelerometers"),
-    "K2": ("1/s", "K1 K2 is how fast the bias is taken off"),
-    "damping": ("", "of the filter's poles"),
-    "natural_frequency": ("rad/s", "of the filter's poles"),
+    "K1": "how fast the angles follow the accelerometers",
+    "K2": "K1 K2 is how fast the gyroscopes' bias is taken off",
+    "tau": "time constant of both poles",
+    "omega": "natural frequency of the poles",
+    "zeta": "damping of the poles",
+    "damping": "of the filter's poles",
+    "natural_frequency": "of the filter's poles",
+    "Q_k": "variance that enters each component of the velocity in a sample",
+    "R_k": "variance of the airspeed",
+    "P0": "variance of each component of the velocity at the start",
+    "threshold": "the velocity filter runs where the length of the rates is above it",
+    "x0": "(u, v, w) at the start",
+    "gravity": "the length of gravity",
 }
+UNITS = {"K1": "1/s", "K2": "1/s", "damping": "", "natural_frequency": "rad/s"}
+HELD = {"R_k": "(ft/s)^2", "P0": "(ft/s)^2", "threshold": "rad/s"}
+"""What the velocity filter takes that is not tuned, with its unit."""
 
 
 def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
@@ -39,7 +51,7 @@ def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
     posed = problems(bench)
     solver = Gradient("l-bfgs-b", seed=seed, starts=settings.starts)
     inputs = posed["free"].data.inputs
-    refuse(bench, inputs)
+    refuse(bench)
     name = f"{settings.train} simulated flights on {settings.trajectory}, seeds from {seed}"
     return Plan(
         source=Source.simulated(name, [np.asarray(leaf) for leaf in inputs], settings.rate_hz),
@@ -56,21 +68,26 @@ def _target(bench: Bench, problem: Problem) -> Target:
         filter="MixingFilter",
         states=("roll", "pitch"),
         dt=bench.settings.dt,
-        quantities=partial(_quantities, bench.settings),
+        quantities=partial(_quantities, bench),
         single=partial(_single, bench),
+        meanings=MEANINGS,
     )
 
 
-def _quantities(settings: Settings, solution: Solution) -> tuple[Quantity, ...]:
-    found = [
-        Quantity(name, np.array(solution.derived[name]), *words)
-        for name, words in MEANINGS.items()
-        if name not in solution.parameters
-    ]
+def _quantities(bench: Bench, solution: Solution) -> tuple[Quantity, ...]:
+    """What the gains stand for, and what else the filter takes."""
+    settings = bench.settings
+    known = [(name, np.array(solution.derived[name]), unit) for name, unit in UNITS.items()]
+    known.append(("gravity", np.array(GRAVITY), "ft/s^2"))
     if AIDS[solution.problem] == "velocity":
-        words = ("R_k", "(ft/s)^2", "variance of the airspeed"), ("threshold", "rad/s", "switch")
-        found += [Quantity(n, np.array(getattr(settings, n)), u, m) for n, u, m in words]
-    return tuple(found)
+        known += [(name, np.array(getattr(settings, name)), unit) for name, unit in HELD.items()]
+        flight = bench.flights[settings.trajectory]
+        known.append(("x0", np.array(start_velocity(flight, settings.start)), "ft/s"))
+    return tuple(
+        Quantity(name, value, unit, MEANINGS[name])
+        for name, value, unit in known
+        if name not in solution.parameters
+    )
 
 
 def _single(bench: Bench, solution: Solution) -> tuple[SinglePrecision, ...]:

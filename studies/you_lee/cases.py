@@ -140,11 +140,15 @@ def measured(flight: Flown, errors: Errors) -> MixingSample:
 def gains(settings: Settings, flight: Flown, start: Start, values: dict[str, Array]) -> MixingGains:
     """What the filter takes: the settings' parameters, and those given by name."""
     known = {name: jnp.asarray(getattr(settings, name), float) for name in PARAMETERS} | values
-    u, v, w = flight.velocity0
-    x0 = jnp.asarray((u, v, w) if start == "true" else (u, 0.0, 0.0), float)
+    x0 = jnp.asarray(start_velocity(flight, start), float)
     noise = VelocityNoise(known["Q_k"], known["R_k"], known["threshold"], x0, known["P0"])
     angles0 = jnp.asarray(flight.angles0, float)
     return MixingGains(known["K1"], known["K2"], jnp.asarray(GRAVITY, float), angles0, noise)
+
+
+def start_velocity(flight: Flown, start: Start) -> tuple[float, ...]:
+    """(u, v, w) that the velocity filter starts from; the airspeed is known."""
+    return flight.velocity0 if start == "true" else (flight.velocity0[0], 0.0, 0.0)
 
 
 PARAMETERS = ("K1", "K2", "Q_k", "R_k", "P0", "threshold")
@@ -233,6 +237,13 @@ class Bench:
         flight = self.flights[self.settings.trajectory]
         errors = sensor_errors(self.settings, self.seed, self.settings.train)
         return measured(flight, errors), flight.truth
+
+    def shown(self) -> Iterator[MixingSample]:
+        """What the sensors show in all runs: those that are tuned on, and then the others."""
+        yield self.train()[0]
+        flight = self.flights[self.settings.trajectory]
+        for errors in self._chunks(self.settings.runs):
+            yield measured(flight, errors)
 
     def spread(self, case: Case, runs: int | None = None) -> Spread:
         """One case; see :meth:`spreads`."""

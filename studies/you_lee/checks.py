@@ -13,12 +13,8 @@ FARTHEST = 0.2
 """Angle in a sample, rad, above which the filter's sums mean little."""
 
 
-def refuse(bench: Bench, shown: MixingSample) -> None:
+def refuse(bench: Bench) -> None:
     """Refuse settings on which results would mean nothing.
-
-    Args:
-        bench: the flights.
-        shown: by the sensors in k runs, ``(N, k, ...)``.
 
     Raises:
         ValueError: where the true flight turns too far in a sample, where it, or much of what the
@@ -28,8 +24,15 @@ def refuse(bench: Bench, shown: MixingSample) -> None:
     for name, flight in bench.flights.items():
         _turn(bench.settings, name, flight)
         _attitude(bench.settings, name, flight)
-    _shown(shown)
-    _switch(bench.settings.threshold, np.linalg.norm(np.asarray(shown.rate), axis=2))
+    missing, low, high = np.concatenate([_of(shown) for shown in bench.shown()], axis=1)
+    _exists(missing)
+    _switch(bench.settings.threshold, low, high)
+
+
+def _of(shown: MixingSample) -> np.ndarray:
+    """Of k runs the share of samples without arc sine, and the least and largest rate, (3, k)."""
+    size = np.linalg.norm(np.asarray(shown.rate), axis=2)
+    return np.stack([_missing(shown), size.min(axis=0), size.max(axis=0)])
 
 
 def _turn(settings: Settings, name: Trajectory, flight: Flown) -> None:
@@ -51,39 +54,46 @@ def _attitude(settings: Settings, name: Trajectory, flight: Flown) -> None:
         along = (force[:, 0] + r * v - q * w) / GRAVITY
         level = np.sqrt(np.clip(1 - along**2, 1e-12, None))
         across = (r * u - p * w - force[:, 1]) / (GRAVITY * level)
-        both = np.maximum(np.abs(along), np.abs(across))
+        # Where pitch has no arc sine, roll has none that could be told.
+        both = np.where(np.abs(along) < 1, np.maximum(np.abs(along), np.abs(across)), np.abs(along))
         if not both.max() < 1:
             t = settings.dt * (int(np.argmax(both >= 1)) + 0.5)
             raise ValueError(
                 f"on {name} {equation} would take the arc sine of {both.max():.3g} (from t = "
-                f"{t:.4g} s on), so the accelerometers give no attitude; give a smaller bank or "
-                "tilt"
+                f"{t:.4g} s on), so the accelerometers give no attitude; give a smaller bank, tilt "
+                "or speed, or a longer ramp"
             )
 
 
-def _shown(shown: MixingSample) -> None:
-    """(10) of what the sensors show; the filter passes over samples that have no arc sine."""
+def _missing(shown: MixingSample) -> np.ndarray:
+    """In which share of the samples (10) has no arc sine, ``(k,)``."""
     force, rate = np.asarray(shown.force), np.asarray(shown.rate)
     along = force[..., 0] / GRAVITY
     level = np.sqrt(np.clip(1 - along**2, 1e-12, None))
     across = (rate[..., 2] * np.asarray(shown.airspeed) - force[..., 1]) / (GRAVITY * level)
-    missing = (np.maximum(np.abs(along), np.abs(across)) >= 1).mean(axis=0).max()
-    if missing > MISSING:
+    share = (np.maximum(np.abs(along), np.abs(across)) >= 1).mean(axis=0)
+    return np.asarray(share)
+
+
+def _exists(missing: np.ndarray) -> None:
+    """The filter passes over samples that have no arc sine, ``(k,)`` shares of them."""
+    if missing.max() > MISSING:
         raise ValueError(
-            f"(10) would take the arc sine of more than 1 in {100 * missing:.3g} % of a run's "
-            "samples, so the accelerometers give no attitude; give smaller errors of the sensors"
+            f"(10) would take the arc sine of more than 1 in {100 * missing.max():.3g} % of a "
+            "run's samples, so the accelerometers give no attitude; give smaller errors of the "
+            "sensors"
         )
 
 
-def _switch(threshold: float, size: np.ndarray) -> None:
-    """The length of the measured rates, ``(N, k)``, has to pass the threshold in every run."""
-    low, high = size.min(axis=0), size.max(axis=0)
+def _switch(threshold: float, low: np.ndarray, high: np.ndarray) -> None:
+    """Measured rates, least and largest of each run, lie on both sides of the threshold."""
     shown = f"the gyroscopes show {low.min():.3g} to {high.max():.3g} rad/s on this flight"
-    if (high <= threshold).any():
-        raise ValueError(
-            f"a switch at {threshold:g} rad/s never fires: {shown}; give a lower threshold"
-        )
-    if (low > threshold).any():
-        raise ValueError(
-            f"a switch at {threshold:g} rad/s always fires: {shown}; give a higher threshold"
-        )
+    for wrong, word, way in (
+        (high <= threshold, "never", "lower"),
+        (low > threshold, "always", "higher"),
+    ):
+        if wrong.any():
+            raise ValueError(
+                f"a switch at {threshold:g} rad/s {word} fires in {wrong.sum()} of "
+                f"{len(low)} runs: {shown}; give a {way} threshold"
+            )

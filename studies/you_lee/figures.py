@@ -6,6 +6,7 @@ import numpy as np
 
 from studies.you_lee.cases import CHUNK, Bench, Case, Spread
 from studies.you_lee.flight import TRAJECTORIES
+from studies.you_lee.settings import PUBLISHED
 from studies.you_lee.tuning import problems, tuned_case
 from tuner.figure import Chart, Figure, Line, Map
 from tuner.study import Solutions, best
@@ -26,7 +27,7 @@ def figures(bench: Bench, solutions: Solutions) -> Iterator[Figure]:
     yield from _bands(bench, "fig4", "Fig. 4: with (10)", {"": plain})
     starts = {", v = w = 0": zero, ", true v, w": true}
     yield from _bands(bench, "fig5", "Fig. 5: with the velocity filter", starts)
-    yield _flights(bench)
+    yield from _flights(bench)
     yield _by_tau(bench, solutions)
     yield _by_process_noise(bench)
     yield _by_threshold(bench)
@@ -47,19 +48,16 @@ def _bands(bench: Bench, name: str, title: str, cases: dict[str, Case]) -> Itera
         yield Chart(f"{name}_{angle}", words, "t, s", f"{angle} error, deg", tuple(lines))
 
 
-def _flights(bench: Bench) -> Chart:
+def _flights(bench: Bench) -> Iterator[Chart]:
     """Root mean square over runs of the roll error, in and before the turn."""
-    lines = []
+    runs, level = bench.settings.runs, bench.settings.level
     for name in TRAJECTORIES:
-        for label, case in (("(10)", Case(name, "airspeed")), ("KF", Case(name, "velocity"))):
-            lines.append(_rms(bench.spread(case), f"{name}, {label}", bench.settings.level))
-    lines.append(
-        _rms(
-            bench.spread(Case("T1", "velocity", "true")), "T1, KF, true start", bench.settings.level
-        )
-    )
-    title = "The velocity filter on three flights: roll error over all runs"
-    return Chart("flights", title, "t, s", "root mean square roll error, deg", tuple(lines))
+        cases = {"with (10)": Case(name, "airspeed"), "velocity filter": Case(name, "velocity")}
+        if name == "T1":  # v and w begin at 0 on the others
+            cases["velocity filter, true v, w"] = Case(name, "velocity", "true")
+        lines = tuple(_rms(bench.spread(case), label, level) for label, case in cases.items())
+        title = f"Roll error of {runs} runs on {name}, with and without the velocity filter"
+        yield Chart(f"flight_{name}", title, "t, s", "root mean square roll error, deg", lines)
 
 
 def _rms(found: Spread, label: str, level: float) -> Line:
@@ -79,7 +77,7 @@ def _by_tau(bench: Bench, solutions: Solutions) -> Chart:
     there = bench.spread(_damped(bench, value), CHUNK).whole_rms
     return Chart(
         name="sweep_tau",
-        title="Level flight alone wants the shortest tau; the turn a long one",
+        title=f"Roll and pitch together with (10) on {settings.trajectory}, {_runs(bench)} runs",
         x_label="tau of (15), s",
         y_label="root mean square error, deg",
         lines=(
@@ -99,8 +97,8 @@ def _damped(bench: Bench, tau: float) -> Case:
 
 def _by_process_noise(bench: Bench) -> Chart:
     Q_k = np.geomspace(1e-11, 1e3, bench.settings.grid)
-    title = "Q_k of the velocity filter from v = w = 0, T1: flat about the published value"
-    chart = _sweep(bench, "Q_k", Q_k, bench.settings.Q_k, title)
+    title = f"Q_k of the velocity filter from v = w = 0 on T1, {_runs(bench)} runs"
+    chart = _sweep(bench, "Q_k", Q_k, title)
     return Chart("sweep_Q_k", title, "Q_k, (ft/s)^2", chart.y_label, chart.lines, log="x")
 
 
@@ -109,20 +107,26 @@ def _by_threshold(bench: Bench) -> Chart:
     peak = float(np.linalg.norm(np.asarray(bench.flights["T1"].sensed.rate), axis=1).max())
     low = min(2e-4, bench.settings.threshold)
     thresholds = np.geomspace(low, 0.95 * peak, bench.settings.grid)
-    title = "The switch of the velocity filter from v = w = 0, T1"
-    chart = _sweep(bench, "threshold", thresholds, bench.settings.threshold, title)
+    title = f"The switch of the velocity filter from v = w = 0 on T1, {_runs(bench)} runs"
+    chart = _sweep(bench, "threshold", thresholds, title)
     return Chart("sweep_threshold", title, "threshold, rad/s", chart.y_label, chart.lines, log="x")
 
 
-def _sweep(bench: Bench, name: str, x: np.ndarray, published: float, title: str) -> Chart:
+def _runs(bench: Bench) -> int:
+    """How many sweeps take: few are enough to compare."""
+    return min(CHUNK, bench.settings.runs)
+
+
+def _sweep(bench: Bench, name: str, x: np.ndarray, title: str) -> Chart:
+    published = PUBLISHED[name]
     cases = [Case("T1", "velocity", values=((name, float(value)),)) for value in x]
-    spreads = bench.spreads([*cases, Case("T1", "velocity")], CHUNK)
+    there = Case("T1", "velocity", values=((name, published),))
+    spreads = bench.spreads([*cases, there], CHUNK)
     peaks = np.array([each.turn_maximum for each in spreads])
     lines = [Line(f"largest {a} error in the turn", x, peaks[:-1, i]) for i, a in enumerate(ANGLES)]
     whole = np.array([each.whole_rms for each in spreads])
     lines.append(Line("root mean square of both, whole flight", x, whole[:-1]))
-    if published > 0:
-        lines.append(Line(f"published {name}", np.array([published]), peaks[-1:, 0]))
+    lines.append(Line(f"published {name}", np.array([published]), peaks[-1:, 0]))
     return Chart(name, title, name, "error, mean over runs, deg", tuple(lines))
 
 
@@ -146,7 +150,7 @@ def _surface(bench: Bench, solutions: Solutions) -> Map:
         z=np.log10(z),
         marks=(
             Line("(15): K2 = K1/4", np.log10(K1[inside]), np.log10(damped[inside])),
-            Line("published", np.log10([settings.K1]), np.log10([settings.K2])),
+            Line("published", np.log10([PUBLISHED["K1"]]), np.log10([PUBLISHED["K2"]])),
             Line("tuned", np.log10([case["K1"]]), np.log10([case["K2"]])),
         ),
     )

@@ -11,6 +11,8 @@ GRAVITY = 32.17404
 """Ft/s^2."""
 HELD_OUT = 1000
 """Seeds of the Monte Carlo runs lie this far above those that are tuned on."""
+PUBLISHED = {"K1": 0.08, "K2": 0.0125, "Q_k": 2e-9, "R_k": 100.0, "threshold": 2.5e-3}
+"""What the paper gives of the filter."""
 
 Start = Literal["zero", "true"]
 STARTS: tuple[Start, ...] = get_args(Start)
@@ -23,12 +25,18 @@ class Settings(BaseModel):
 
     trajectory: Trajectory = Field("T1", description="what is tuned on: T0, T1 or T2")
     start: Start = Field("zero", description="v, w that the velocity filter starts from")
-    K1: float = Field(0.08, gt=0, description="published gain, 1/s")
-    K2: float = Field(0.0125, gt=0, description="published gain, 1/s")
-    Q_k: float = Field(2e-9, ge=0, description="velocity filter: process variance, (ft/s)^2")
-    R_k: float = Field(100.0, gt=0, description="velocity filter: airspeed variance, (ft/s)^2")
+    K1: float = Field(PUBLISHED["K1"], gt=0, description="gain of the claims, 1/s")
+    K2: float = Field(PUBLISHED["K2"], gt=0, description="gain of the claims, 1/s")
+    Q_k: float = Field(
+        PUBLISHED["Q_k"], ge=0, description="velocity filter: process variance, (ft/s)^2"
+    )
+    R_k: float = Field(
+        PUBLISHED["R_k"], gt=0, description="velocity filter: airspeed variance, (ft/s)^2"
+    )
     P0: float = Field(0.0, ge=0, description="velocity filter: variance at the start, (ft/s)^2")
-    threshold: float = Field(2.5e-3, gt=0, description="velocity filter runs above it, rad/s")
+    threshold: float = Field(
+        PUBLISHED["threshold"], gt=0, description="velocity filter runs above it, rad/s"
+    )
     speed: float = Field(500.0, gt=0, description="ft/s")
     bank: float = Field(28.5659947, gt=0, lt=90, description="largest bank, deg; turns by 90 deg")
     tilt: float = Field(3.0, ge=0, lt=90, description="angle of attack (T1), slip (T2), deg")

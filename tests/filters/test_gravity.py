@@ -15,6 +15,7 @@ from filters import (
     MadgwickGain,
     Mahony,
     MahonyGains,
+    MahonyState,
     run,
 )
 from objectives import AttitudeRmse, attitude_error
@@ -384,7 +385,7 @@ def test_mahonys_step_is_the_papers(rng):
         assert (turns(found).inv() * expected).magnitude() < 1e-14
 
 
-@pytest.mark.parametrize("missing", [0.0, np.nan])
+@pytest.mark.parametrize("missing", [0.0, np.nan, np.inf])
 @pytest.mark.parametrize("filter", [Mahony(DT), Madgwick(DT)], ids=["Mahony", "Madgwick"])
 def test_without_a_direction_the_gyroscopes_turn_it_alone(filter, missing):
     """A force or a field that is missing, or that is zero and so has no direction."""
@@ -417,3 +418,28 @@ def test_complementary_filters_run_in_single_precision(filter, params):
     narrow = compiled(filter, *jax.tree.map(lambda v: jnp.asarray(v, jnp.float32), given))
     assert narrow[1].dtype == jnp.float32
     np.testing.assert_allclose(narrow[1], wide[1], rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("axes", [[0, 1, 2], [1]], ids=["all", "one"])
+@pytest.mark.parametrize("filter", ["gravity", "Mahony", "Madgwick"])
+def test_a_missing_rate_is_no_turn(filter, axes):
+    """The same as a rate that is all bias, as far as the filter knows the bias."""
+    bias, q = np.array([0.02, -0.01, 0.03]), jnp.asarray(quaternion(TRUTH))
+    filter, params, state, still = {
+        "gravity": (PLAIN, noise(), PLAIN.init(noise())._replace(q=q, b=jnp.asarray(bias)), bias),
+        "Mahony": (
+            Mahony(DT),
+            MAHONY._replace(ki=jnp.zeros(())),
+            MahonyState(q, -jnp.asarray(bias)),
+            bias,
+        ),
+        "Madgwick": (Madgwick(DT), MADGWICK, q, np.zeros(3)),
+    }[filter]
+    a = jnp.asarray(GRAVITY * np.array([0.1, 0.2, 0.9]))
+    rest, gone = (np.array([0.3, -0.2, 0.5]) for _ in range(2))
+    rest[axes], gone[axes] = still[axes], np.nan
+    expected = filter.step(params, state, ImuSample(a, jnp.asarray(rest)))
+    found = filter.step(params, state, ImuSample(a, jnp.asarray(gone)))
+    for one, other in zip(jax.tree.leaves(found), jax.tree.leaves(expected), strict=True):
+        np.testing.assert_array_equal(one, other)
+        assert np.isfinite(one).all()

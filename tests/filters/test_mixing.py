@@ -182,12 +182,12 @@ def test_the_velocity_needs_its_noise():
 def test_first_order_is_a_blend():
     rng = np.random.default_rng(3)
     rate, angle = rng.normal(size=(2, N, 2))
-    angle[7, 1] = np.nan
+    angle[7, 1] = rate[9, 0] = np.nan
     gain = FirstOrderGain(jnp.asarray(0.3), jnp.array([0.1, -0.2]))
     out = compiled(FirstOrder(0.1), gain, AngleSample(jnp.asarray(rate), jnp.asarray(angle)))[1]
     at, share = np.array([0.1, -0.2]), 0.3 / 0.4
     for k in range(N):
-        ahead = at + 0.1 * rate[k]
+        ahead = at + 0.1 * np.where(np.isnan(rate[k]), 0.0, rate[k])
         at = np.where(np.isnan(angle[k]), ahead, share * ahead + (1 - share) * angle[k])
         np.testing.assert_allclose(out[k], at, rtol=1e-12)
 
