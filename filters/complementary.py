@@ -18,6 +18,7 @@ from filters.rotation import (
     rotate,
     rotate_back,
 )
+from filters.sound import check_setup
 
 UP = (0.0, 0.0, 1.0)
 
@@ -54,6 +55,9 @@ class FirstOrder:
     """
 
     dt: float
+
+    def __post_init__(self) -> None:
+        check_setup(self)
 
     def init(self, params: FirstOrderGain) -> Array:
         """The start."""
@@ -103,6 +107,9 @@ class Mahony:
 
     dt: float
 
+    def __post_init__(self) -> None:
+        check_setup(self)
+
     def init(self, params: MahonyGains) -> MahonyState:
         """The start, without bias."""
         return MahonyState(params.q0, jnp.zeros(3, params.q0.dtype))
@@ -146,6 +153,9 @@ class Madgwick:
     """
 
     dt: float
+
+    def __post_init__(self) -> None:
+        check_setup(self)
 
     def init(self, params: MadgwickGain) -> Array:
         """The start."""

@@ -23,6 +23,7 @@ from filters.residual_noise import (
     remembered,
 )
 from filters.rotation import or_else
+from filters.sound import check_setup
 
 
 class EulerNoise(NamedTuple):
@@ -115,6 +116,9 @@ class EulerKalman:
     propagation: Literal["psd", "printed"] = "psd"
     euler: Literal["homogeneous", "unit"] = "homogeneous"
     projected: bool = True
+
+    def __post_init__(self) -> None:
+        check_setup(self)
 
     def init(self, params: EulerNoise) -> EulerState:
         """The start."""

@@ -14,6 +14,7 @@ from jax import Array
 from filters.extended import linearised
 from filters.kalman import Estimate, predict
 from filters.rotation import begun, from_rotation_vector, multiply, normalise, or_else, rotate_back
+from filters.sound import check_setup
 
 
 class ImuSample(NamedTuple):
@@ -100,6 +101,9 @@ class GravityKalman:
 
     dt: float
     adaptive: bool = True
+
+    def __post_init__(self) -> None:
+        check_setup(self)
 
     def init(self, params: GravityNoise) -> GravityState:
         """The start."""

@@ -15,6 +15,8 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
+from filters.sound import check_setup
+
 
 class Noise(NamedTuple):
     """What is tuned.
@@ -68,6 +70,9 @@ class AccelerometerFilter:
     dt: float
     shape: tuple[int, ...] = ()
 
+    def __post_init__(self) -> None:
+        check_setup(self)
+
     def init(self, params: Noise) -> LevelState:
         """At zero, with the variance P0[1, 1] of a."""
         p = jnp.asarray(params.P0)[1, 1] / params.R
@@ -96,6 +101,9 @@ class GyroscopeFilter:
 
     dt: float
     shape: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        check_setup(self)
 
     def init(self, params: Noise) -> RateState:
         """At zero, with the covariance P0."""
@@ -148,6 +156,9 @@ class FixedGainFilter:
 
     dt: float
     shape: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        check_setup(self)
 
     def init(self, params: Gains) -> tuple[Array, Array]:
         """At zero: the measured quantity and its derivative."""

@@ -14,6 +14,7 @@ from jax import Array
 
 from filters.gravity import skew
 from filters.kalman import Estimate, matmul, predict, update
+from filters.sound import check_setup
 
 Aid = Literal["none", "airspeed", "velocity"]
 
@@ -105,6 +106,9 @@ class MixingFilter:
 
     dt: float
     aid: Aid = "airspeed"
+
+    def __post_init__(self) -> None:
+        check_setup(self)
 
     def init(self, params: MixingGains) -> MixingState:
         """The start."""

@@ -16,6 +16,7 @@ from filters.gravity import ImuSample, skew
 from filters.kalman import Estimate, predict, update
 from filters.protocol import run
 from filters.rotation import begun, from_rotation_vector, multiply, normalise, rotate
+from filters.sound import check_setup
 
 SIZE = 21
 """Errors of attitude (3), gyroscope bias, speed, place (3 each), gyroscope matrix (9)."""
@@ -216,6 +217,9 @@ class RoomKalman:
 
     dt: float
     rule: RestRule = RestRule()
+
+    def __post_init__(self) -> None:
+        check_setup(self)
 
     def init(self, params: RoomNoise) -> RoomState:
         """The start, at rest at the origin; what quiet samples look like is learnt from them."""

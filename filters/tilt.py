@@ -14,6 +14,7 @@ from jax import Array
 
 from filters.extended import linearised
 from filters.kalman import Estimate, predict, update
+from filters.sound import check_setup
 
 Law = Literal["standard", "simple", "two-step"]
 
@@ -105,6 +106,9 @@ class TiltKalman:
     innovation: Literal["nonlinear", "linearised", "linear"] = "nonlinear"
     residual: Literal["absolute", "signed"] = "absolute"
     fading: Literal["printed", "convex"] = "printed"
+
+    def __post_init__(self) -> None:
+        check_setup(self)
 
     def init(self, params: TiltNoise) -> TiltState:
         """The start; r begins at r_nom."""

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from filters.kalman import Estimate, Innovation, matmul, update
+from filters.sound import check_setup
 
 
 class TrackNoise(NamedTuple):
@@ -60,6 +61,9 @@ class TrackKalman:
     """
 
     dt: float
+
+    def __post_init__(self) -> None:
+        check_setup(self)
 
     def init(self, params: TrackNoise) -> Estimate:
         """The start."""

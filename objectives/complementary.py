@@ -43,15 +43,16 @@ class SensorNoise(NamedTuple):
 class Complementary(NamedTuple):
     """A complementary filter by its gains; K2 = 0 is one of first order, time constant 1/K1.
 
-    Everything is differentiable in the gains, and of their shape.
+    Everything is differentiable in the gains, and of their shape. Gains of another sign make a
+    filter that is not stable: damping and frequency are NaN then, and the variance is infinite.
 
     Attributes:
         K1: 1/s, positive.
         K2: 1/s, not negative.
     """
 
-    K1: Array
-    K2: Array
+    K1: Array | float
+    K2: Array | float
 
     @classmethod
     def critical(cls, tau: Array) -> "Complementary":
@@ -70,14 +71,18 @@ class Complementary(NamedTuple):
     @property
     def natural_frequency(self) -> Array:
         """Rad/s; 0 where K2 is."""
-        return root(self.K1 * self.K2)
+        return jnp.where(self._stable, root(jnp.asarray(self.K1 * self.K2)), jnp.nan)
 
     @property
     def damping(self) -> Array:
         """Sqrt(K1/K2)/2, 1 where (15) holds; infinite where K2 = 0."""
-        second = self.K2 > 0
+        second = jnp.asarray(self.K2) > 0
         ratio = root(self.K1 / jnp.where(second, self.K2, 1.0)) / 2
-        return jnp.where(second, ratio, jnp.inf)
+        return jnp.where(self._stable, jnp.where(second, ratio, jnp.inf), jnp.nan)
+
+    @property
+    def _stable(self) -> Array:
+        return (jnp.asarray(self.K1) > 0) & (jnp.asarray(self.K2) >= 0)
 
     @property
     def poles(self) -> Array:
@@ -85,7 +90,7 @@ class Complementary(NamedTuple):
 
         At a double pole their derivative is not finite: they part as a root.
         """
-        spread = jnp.sqrt((self.K1**2 - 4 * self.K1 * self.K2).astype(complex))
+        spread = jnp.sqrt(jnp.asarray(self.K1**2 - 4 * self.K1 * self.K2).astype(complex))
         fast = -(self.K1 + spread) / 2
         return jnp.stack([fast, self.K1 * self.K2 / fast], axis=-1)
 
@@ -98,7 +103,7 @@ class Complementary(NamedTuple):
         """
         s = 1j * omega
         # Over s where K2 = 0, so that the first order has its value at omega = 0.
-        second = self.K2 > 0
+        second = jnp.asarray(self.K2) > 0
         steady = self.K1 * self.K2
         top = jnp.where(second, self.K1 * s + steady, self.K1)
         bottom = jnp.where(second, s**2 + self.K1 * s + steady, s + self.K1)
@@ -110,18 +115,19 @@ class Complementary(NamedTuple):
         >>> float(Complementary(jnp.array(0.5), jnp.array(0.5)).variance(SensorNoise(rate=2.0)))
         2.0
         """
-        second = self.K2 > 0
+        second = jnp.asarray(self.K2) > 0
         walk = jnp.asarray(noise.walk)
         drift = walk / (2 * self.K1**2 * jnp.where(second, self.K2, 1.0))
         drift = jnp.where(second, drift, jnp.where(walk > 0, jnp.inf, 0.0))
-        return (noise.rate / self.K1 + (self.K1 + self.K2) * noise.angle) / 2 + drift
+        white = (noise.rate / self.K1 + (self.K1 + self.K2) * noise.angle) / 2
+        return jnp.where(self._stable, white + drift, jnp.inf)
 
     def bias_error(self, bias: Array) -> Array:
         """What a constant error of the rate leaves, rad: nothing, or bias / K1 where K2 = 0."""
-        return jnp.where(self.K2 > 0, 0.0, bias / self.K1)
+        return jnp.where(jnp.asarray(self.K2) > 0, 0.0, bias / self.K1)
 
     def ramp_error(self, slope: Array) -> Array:
         """What an error of the rate that grows by slope rad/s^2 leaves, rad, (8); see K2 = 0."""
-        second = self.K2 > 0
+        second = jnp.asarray(self.K2) > 0
         left = slope / (self.K1 * jnp.where(second, self.K2, 1.0))
         return jnp.where(second, left, jnp.where(slope == 0, 0.0, jnp.sign(slope) * jnp.inf))

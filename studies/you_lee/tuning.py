@@ -63,8 +63,8 @@ def derived(values: dict[str, Array]) -> dict[str, Array]:
     """What the gains stand for."""
     found = loop(values)
     return {
-        "K1": found.K1,
-        "K2": found.K2,
+        "K1": jnp.asarray(found.K1),
+        "K2": jnp.asarray(found.K2),
         "damping": found.damping,
         "natural_frequency": found.natural_frequency,
     }

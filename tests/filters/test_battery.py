@@ -3,6 +3,7 @@
 import dataclasses
 import inspect
 from functools import cache, partial
+from typing import Literal, get_origin, get_type_hints
 
 import jax
 import jax.numpy as jnp
@@ -68,6 +69,18 @@ def test_every_filter_of_the_package_is_in_the_battery():
         and thing != filters.Filter
     }
     assert {type(case.filter) for case in CASES} == written
+
+
+@every_case
+def test_words_and_sample_times_are_checked(case):
+    hints = get_type_hints(type(case.filter))
+    name = type(case.filter).__name__
+    wrong = [(field, "nonsense") for field, hint in hints.items() if get_origin(hint) is Literal]
+    wrong += [("dt", dt) for dt in (0.0, -0.01, np.nan, np.inf) if "dt" in hints]
+    for field, value in wrong:
+        with pytest.raises(ValueError, match=f"^{name}: {field} is .*; give ") as raised:
+            dataclasses.replace(case.filter, **{field: value})
+        assert str(raised.value).count("\n") == 0
 
 
 @every_case

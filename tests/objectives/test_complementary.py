@@ -193,3 +193,19 @@ def test_angle_rmse_without_a_truth_or_an_error():
     assert np.isnan(rmse(outputs(zeros), np.nan * zeros))
     slope = jax.jit(jax.grad(lambda angles: AngleRmse()(outputs(angles), holed)))(zeros)
     np.testing.assert_array_equal(slope, 0.0)
+
+
+def test_gains_may_be_plain_numbers():
+    loop = Complementary(0.05, 0.0125)
+    np.testing.assert_allclose(loop.poles, [-0.025, -0.025], atol=1e-9)
+    assert float(loop.damping) == pytest.approx(1.0)
+    assert float(loop.natural_frequency) == pytest.approx(0.025)
+    assert float(loop.bias_error(jnp.array(1.0))) == 0
+
+
+@pytest.mark.parametrize("gains", [(-0.1, 0.1), (0.1, -0.1), (-0.1, -0.1)])
+def test_a_loop_that_is_not_stable_has_no_damping_and_endless_variance(gains):
+    loop = Complementary(*(jnp.asarray(gain) for gain in gains))
+    assert np.isnan(loop.damping)
+    assert np.isnan(loop.natural_frequency)
+    assert np.isinf(loop.variance(SensorNoise(rate=1.0, angle=1.0)))
