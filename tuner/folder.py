@@ -56,7 +56,7 @@ def open_folder(path: Path | None, study: str, *, force: bool, resume: bool) -> 
         ValueError: where it holds files and neither force nor resume was given, where there is
             nothing to resume, or where it is no folder.
     """
-    if resume and (path is None or not (path / "progress.json").is_file()):
+    if resume and (path is None or not _interrupted(path)):
         raise ValueError("--resume needs --out with the folder of an interrupted run")
     chosen = path or _next_free(Path("runs"), study)
     if os.path.lexists(chosen) and not chosen.is_dir():
@@ -66,6 +66,12 @@ def open_folder(path: Path | None, study: str, *, force: bool, resume: bool) -> 
             f"--out {chosen} is not empty; name another folder, or --force to replace its files"
         )
     return RunFolder(chosen, overwrite=force or resume)
+
+
+def _interrupted(path: Path) -> bool:
+    """Whether a run was begun there and is not finished."""
+    begun = (path / "study.toml").is_file()
+    return begun and ((path / "progress.json").is_file() or not (path / "result.json").exists())
 
 
 def _occupied(path: Path) -> bool:

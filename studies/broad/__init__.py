@@ -10,7 +10,7 @@ from functools import partial
 from typing import Any, get_args
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from studies.broad.contest import Contest
 from studies.broad.contestants import SPEED, Contestant, takes_field
@@ -20,6 +20,7 @@ from studies.broad.trials import AccUnit, GyrUnit, Trial, halved, read
 from tuner.export.tuned import Quantity
 from tuner.logs import Log
 from tuner.problem import Problem
+from tuner.settings import StudySettings
 from tuner.solution import Solution
 from tuner.solvers import Alternating, Gradient
 from tuner.study import Plan, Source, Study, Target, Task
@@ -35,10 +36,8 @@ ENOUGH = 3e-4
 """Slope of ln error at which a search may end: a tenth of a factor e more changes nothing."""
 
 
-class Settings(BaseModel):
+class Settings(StudySettings):
     """Where the recordings are, and what is tuned on them."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     folder: str = Field("", description="folder of the benchmark's .mat files")
     acc_unit: AccUnit = Field("m/s^2", description="unit of imu_acc")

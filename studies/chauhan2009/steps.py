@@ -11,9 +11,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import Field, field_validator
 
 from filters import EulerSample, constructed_attitude
+from tuner.settings import StudySettings
 
 DT, EVERY = 0.25, 4
 """A tick, s, and ticks between measurements (section 6.1)."""
@@ -30,10 +31,8 @@ Motion = Literal["silent", "seen"]
 MOTIONS: tuple[Motion, ...] = ("silent", "seen")
 
 
-class Settings(BaseModel):
+class Settings(StudySettings):
     """What the paper leaves open, and how hard the tuning searches."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     seconds: float = Field(300.0, ge=180, le=3600, description="length of a record, s")
     measured: Literal["angles", "gps"] = Field(

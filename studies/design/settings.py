@@ -5,22 +5,21 @@ from typing import Annotated
 import jax
 import jax.numpy as jnp
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, Strict, field_validator, model_validator
+from pydantic import Field, Strict, field_validator, model_validator
 
 from filters import van_loan
 from tuner.design import LinearDesign
 from tuner.export.checks import require, require_name, require_once
 from tuner.names import unknown
 from tuner.parameters import covariance
+from tuner.settings import StudySettings
 
 Number = Annotated[float, Strict()]
 Matrix = tuple[tuple[Number, ...], ...]
 
 
-class Settings(BaseModel):
+class Settings(StudySettings):
     """The model, and what is wanted of its observer."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     A: Matrix = Field(description="dynamics: dx/dt = A x + G w; x' = A x + G w with dt")
     C: Matrix = Field(description="measurements: y = C x + v")

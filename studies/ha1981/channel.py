@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from filters import (
     GRAVITY_GRADIENT,
@@ -24,16 +24,15 @@ from filters import (
     van_loan,
     vertical_channel,
 )
+from tuner.settings import StudySettings
 
 FOOT = 0.3048
 """In metres."""
 STATES = ("A_B", "dV", "dh")
 
 
-class Settings(BaseModel):
+class Settings(StudySettings):
     """What can be set with ``--set``; what is left out is the paper's."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     unit: Literal["ft", "m"] = Field("ft", description="of length; settings are in it")
     bound: float | None = Field(

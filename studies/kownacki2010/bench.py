@@ -8,7 +8,7 @@ from typing import Literal
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import Field, field_validator
 
 from filters import (
     AccelerometerFilter,
@@ -23,6 +23,7 @@ from tuner.logs import Log
 from tuner.names import unknown
 from tuner.parameters import Fixed, Positive, covariance
 from tuner.problem import Problem
+from tuner.settings import StudySettings
 from tuner.solvers import SOLVERS
 from tuner.space import Space
 from tuner.split import NoiseSplit, split_noise
@@ -75,10 +76,8 @@ ACC = Sensor(
 )
 
 
-class Settings(BaseModel):
+class Settings(StudySettings):
     """What can be set with ``--set``; the defaults are the paper's wherever it names a value."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     step: float = Field(0.2, gt=0, description="height of the step, in the record's unit")
     reading: Literal["R1", "R2", "R6"] = Field("R6", description="what (10)'s second term means")

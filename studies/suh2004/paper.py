@@ -6,10 +6,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from filters import TiltKalman, TiltNoise, TiltOutputs, TiltSample, run
 from objectives import AngleErrors, angle_errors
+from tuner.settings import StudySettings
 
 STATES = ("pitch", "roll", "rate_x", "rate_y", "rate_z")
 DT = 0.05
@@ -38,10 +39,8 @@ STANDARD, SIMPLE, TWO_STEP = (
 )
 
 
-class Settings(BaseModel):
+class Settings(StudySettings):
     """How the mixed motion is made, and how hard it is searched."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     gyro_unit: GyroUnit = Field("deg/s", description="unit of the paper's gyroscope variances")
     tune_on: Literal["mixed", "experiment2"] = Field(

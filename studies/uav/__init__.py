@@ -7,7 +7,7 @@ has them. docs/uav.md tells what was found.
 import hashlib
 from functools import partial
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from studies.uav import judging
 from studies.uav.estimator import ANGLES, LAWS, STATES, Angle, problem
@@ -17,6 +17,7 @@ from studies.uav.recordings import GRAVITY, AccUnit, GyrUnit, read
 from studies.uav.rows import compare
 from tuner.logs import Log
 from tuner.problem import Problem
+from tuner.settings import StudySettings
 from tuner.solvers import Gradient
 from tuner.study import Plan, Source, Study, Target, Task
 
@@ -27,10 +28,8 @@ STARTS = 2
 """Of each search: with the fuzzy law the likelihood has kinks, where one search may end."""
 
 
-class Settings(BaseModel):
+class Settings(StudySettings):
     """Where the flights are, which is tuned on, and how attitudes are made of them."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     folder: str = Field("", description="folder of the flights: zips, or folders of text files")
     tuned: str = Field("quad106", description="name of the flight that is tuned on")

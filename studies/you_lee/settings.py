@@ -3,9 +3,10 @@
 from typing import Literal, get_args
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from studies.you_lee.flight import Course, Trajectory
+from tuner.settings import StudySettings
 
 GRAVITY = 32.17404
 """Ft/s^2."""
@@ -18,10 +19,8 @@ Start = Literal["zero", "true"]
 STARTS: tuple[Start, ...] = get_args(Start)
 
 
-class Settings(BaseModel):
+class Settings(StudySettings):
     """The flight, the sensors (table 1), the filter as published, and how hard it is tuned."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     trajectory: Trajectory = Field("T1", description="what is tuned on: T0, T1 or T2")
     start: Start = Field("zero", description="v, w that the velocity filter starts from")

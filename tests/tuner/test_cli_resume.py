@@ -94,6 +94,24 @@ def test_interruption_at_the_very_first_task_can_be_resumed(cli, here, interrupt
     assert not (here / "runs" / "toy-002").exists()
 
 
+def test_interruption_before_the_first_task_can_be_resumed(cli, here, interrupted, monkeypatch):
+    interrupted("none", "none")
+    with monkeypatch.context() as patch:
+        patch.setattr("tuner.cli.run.environment", interrupt)
+        code, _, err = cli("run", "toy", "--out", "out")
+    assert (code, set(snapshot(here / "out"))) == (130, {"study.toml"})
+    assert cli(*shlex.split(err.strip().removeprefix(GO_ON)))[0] == 0
+    with monkeypatch.context() as patch:
+        patch.setattr("tuner.cli.run.RunFolder.write", interrupt)
+        code, _, err = cli("run", "toy", "--out", "none")
+    assert (code, err) == (130, "tuner: interrupted before anything was saved\n")
+    assert not (here / "none").exists()
+
+
+def interrupt(*_):
+    raise KeyboardInterrupt
+
+
 def test_an_interrupted_run_of_a_log_names_the_log(cli, here, interrupted):
     solver = interrupted("side", "l-bfgs-b")
     (here / "my logs").mkdir()

@@ -109,8 +109,13 @@ def test_resume_needs_an_interrupted_run(here):
     refused(RESUME, here / "out", resume=True)
     (here / "out" / "result.json").write_text("{}")
     refused(RESUME, here / "out", resume=True, force=True)
+    (here / "out" / "study.toml").write_text("")
+    refused(RESUME, here / "out", resume=True)  # finished
     (here / "out" / "progress.json").write_text("[]")
     assert opened(here / "out", resume=True).overwrite
+    for name in ("progress.json", "result.json"):
+        (here / "out" / name).unlink()
+    assert opened(here / "out", resume=True).overwrite  # interrupted as it began
 
 
 def test_remove(here):

@@ -64,10 +64,10 @@ def execute(request: Request) -> int:
     values = settings.model_dump(mode="json")
     recipe = _recipe(study, request, values, plan)
     finished = _finished(folder, recipe) if request.resume else {}
-    _write_down(folder, recipe, plan)
     with interruptible() as check, _progress(check) as progress:
         run = Run(study, values, plan, seed, folder, progress)
         try:
+            _write_down(folder, recipe, plan)
             solutions = run.solve(request.jobs, finished)
             result = run.finish(solutions, FORMATS, begun)
         except KeyboardInterrupt:
@@ -156,7 +156,9 @@ def _finished(folder: RunFolder, recipe: Recipe) -> dict[tuple[str, str], Soluti
             f"--resume: {folder.path / 'study.toml'} has other settings, another seed or log; "
             "run that file, or start anew in another folder"
         )
-    return recorded((folder.path / "progress.json").read_bytes())
+    progress = folder.path / "progress.json"
+    # A run that was interrupted as it began has written none.
+    return recorded(progress.read_bytes()) if progress.exists() else {}
 
 
 def _write_down(folder: RunFolder, recipe: Recipe, plan: Plan) -> None:
@@ -167,6 +169,8 @@ def _write_down(folder: RunFolder, recipe: Recipe, plan: Plan) -> None:
 
 
 def _how_to_go_on(request: Request, folder: RunFolder) -> str:
+    if not (folder.path / "study.toml").exists():
+        return "interrupted before anything was saved"
     words = ["tuner", "run", str(folder.path / "study.toml"), "--out", str(folder.path)]
     words += [] if request.log is None else ["--log", str(request.log)]
     again = f"finished parts are saved; go on with: {shlex.join([*words, '--resume'])}"

@@ -1,0 +1,24 @@
+"""What the settings of all studies have in common."""
+
+from pydantic import BaseModel, ConfigDict, ValidationInfo, field_validator
+
+
+class StudySettings(BaseModel):
+    """Settings that do not change, with known names and finite numbers only.
+
+    >>> class Settings(StudySettings):
+    ...     runs: int = 100
+    >>> Settings(runs=3).runs
+    3
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _no_truth_value(cls, value: object, info: ValidationInfo) -> object:
+        """Pydantic would take true for 1."""
+        field = cls.model_fields[info.field_name or ""]
+        if isinstance(value, bool) and field.annotation is not bool:
+            raise ValueError("a truth value does not fit")
+        return value
