@@ -4,14 +4,16 @@ At a corner of the feasible set as many rows are tight as there are unknowns. Wh
 decides its multipliers, and what the tight sides make of every other row, whatever the samples: the
 corners of a t are worked out once and kept. Those with multipliers that are not negative prove a
 lower bound each; the highest bound is where the search starts, most often at the optimum itself.
+For a t of which none is known it starts at the samples farthest from their least squares.
 """
 
-from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import lapack
 
-from tuner.possibilistic.window import Regressors
+from tuner.possibilistic.window import Regressors, Window, one
 
 FEASIBLE = 1e-13
 """Sides have the size 1: a row that is broken by less is held, one with less to spare tight."""
@@ -25,15 +27,14 @@ KEPT = 1 << 16
 """Entries of the shares that are kept for a t: 512 kB, 744 corners of ten samples on a line."""
 
 
-@dataclass(frozen=True, eq=False)
-class Corner:
+class Corner(NamedTuple):
     """Where some rows are tight.
 
     Attributes:
         rows: which, ascending, as many as there are unknowns, ``(n,)``.
         inverse: of these rows, ``(n, n)``.
         shares: every row as a combination of these, ``(rows, n)``.
-        multipliers: of these rows, that add up to the cost, none negative, ``(n,)``.
+        multipliers: of these rows, that add up to the cost, none negative.
         bound: the same, 0 for the other rows, ``(rows,)``.
         certain: whether each is positive, so that there is no other optimum where this is one.
     """
@@ -45,53 +46,48 @@ class Corner:
     bound: np.ndarray
     certain: bool
 
-    @property
-    def n(self) -> int:
-        """How many unknowns there are."""
-        return len(self.rows)
-
     def spare(self, sides: np.ndarray) -> np.ndarray:
         """What every row is above its side here, ``(rows,)``."""
-        return np.asarray(self.shares @ sides[self.rows] - sides)
+        return np.asarray(self.shares @ sides.take(self.rows) - sides)
 
 
-def _corner(of: Regressors, rows: np.ndarray) -> Corner | None:
-    try:
-        inverse = np.linalg.inv(of.rows[rows])
-    except np.linalg.LinAlgError:
+def _corner(of: Regressors, tight: tuple[int, ...]) -> Corner | None:
+    rows = np.array(tight)
+    # LAPACK itself, and lists of a few numbers: NumPy takes longer to call than to work.
+    _, _, inverse, singular = lapack.dgesv(of.rows.take(rows, axis=0), one(len(rows)))
+    if singular or not max(map(abs, inverse.ravel().tolist())) < LARGEST:
         return None
-    multipliers = of.cost @ inverse
-    tiny = CERTAIN * np.abs(multipliers).max()
-    if not np.abs(inverse).max() < LARGEST or multipliers.min() < -tiny:
+    multipliers = (of.cost @ inverse).tolist()
+    least, tiny = min(multipliers), CERTAIN * max(map(abs, multipliers))
+    if least < -tiny:
         return None
-    certain = bool(multipliers.min() > tiny)
-    multipliers = np.maximum(multipliers, 0.0)
+    multipliers = [max(multiplier, 0.0) for multiplier in multipliers]
     bound = np.zeros(len(of.rows))
     bound[rows] = multipliers
-    return Corner(rows, inverse, of.rows @ inverse, multipliers.tolist(), bound, certain)
+    return Corner(rows, inverse, of.rows @ inverse, multipliers, bound, least > tiny)
 
 
-def _first(of: Regressors) -> np.ndarray:
-    """Rows whose multipliers are not negative, found from t alone.
+def _start(of: Regressors, apart: np.ndarray) -> Corner | None:
+    """A corner with multipliers that are not negative.
 
     Both rows of one sample j, with the largest multiplier w for which 2 w abs(t_j) stays below the
     cost; then one spread costs nothing more, and the bounds of the others take what is left. Rows
     of other samples, to determine the center, have the multiplier 0.
+
+    Args:
+        of: the regressors.
+        apart: how far the samples are from some center, ``(m,)``: they come in this order, as far
+            as they tell centers apart.
     """
     rank, m = of.rank, len(of.columns)
-    left = of.rows[:m, :rank].copy()
-    samples = []
-    for _ in range(rank):
-        j = int((left**2).sum(axis=1).argmax())
-        samples.append(j)
-        direction = left[j] / np.linalg.norm(left[j])
-        left -= np.outer(left @ direction, direction)
-    size = of.rows[samples[0], rank:]
-    free = int(
-        np.argmin(np.divide(of.cost[rank:], size, np.full(len(size), np.inf), where=size > 0))
-    )
-    least = [2 * m + i for i in range(len(size)) if i != free]
-    return np.array(sorted([*samples, m + samples[0], *least]))
+    # QR with pivots takes the longest, and then what is farthest from what is taken.
+    _, order, *_ = lapack.dgeqp3((of.rows[:m, :rank] * (apart**2)[:, None]).T)
+    j, *others = (int(place) - 1 for place in order[:rank])
+    size, cost = of.rows[j, rank:].tolist(), of.cost[rank:].tolist()
+    _, free = min((c / s, i) for i, (c, s) in enumerate(zip(cost, size, strict=True)) if s > 0)
+    least = (2 * m + i for i in range(len(size)) if i != free)
+    beside = (i if apart[i] > 0 else m + i for i in others)
+    return _corner(of, tuple(sorted((j, m + j, *beside, *least))))
 
 
 class Corners:
@@ -100,33 +96,46 @@ class Corners:
     def __init__(self, of: Regressors) -> None:
         self._of = of
         self._met: dict[tuple[int, ...], Corner | None] = {}
+        self._found: list[Corner] = []
         # One value, replaced as a whole: a thread never sees half of it.
-        self._starts: tuple[tuple[Corner, ...], np.ndarray] = ((), np.zeros((0, len(of.rows))))
-        first = _corner(of, _first(of))
-        if first:
-            self._starts = (first,), first.bound[None]
+        self._starts: tuple[tuple[Corner, ...], np.ndarray] = ((), np.zeros((0, 0)))
+
+    @cached_property
+    def _first(self) -> Corner | None:
+        """The corner that t alone makes."""
+        return _start(self._of, np.ones(len(self._of.columns)))
 
     def at(self, rows: tuple[int, ...]) -> Corner | None:
         """The corner of these rows, ascending; None where they hardly differ or prove nothing."""
         if rows in self._met:
             return self._met[rows]
-        found = _corner(self._of, np.array(rows))
-        corners, bounds = self._starts
-        if (len(corners) + 1) * self._of.rows.size <= KEPT:
+        found = _corner(self._of, rows)
+        if (len(self._found) + 1) * self._of.rows.size <= KEPT:
             self._met[rows] = found
-            if found is not None:
-                self._starts = (*corners, found), np.vstack([bounds, found.bound])
+            if found:
+                self._found.append(found)
         return found
 
-    def optimum(self, sides: np.ndarray, steps: int = STEPS) -> Corner | None:
+    def optimum(self, window: Window, steps: int = STEPS) -> Corner | None:
         """An optimal corner, the same whatever was met before; None where it is not reached."""
-        corners, bounds = self._starts
-        best = corners[int((bounds @ sides).argmax())] if corners else None
-        end = self._end(best, sides, steps)
-        if end is None or (end.certain and np.count_nonzero(end.spare(sides) < FEASIBLE) == end.n):
+        sides = window.sides
+        end = self._end(self._best(window), sides, steps)
+        if end and end.certain and np.count_nonzero(end.spare(sides) < FEASIBLE) == len(end.rows):
             return end
         # More rows are tight than needed, or other points as good: several corners are optimal.
-        return self._end(corners[0], sides, steps)
+        return self._end(self._first, sides, steps)
+
+    def _best(self, window: Window) -> Corner | None:
+        """The corner met that proves most; of a new t, one beside the samples farthest off."""
+        if not self._found:
+            basis = self._of.rows[: len(window.values), : self._of.rank]
+            return _start(self._of, window.values - basis @ (window.values @ basis) / len(basis))
+        corners, bounds = self._starts
+        if len(corners) < len(self._found):
+            corners = tuple(self._found)
+            bounds = np.array([corner.bound for corner in corners])
+            self._starts = corners, bounds
+        return corners[int((bounds @ window.sides).argmax())]
 
     def _end(self, at: Corner | None, sides: np.ndarray, steps: int) -> Corner | None:
         for _ in range(steps):

@@ -59,7 +59,7 @@ def solve(window: Window) -> Point:
     Raises:
         ArithmeticError: where neither method got there.
     """
-    corner = corners(window.of).optimum(window.sides)
+    corner = corners(window.of).optimum(window)
     point = _at(window, corner) if corner and corner.certain else None
     if point and point.error <= EXACT:
         return point
@@ -68,7 +68,7 @@ def solve(window: Window) -> Point:
             point = _sharpened(window, *interior_point(window, tolerance))
             if point.error <= EXACT:
                 return point
-    corner = corner or corners(window.of).optimum(window.sides, PATIENT)
+    corner = corner or corners(window.of).optimum(window, PATIENT)
     if corner:
         return _at(window, corner)
     if point is None:
@@ -77,7 +77,7 @@ def solve(window: Window) -> Point:
 
 
 def _at(window: Window, corner: Corner) -> Point:
-    z = corner.inverse @ window.sides[corner.rows]
+    z = corner.inverse @ window.sides.take(corner.rows)
     return _proved(window, z, corner.bound, True if corner.certain else None)
 
 

@@ -82,7 +82,7 @@ def tanaka(t: ArrayLike, x: ArrayLike, h: float = 0.0, e: ArrayLike | None = Non
     of, m, factor = asked.of, len(asked.values), asked.size / (1 - h)
     objective = point.cost * factor
     status, message = _ended(asked, point)
-    if not (isfinite(objective) and isfinite(center.sum() + spread.sum())):
+    if not isfinite(sum(center.tolist(), objective) + sum(spread.tolist())):
         status = Outcome.INEXACT
         message = "a coefficient is larger than any number; give t, or x, in another unit"
     least = np.zeros(len(of.scale))

@@ -2,12 +2,13 @@
 
 from copy import copy
 from dataclasses import dataclass
-from functools import lru_cache
-from math import isfinite
+from functools import cache, cached_property, lru_cache
+from math import isfinite, sqrt
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.linalg import lapack
 
 TINY = 1e-290
 """Smaller sizes leave numbers next to them few digits, or none."""
@@ -33,7 +34,6 @@ class Regressors:
         level: the shortest center of a constant 1, ``(n,)``.
         rows: what has to be at least the window's sides, of z: ``(2m + used, rank + used)``.
         cost: what is minimised, of z.
-        matrix: the negative rows as Clarabel takes them.
     """
 
     columns: np.ndarray
@@ -44,7 +44,14 @@ class Regressors:
     level: np.ndarray
     rows: np.ndarray
     cost: np.ndarray
-    matrix: Any
+
+    @cached_property
+    def matrix(self) -> Any:
+        """The negative rows as Clarabel takes them."""
+        # SciPy's checks of a new matrix take as long as all else here.
+        made = copy(_ones(self.rows.shape))
+        made.data = -self.rows.ravel(order="F")
+        return made
 
     @property
     def rank(self) -> int:
@@ -136,36 +143,47 @@ def check_degree(h: float) -> None:
 @lru_cache(maxsize=64)
 def _regressors(t: bytes, shape: tuple[int, ...]) -> Regressors:
     given = _finite("t", np.frombuffer(t).reshape(shape)).reshape(shape[0], -1)
-    columns = np.ones((len(given), given.shape[1] + 1))
+    m, n = len(given), given.shape[1] + 1
+    columns = np.ones((m, n))
     columns[:, 1:] = given
-    scale = np.abs(columns).max(axis=0)
+    size = np.abs(columns)
+    scale = size.max(axis=0)
     used = scale > 0
     scale[~used] = 1.0
-    if scale.min() < TINY:
-        raise ValueError(f"a regressor is {scale.min():g} at most; give t in a smaller unit")
+    least = min(scale.tolist())
+    if least < TINY:
+        raise ValueError(f"a regressor is {least:g} at most; give t in a smaller unit")
     columns /= scale
-    n = len(scale)
-    _, singular, right = np.linalg.svd(columns, full_matrices=len(columns) < n)
-    rank = int((singular > _RANK * singular[0]).sum())
-    basis = right[:rank].T * (np.sqrt(len(columns)) / singular[:rank])
-    spread = np.eye(n)[:, used]
-    rows = _rows(columns @ basis, np.abs(columns) @ spread)
-    shortest = np.eye(n)
+    size /= scale
+    # LAPACK itself: NumPy takes longer to call than to work.
+    _, singular, right, failed = lapack.dgesdd(columns, full_matrices=m < n)
+    if failed:
+        raise ArithmeticError("the singular values of t are not found")
+    rank = sum(value > _RANK * singular[0] for value in singular.tolist())
+    basis = right[:rank].T * (sqrt(m) / singular[:rank])
+    spread, shortest = size[:, used], one(n)
     if rank < n:
         # No sample shows changes of the center along these, so the shortest center has none.
         unseen = np.linalg.qr(right[rank:].T / scale[:, None])[0]
-        shortest -= unseen @ unseen.T
+        shortest = one(n) - unseen @ unseen.T
     return Regressors(
         columns=columns,
         scale=scale,
         used=used,
         basis=basis,
-        restore=_beside(shortest @ (basis / scale[:, None]), spread / scale[:, None]),
+        restore=_beside(shortest @ (basis / scale[:, None]), (one(n) / scale)[:, used]),
         level=shortest[:, 0].copy(),
-        rows=rows,
-        cost=np.concatenate([np.zeros(rank), np.abs(columns).sum(axis=0)[used]]),
-        matrix=_sparse(-rows),
+        rows=_rows(columns @ basis, spread),
+        cost=np.concatenate([np.zeros(rank), spread.sum(axis=0)]),
     )
+
+
+@cache
+def one(size: int) -> np.ndarray:
+    """The identity, to be read only."""
+    made = np.eye(size)
+    made.flags.writeable = False
+    return made
 
 
 def _rows(center: np.ndarray, spread: np.ndarray) -> np.ndarray:
@@ -174,7 +192,7 @@ def _rows(center: np.ndarray, spread: np.ndarray) -> np.ndarray:
     rows = np.zeros((2 * m + used, rank + used))
     rows[:m, :rank], rows[m : 2 * m, :rank] = center, -center
     rows[:m, rank:] = rows[m : 2 * m, rank:] = spread
-    rows[2 * m :, rank:] = np.eye(used)
+    rows[2 * m :, rank:] = one(used)
     return rows
 
 
@@ -186,16 +204,9 @@ def _beside(A: np.ndarray, B: np.ndarray) -> np.ndarray:
     return both
 
 
-def _sparse(matrix: np.ndarray) -> Any:
-    """All entries, zeros too."""
-    # SciPy's checks of a new matrix take as long as all else here.
-    made = copy(_ones(matrix.shape))
-    made.data = matrix.ravel(order="F")
-    return made
-
-
 @lru_cache(maxsize=64)
 def _ones(shape: tuple[int, int]) -> Any:
+    """All entries are kept, zeros too."""
     from scipy.sparse import csc_matrix
 
     return csc_matrix(np.ones(shape))
