@@ -315,3 +315,49 @@ def test_an_impossible_program_becomes_a_solution_as_well():
 def test_cvxpy_is_loaded_when_it_is_used():
     code = "import sys, tuner, tuner.convex, tuner.observer; assert 'cvxpy' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+SIZES = [1e-12, 1e-6, 1e6, 1e12]
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("price", [1e-12, 1.0, 1e12])
+def test_sides_and_costs_of_any_size(size, price):
+    """The same program in other units has the same solution in these, multipliers as well."""
+    given = random_program(0)
+    plain = solve(linear_program(**given))
+    sides = {name: size * given[name] for name in ("b_ub", "b_eq", "low", "high")}
+    answer = solve(linear_program(**(given | sides | {"c": price * given["c"]})))
+    assert answer.status is Status.CONVERGED
+    assert answer.value / (size * price) == pytest.approx(plain.value, rel=1e-7)
+    assert answer.variables["x"] / size == pytest.approx(plain.variables["x"], abs=1e-6)
+    assert answer.duals["ub"] / price == pytest.approx(plain.duals["ub"], abs=1e-6)
+    assert abs(answer.gap) < 1e-7 * size * price * (1 + abs(plain.value))
+
+
+@pytest.mark.parametrize("size", [1e-12, 1e-6, 1.0, 1e6])
+def test_a_curved_objective_of_any_size(size):
+    """The point of a plane nearest to one beside it, by hand.
+
+    Not of 1e12: a @ x is 5e-4 by rounding then, which counts as a violation beside a side of 0.
+    """
+    x, at = cp.Variable(3), cp.Parameter(3)
+    a = np.array([1.0, 2.0, -2.0])
+    problem = cp.Problem(cp.Minimize(cp.sum_squares(x - at)), [a @ x == 0])
+    near = ConvexProgram("near", problem, {"at": at}, {"x": x})
+    point = np.array([3.0, 1.0, 1.0])
+    answer = solve(near, {"at": size * point})
+    assert answer.status is Status.CONVERGED
+    foot = point - a * (a @ point) / 9
+    assert answer.variables["x"] / size == pytest.approx(foot, abs=1e-6)
+    assert answer.value / size**2 == pytest.approx(1.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_infeasible_in_any_unit(size):
+    x, low = cp.Variable(), cp.Parameter()
+    program = ConvexProgram(
+        "empty", cp.Problem(cp.Minimize(x), [x >= low, 2 * x <= low]), {"low": low}, {"x": x}
+    )
+    assert solve(program, {"low": size}).status is Status.INFEASIBLE
+    assert solve(program, {"low": -size}).status is Status.CONVERGED

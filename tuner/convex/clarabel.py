@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 TOLERANCES = (1e-10, 1e-8, 1e-6)
 """What the solver is asked for, one after the other until it gets there."""
 
+NEAR = 1e3
+"""Sides and costs up to this size, and down to its inverse, are near 1: they stay as they are."""
+
 _FINISHED = {
     "Solved": Status.CONVERGED,
     "PrimalInfeasible": Status.INFEASIBLE,
@@ -77,6 +80,27 @@ def _has_point(ended: str) -> bool:
     return ended == "Solved" or ended in _UNFINISHED
 
 
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What Clarabel found, named as cvxpy reads it.
+
+    Attributes:
+        status: its own word for how it ended.
+        x, z, s: the point, the dual point and the slacks.
+        obj_val: the objective at x.
+        iterations: how many it took.
+        solve_time: s.
+    """
+
+    status: str
+    x: np.ndarray
+    z: np.ndarray
+    s: np.ndarray
+    obj_val: float
+    iterations: int
+    solve_time: float
+
+
 @dataclass(frozen=True)
 class Compiled:
     """A problem in the solver's form, for the present values of its parameters.
@@ -91,11 +115,38 @@ class Compiled:
     chain: Any
     inverse: Any
 
-    def run(self, data: dict[str, Any], tolerance: float) -> Any:
-        """Clarabel's own result for some data."""
+    def run(self, data: dict[str, Any], tolerance: float) -> "Found":
+        """What Clarabel finds for some data, which it is given with sides and costs near 1.
+
+        Its tolerances are absolute below 1, and its proofs of infeasibility are lost in large
+        sides. Cones do not mind: of x / size the sides are b / size, and the objective, over
+        size * price, is that of P size / price and c / price.
+        """
+        size = _far(data["b"])
+        price = _far(np.append(data["c"], size * np.abs(data["P"]).max() if "P" in data else 0.0))
+        scaled = data | {"b": data["b"] / size, "c": data["c"] / price}
+        if "P" in data:
+            scaled["P"] = data["P"] * (size / price)
         options = dict.fromkeys(("tol_gap_abs", "tol_gap_rel", "tol_feas"), tolerance)
         options |= {"max_iter": 200, "accept_unknown": True}
-        return self.chain.solver.solve_via_data(data, False, False, options)
+        raw = self.chain.solver.solve_via_data(scaled, False, False, options)
+        x, z, s = (np.asarray(part) for part in (raw.x, raw.z, raw.s))
+        return Found(
+            status=str(raw.status),
+            x=x * size,
+            z=z * price,
+            s=s * size,
+            obj_val=raw.obj_val * size * price,
+            iterations=int(raw.iterations),
+            solve_time=raw.solve_time,
+        )
+
+
+def _far(entries: np.ndarray) -> float:
+    """Their largest size, as a power of 2, where that is far from 1; else 1."""
+    largest = float(np.abs(entries).max(initial=0.0))
+    far = np.isfinite(largest) and largest > 0 and not 1 / NEAR <= largest <= NEAR
+    return 2.0 ** round(np.log2(largest)) if far else 1.0
 
 
 def compiled(problem: "cp.Problem") -> Compiled:
@@ -114,26 +165,24 @@ def descend(problem: "cp.Problem") -> Run:
     iterations = 0
     for tolerance in TOLERANCES:
         raw = program.run(program.data, tolerance)
-        iterations += int(raw.iterations)
+        iterations += raw.iterations
         ended = _ended(program, raw, tolerance)
         if ended in _FINISHED:
             break
     solution = program.chain.invert(raw, program.inverse)
     proved = None
     if _has_point(ended) and np.isfinite(raw.x).all():
-        x, z, s = (np.asarray(part) for part in (raw.x, raw.z, raw.s))
-        bound = dual_bound(program.data, x, z, s)
+        bound = dual_bound(program.data, raw.x, raw.z, raw.s)
         proved = None if bound is None else float(solution.opt_val - raw.obj_val + bound)
     return Run(ended, tolerance, solution, proved, iterations)
 
 
-def _ended(program: Compiled, raw: Any, tolerance: float) -> str:
+def _ended(program: Compiled, raw: Found, tolerance: float) -> str:
     """The solver's own word, but where it is unbounded only if there is a point to start from."""
-    ended = str(raw.status)
-    if ended != "DualInfeasible":
-        return ended
+    if raw.status != "DualInfeasible":
+        return raw.status
     # It found a direction of descent, which says nothing about a point.
     level = {key: part for key, part in program.data.items() if key != "P"}
     level["c"] = np.zeros_like(program.data["c"])
-    feasible = str(program.run(level, tolerance).status)
-    return {"Solved": ended, "PrimalInfeasible": feasible}.get(feasible, "Unsolved")
+    feasible = program.run(level, tolerance).status
+    return {"Solved": raw.status, "PrimalInfeasible": feasible}.get(feasible, "Unsolved")

@@ -16,7 +16,7 @@ def tanaka_program(t: ArrayLike, h: float = 0.0) -> ConvexProgram:
     Parameters are ``x`` and ``e`` (0 unless given), ``(m,)``; variables ``center`` and ``spread``,
     ``(k + 1,)``; constraints ``above`` and ``below``, whose multipliers are those of
     :func:`tuner.tanaka`. Where several points are optimal the solver ends between them. It is
-    solved as it stands, to some 1e-8 of sizes near 1, where :func:`tuner.tanaka` scales first.
+    solved to some 1e-8 of the samples' largest, where :func:`tuner.tanaka` is exact.
 
     Args:
         t: regressors without the intercept, ``(m,)`` or ``(m, k)``.
@@ -24,7 +24,7 @@ def tanaka_program(t: ArrayLike, h: float = 0.0) -> ConvexProgram:
 
     Raises:
         ValueError: as :func:`tuner.tanaka`; where t does not determine the center; for regressors
-            that are not of a size near 1, and, when it is solved, for samples that are much larger.
+            that are not of a size near 1.
 
     >>> from tuner.convex import solve
     >>> program = tanaka_program([0.0, 1.0, 2.0, 3.0])
@@ -39,8 +39,8 @@ def tanaka_program(t: ArrayLike, h: float = 0.0) -> ConvexProgram:
     columns = of.columns * of.scale
     size = np.abs(columns)
     with building():
-        x = cp.Parameter(len(zeros), name="x", bounds=[-NEAR, NEAR])
-        e = cp.Parameter(len(zeros), name="e", bounds=[0.0, NEAR])
+        x = cp.Parameter(len(zeros), name="x")
+        e = cp.Parameter(len(zeros), name="e", nonneg=True)
         center, spread = cp.Variable(columns.shape[1]), cp.Variable(columns.shape[1], nonneg=True)
         room = (1 - h) * (size @ spread - e)
         rows = {"above": columns @ center + room >= x, "below": room - columns @ center >= -x}
