@@ -33,6 +33,13 @@ from tuner.study import Plan, Source, Study, Target, Task
 LOOP_DT = 0.1
 """How often the loop's single-precision check samples, s."""
 
+LOOP_MEANINGS = {
+    "decay": "rate a of the slowest pole",
+    "spread": "r of the real pole, -a (1 + r)",
+    "damping": "d of the other two poles, (s + a)^2 + d a (s + a) + f a^2",
+    "stiffness": "f of the other two poles, as above",
+}
+
 
 def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
     """Both schemes designed, and what the paper leaves open settled."""
@@ -95,6 +102,7 @@ def _loop_target(channel: Channel, problem: Any) -> Target:
         dt=0.0,
         quantities=partial(_loop_quantities, channel),
         single=partial(_loop_single, channel),
+        meanings=LOOP_MEANINGS,
     )
 
 
@@ -133,6 +141,11 @@ def _stored_target(channel: Channel, storage: scheme.Storage, problem: Any) -> T
         dt=storage.Ts,
         quantities=partial(_stored_quantities, channel, storage),
         single=partial(_stored_single, channel, storage),
+        meanings={
+            f"K{i + 1}_{s}": f"{gain} of the stored gains' row {s}"
+            for s in range(1, len(storage.means))
+            for i, gain in enumerate(("on the bias", "on the velocity", "on the altitude"))
+        },
     )
 
 
