@@ -98,7 +98,7 @@ class Corners:
         self._met: dict[tuple[int, ...], Corner | None] = {}
         self._found: list[Corner] = []
         # One value, replaced as a whole: a thread never sees half of it.
-        self._starts: tuple[tuple[Corner, ...], np.ndarray] = ((), np.zeros((0, 0)))
+        self._starts: tuple[tuple[Corner, ...], np.ndarray] = ((), np.zeros((0, len(of.rows))))
 
     @cached_property
     def _first(self) -> Corner | None:
@@ -132,8 +132,9 @@ class Corners:
             return _start(self._of, window.values - basis @ (window.values @ basis) / len(basis))
         corners, bounds = self._starts
         if len(corners) < len(self._found):
-            corners = tuple(self._found)
-            bounds = np.array([corner.bound for corner in corners])
+            new = self._found[len(corners) :]
+            bounds = np.vstack([bounds, *(corner.bound for corner in new)])
+            corners = (*corners, *new)
             self._starts = corners, bounds
         return corners[int((bounds @ window.sides).argmax())]
 
