@@ -21,6 +21,8 @@ CERTAIN = 1e-9
 """Multipliers below this share of the largest may be zero, where the optimum is not unique."""
 LARGEST = 1e9
 """Rows of the size 1 whose inverse has larger entries hardly differ."""
+FARTHER = 10.0
+"""By so much residuals count more than places, in the choice of samples to start at."""
 STEPS = 25
 """More corners than this one after the other, and the interior-point method is the faster one."""
 KEPT = 1 << 16
@@ -67,27 +69,52 @@ def _corner(of: Regressors, tight: tuple[int, ...]) -> Corner | None:
     return Corner(rows, inverse, of.rows @ inverse, multipliers, bound, least > tiny)
 
 
-def _start(of: Regressors, apart: np.ndarray) -> Corner | None:
-    """A corner with multipliers that are not negative.
+def _first(of: Regressors) -> Corner | None:
+    """The corner that t alone makes.
 
     Both rows of one sample j, with the largest multiplier w for which 2 w abs(t_j) stays below the
-    cost; then one spread costs nothing more, and the bounds of the others take what is left. Rows
-    of other samples, to determine the center, have the multiplier 0.
-
-    Args:
-        of: the regressors.
-        apart: how far the samples are from some center, ``(m,)``: they come in this order, as far
-            as they tell centers apart.
+    cost. Rows of other samples, to determine the center, have the multiplier 0.
     """
-    rank, m = of.rank, len(of.columns)
+    m = len(of.columns)
     # QR with pivots takes the longest, and then what is farthest from what is taken.
-    _, order, *_ = lapack.dgeqp3((of.rows[:m, :rank] * (apart**2)[:, None]).T)
-    j, *others = (int(place) - 1 for place in order[:rank])
-    size, cost = of.rows[j, rank:].tolist(), of.cost[rank:].tolist()
-    _, free = min((c / s, i) for i, (c, s) in enumerate(zip(cost, size, strict=True)) if s > 0)
-    least = (2 * m + i for i in range(len(size)) if i != free)
-    beside = (i if apart[i] > 0 else m + i for i in others)
-    return _corner(of, tuple(sorted((j, m + j, *beside, *least))))
+    _, order, *_ = lapack.dgeqp3(of.rows[:m, : of.rank].T)
+    j, *others = (int(place) - 1 for place in order[: of.rank])
+    return _tight(of, [j, m + j, *others], of.rows[j, of.rank :])
+
+
+def _start(of: Regressors, values: np.ndarray) -> Corner | None:
+    """A corner beside the samples farthest from their least squares; None where all are on it.
+
+    As many samples as a center has coordinates, and one more, have weights that balance to 0 in
+    every regressor: with these as multipliers, of rows above or below by sign, they prove a bound.
+    """
+    m, rank = len(values), of.rank
+    basis = of.rows[:m, :rank]
+    apart = values - basis @ (values @ basis) / m
+    largest = max(map(abs, apart.tolist()))
+    if not largest or m <= rank:
+        return None
+    both = np.empty((rank + 1, m))
+    both[:rank], both[rank] = basis.T, apart * (FARTHER / largest)
+    _, order, *_ = lapack.dgeqp3(both)
+    samples = order[: rank + 1] - 1
+    _, _, balanced, singular = lapack.dgesv(both.take(samples, axis=1), one(rank + 1)[:, rank])
+    if singular:
+        return None
+    weights = balanced.tolist()
+    rows = [j if w > 0 else m + j for j, w in zip(samples.tolist(), weights, strict=True)]
+    return _tight(of, rows, np.abs(balanced) @ of.rows.take(samples, axis=0)[:, rank:])
+
+
+def _tight(of: Regressors, rows: list[int], spread: np.ndarray) -> Corner | None:
+    """The corner of samples' rows whose multipliers can grow until a spread costs nothing more.
+
+    The bounds of the other spreads take what is left of their cost.
+    """
+    pairs = zip(of.cost[of.rank :].tolist(), spread.tolist(), strict=True)
+    _, free = min((cost / size, i) for i, (cost, size) in enumerate(pairs) if size > 0)
+    bounds = range(2 * len(of.columns), len(of.rows))
+    return _corner(of, tuple(sorted([*rows, *bounds[:free], *bounds[free + 1 :]])))
 
 
 class Corners:
@@ -103,7 +130,7 @@ class Corners:
     @cached_property
     def _first(self) -> Corner | None:
         """The corner that t alone makes."""
-        return _start(self._of, np.ones(len(self._of.columns)))
+        return _first(self._of)
 
     def at(self, rows: tuple[int, ...]) -> Corner | None:
         """The corner of these rows, ascending; None where they hardly differ or prove nothing."""
@@ -118,18 +145,16 @@ class Corners:
 
     def optimum(self, window: Window, steps: int = STEPS) -> Corner | None:
         """An optimal corner, the same whatever was met before; None where it is not reached."""
-        sides = window.sides
-        end = self._end(self._best(window), sides, steps)
-        if end and end.certain and np.count_nonzero(end.spare(sides) < FEASIBLE) == len(end.rows):
+        end, spare = self._end(self._best(window), window.sides, steps)
+        if end and end.certain and np.count_nonzero(spare < FEASIBLE) == len(end.rows):
             return end
         # More rows are tight than needed, or other points as good: several corners are optimal.
-        return self._end(self._first, sides, steps)
+        return self._end(self._first, window.sides, steps)[0]
 
     def _best(self, window: Window) -> Corner | None:
         """The corner met that proves most; of a new t, one beside the samples farthest off."""
         if not self._found:
-            basis = self._of.rows[: len(window.values), : self._of.rank]
-            return _start(self._of, window.values - basis @ (window.values @ basis) / len(basis))
+            return _start(self._of, window.values)
         corners, bounds = self._starts
         if len(corners) < len(self._found):
             new = self._found[len(corners) :]
@@ -138,16 +163,20 @@ class Corners:
             self._starts = corners, bounds
         return corners[int((bounds @ window.sides).argmax())]
 
-    def _end(self, at: Corner | None, sides: np.ndarray, steps: int) -> Corner | None:
+    def _end(
+        self, at: Corner | None, sides: np.ndarray, steps: int
+    ) -> tuple[Corner | None, np.ndarray]:
+        """Where the walk ends, and what rows have to spare there."""
+        spare = sides
         for _ in range(steps):
             if at is None:
-                return None
+                break
             spare = at.spare(sides)
             worst = int(spare.argmin())
             if spare[worst] >= -FEASIBLE:
-                return at
+                return at, spare
             at = self._beside(at, worst)
-        return None
+        return None, spare
 
     def _beside(self, at: Corner, entering: int) -> Corner | None:
         """The corner with one more row tight, in place of that which keeps multipliers positive."""

@@ -162,6 +162,8 @@ def _regressors(t: bytes, shape: tuple[int, ...]) -> Regressors:
     rank = sum(value > _RANK * singular[0] for value in singular.tolist())
     basis = right[:rank].T * (sqrt(m) / singular[:rank])
     spread, shortest = size[:, used], one(n)
+    cost = np.zeros(rank + spread.shape[1])
+    cost[rank:] = spread.sum(axis=0)
     if rank < n:
         # No sample shows changes of the center along these, so the shortest center has none.
         unseen = np.linalg.qr(right[rank:].T / scale[:, None])[0]
@@ -174,7 +176,7 @@ def _regressors(t: bytes, shape: tuple[int, ...]) -> Regressors:
         restore=_beside(shortest @ (basis / scale[:, None]), (one(n) / scale)[:, used]),
         level=shortest[:, 0].copy(),
         rows=_rows(columns @ basis, spread),
-        cost=np.concatenate([np.zeros(rank), spread.sum(axis=0)]),
+        cost=cost,
     )
 
 
