@@ -79,8 +79,8 @@ def _exists(missing: np.ndarray) -> None:
     """The filter passes over samples that have no arc sine, ``(k,)`` shares of them."""
     if missing.max() > MISSING:
         raise ValueError(
-            f"(10) would take the arc sine of more than 1 in {100 * missing.max():.3g} % of a "
-            "run's samples, so the accelerometers give no attitude; give smaller errors of the "
+            f"in {100 * missing.max():.3g} % of a run's samples (10) would take the arc sine of a "
+            "number above 1, so the accelerometers give no attitude; give smaller errors of the "
             "sensors"
         )
 

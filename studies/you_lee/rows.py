@@ -204,14 +204,14 @@ def _floor(bench: Bench) -> Comparison:
     row = "level.roll_floor_deg", "(10): b_r u / g"
     floor = degrees(asin(settings.gyro_bias * PER_HOUR * flight.velocity0[0] / GRAVITY))
     loop = Complementary(jnp.asarray(settings.K1), jnp.asarray(settings.K2))
-    memory = 1 / float(np.abs(np.asarray(loop.poles).real).min())
-    if settings.level < SETTLES * memory:
+    slowest = float(np.abs(np.asarray(loop.poles).real).min())
+    if settings.level * slowest < SETTLES:
         return undecided(
             *row,
             paper=floor,
             unit="deg",
-            note=f"{settings.level:g} s of level flight are fewer than {SETTLES:g} of the filter's "
-            f"time constants, {memory:.3g} s, so the error is not settled",
+            note=f"{settings.level:g} s of level flight are fewer than {SETTLES:g} time constants "
+            f"of the filter's slowest pole, -{slowest:.3g} 1/s, so the error is not settled",
         )
     bias = settings.gyro_bias
     twice = {"K1": 2 * settings.K1, "K2": 2 * settings.K2}
