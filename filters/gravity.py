@@ -119,7 +119,7 @@ class GravityKalman:
         q = multiply(begun(state.q, inputs.acceleration), turn)
         P = self._spread(params, state.P, turn)
         up = rotate_back(q, jnp.array([0.0, 0.0, 1.0], q.dtype))
-        missing = jnp.isnan(inputs.acceleration)
+        missing = ~jnp.isfinite(inputs.acceleration)
         # Masked before it is divided: a NaN would reach the derivative by gravity.
         a = jnp.where(missing, 0.0, inputs.acceleration) / params.gravity
         a = jnp.where(missing, jnp.nan, a)

@@ -4,6 +4,8 @@ from dataclasses import fields
 from math import inf
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
+import jax
+
 
 def check_setup(filter: Any) -> None:
     """For ``__post_init__``: words are among those known, and ``dt`` is a positive number.
@@ -20,13 +22,18 @@ def check_setup(filter: Any) -> None:
         ...
     ValueError: MixingFilter: aid is 'airsped'; give none, airspeed or velocity
     """
-    hints = get_type_hints(type(filter))
+    try:
+        hints = get_type_hints(type(filter))
+    except NameError:  # of a subclass, known to type checkers only
+        hints = {}
     for field in fields(filter):
-        value, words = getattr(filter, field.name), get_args(hints[field.name])
-        if get_origin(hints[field.name]) is Literal and value not in words:
-            known = f"{', '.join(words[:-1])} or {words[-1]}"
-            raise ValueError(f"{type(filter).__name__}: {field.name} is {value!r}; give {known}")
-        if field.name == "dt" and not 0 < value < inf:
+        value, hint = getattr(filter, field.name), hints.get(field.name)
+        words = get_args(hint)
+        if get_origin(hint) is Literal and value not in words:
+            ways = f"{', '.join(words[:-1])} or {words[-1]}"
+            raise ValueError(f"{type(filter).__name__}: {field.name} is {value!r}; give {ways}")
+        known = not isinstance(value, jax.core.Tracer)
+        if field.name == "dt" and known and not 0 < value < inf:
             raise ValueError(
                 f"{type(filter).__name__}: dt is {value!r}; give a positive sample time in seconds"
             )

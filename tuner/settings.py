@@ -19,6 +19,13 @@ class StudySettings(BaseModel):
     def _no_truth_value(cls, value: object, info: ValidationInfo) -> object:
         """Pydantic would take true for 1."""
         field = cls.model_fields[info.field_name or ""]
-        if isinstance(value, bool) and field.annotation is not bool:
+        if _truth(value) and field.annotation is not bool:
             raise ValueError("a truth value does not fit")
         return value
+
+
+def _truth(value: object) -> bool:
+    """Whether it is a truth value, or holds one."""
+    if isinstance(value, list | tuple):
+        return any(_truth(part) for part in value)
+    return isinstance(value, bool)

@@ -202,7 +202,10 @@ def _floor(bench: Bench) -> Comparison:
         return float(errors_of(filter, params, inputs, flight.truth)[end, 0, 0])
 
     row = "level.roll_floor_deg", "(10): b_r u / g"
-    floor = degrees(asin(settings.gyro_bias * PER_HOUR * flight.velocity0[0] / GRAVITY))
+    sine = settings.gyro_bias * PER_HOUR * flight.velocity0[0] / GRAVITY
+    if sine >= 1:
+        return undecided(*row, note=f"b_r u / g is {sine:.3g}, which has no arc sine")
+    floor = degrees(asin(sine))
     loop = Complementary(jnp.asarray(settings.K1), jnp.asarray(settings.K2))
     slowest = float(np.abs(np.asarray(loop.poles).real).min())
     if settings.level * slowest < SETTLES:

@@ -24,8 +24,8 @@ class Settings(StudySettings):
 
     trajectory: Trajectory = Field("T1", description="what is tuned on: T0, T1 or T2")
     start: Start = Field("zero", description="v, w that the velocity filter starts from")
-    K1: float = Field(PUBLISHED["K1"], gt=0, description="gain of the claims, 1/s")
-    K2: float = Field(PUBLISHED["K2"], gt=0, description="gain of the claims, 1/s")
+    K1: float = Field(PUBLISHED["K1"], ge=1e-9, description="gain of the claims, 1/s")
+    K2: float = Field(PUBLISHED["K2"], ge=1e-9, description="gain of the claims, 1/s")
     Q_k: float = Field(
         PUBLISHED["Q_k"], ge=0, description="velocity filter: process variance, (ft/s)^2"
     )
@@ -42,7 +42,7 @@ class Settings(StudySettings):
     level: float = Field(250.0, ge=1, le=3600, description="straight flight, s")
     turn: float = Field(50.0, ge=1, le=3600, description="bank turn, s")
     ramp: float = Field(5.0, gt=0, description="time to bank and to come back, s")
-    rate_hz: float = Field(100.0, gt=0, le=1000, description="of all sensors")
+    rate_hz: float = Field(100.0, ge=0.01, le=1000, description="of all sensors")
     gyro_bias: float = Field(50.0, ge=0, description="deviation at the start, deg/h")
     gyro_walk: float = Field(10.0, ge=0, description="what the bias walks in an hour, deg/h")
     acc_bias: float = Field(140.0, ge=0, description="deviation at the start, ug")

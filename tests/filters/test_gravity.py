@@ -443,3 +443,11 @@ def test_a_missing_rate_is_no_turn(filter, axes):
     for one, other in zip(jax.tree.leaves(found), jax.tree.leaves(expected), strict=True):
         np.testing.assert_array_equal(one, other)
         assert np.isfinite(one).all()
+
+
+def test_an_infinite_acceleration_is_missing():
+    state = PLAIN.init(noise())
+    rate = jnp.array([0.0, 0.0, 0.1])
+    for a in ([np.inf, 0.0, 0.0], [-np.inf, np.inf, 1.0]):
+        after, _ = PLAIN.step(noise(), state, ImuSample(jnp.array(a), rate))
+        assert all(np.isfinite(leaf).all() for leaf in jax.tree.leaves(after))

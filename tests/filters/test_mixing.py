@@ -197,3 +197,13 @@ def test_first_order_leaves_tau_times_the_bias():
     still = AngleSample(0.02 * jnp.ones(N), jnp.zeros(N))
     out = compiled(FirstOrder(0.1), gain, still)[1]
     assert float(out[-1]) == pytest.approx(0.5 * 0.02, rel=1e-12)
+
+
+def test_a_sample_time_may_be_traced():
+    zero, gain = jnp.zeros(()), FirstOrderGain(jnp.asarray(0.5), jnp.zeros(()))
+
+    def moved(dt):
+        return FirstOrder(dt).step(gain, zero, AngleSample(zero + 1, zero))[1]
+
+    found = jax.vmap(moved)(jnp.array([0.1, 0.2]))
+    np.testing.assert_allclose(found, [moved(0.1), moved(0.2)], rtol=1e-12)

@@ -303,6 +303,8 @@ def test_the_roll_floor_is_judged_where_it_is_reached():
     assert rows._floor(whole()).verdict is Verdict.MATCH
     slow = Bench(SHORT.model_copy(update={"K1": 1e-300}), 0)
     assert rows._floor(slow).verdict is Verdict.NOT_IDENTIFIABLE
+    fast = Bench(SHORT.model_copy(update={"gyro_bias": 14000.0}), 0)
+    assert "has no arc sine" in rows._floor(fast).note
 
 
 def test_a_switch_that_always_fires_in_a_run_that_judges_is_told():
@@ -344,8 +346,8 @@ def test_figures_have_their_names_and_numbers():
 REFUSED = {
     "speed": ({"speed": 0.0}, "greater than 0"),
     "bank": ({"bank": 90.0}, "less than 90"),
-    "rate": ({"rate_hz": 0.0}, "greater than 0"),
-    "gain": ({"K1": 0.0}, "greater than 0"),
+    "rate": ({"rate_hz": 0.0}, "greater than or equal to 0.01"),
+    "gain": ({"K1": 0.0}, "greater than or equal to 0.0"),
     "infinite": ({"speed": np.inf}, "finite"),
     "ramp": ({"ramp": 26.0}, "banking and coming back take 52 s of a turn of 50 s"),
     "no samples": ({"rate_hz": 0.1}, "no sample in a phase of the flight; give a higher rate"),

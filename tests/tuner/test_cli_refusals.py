@@ -96,6 +96,7 @@ def test_pickle_in_an_npz_is_refused_and_not_run(cli, here):
         ("P0=[[1, 2], [3, 1]]", "symmetric"),
         ("P0=[1, 1]", "P0"),
         ("R=true", "a truth value does not fit, got True"),
+        ("P0=[[true, false], [false, true]]", "a truth value does not fit"),
         ("solvers=nelder-meat", "nelder-mead"),
         ("stp=0.1", "step"),
         ("reading=R5", "R6"),
