@@ -361,3 +361,27 @@ def test_infeasible_in_any_unit(size):
     )
     assert solve(program, {"low": size}).status is Status.INFEASIBLE
     assert solve(program, {"low": -size}).status is Status.CONVERGED
+
+
+@pytest.mark.parametrize("far", [1e6, 1e8, 1e10])
+def test_a_bound_that_is_far_off_changes_nothing(far):
+    """Sides of 1 beside a large one, and a cost of 1 beside a large one."""
+    z, bound = cp.Variable(2), cp.Parameter()
+    near = cp.Problem(cp.Minimize(cp.sum(z)), [z >= 1, z <= bound])
+    answer = solve(ConvexProgram("near", near, {"bound": bound}, {"z": z}), {"bound": far})
+    assert answer.status is Status.CONVERGED
+    assert answer.value == pytest.approx(2.0, abs=1e-8)
+
+
+def test_unbounded_beside_a_large_cost():
+    z, cost = cp.Variable(2), cp.Parameter(nonneg=True)
+    falls = cp.Problem(cp.Minimize(-z[0] + cost * z[1]), [z >= 0])
+    answer = solve(ConvexProgram("falls", falls, {"cost": cost}, {"z": z}), {"cost": 1e8})
+    assert answer.status is Status.UNBOUNDED
+
+
+def test_a_large_curvature_beside_a_small_slope():
+    z, weight = cp.Variable(), cp.Parameter(nonneg=True)
+    bowl = cp.Problem(cp.Minimize(weight * z**2 - z), [z >= 0])
+    answer = solve(ConvexProgram("bowl", bowl, {"weight": weight}, {"z": z}), {"weight": 1e6})
+    assert answer.variables["z"] == pytest.approx(5e-7, rel=1e-3)

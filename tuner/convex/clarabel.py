@@ -116,14 +116,14 @@ class Compiled:
     inverse: Any
 
     def run(self, data: dict[str, Any], tolerance: float) -> "Found":
-        """What Clarabel finds for some data, which it is given with sides and costs near 1.
+        """What Clarabel finds for some data; it gets sides, or costs, all far from 1, near it.
 
         Its tolerances are absolute below 1, and its proofs of infeasibility are lost in large
         sides. Cones do not mind: of x / size the sides are b / size, and the objective, over
         size * price, is that of P size / price and c / price.
         """
         size = _far(data["b"])
-        price = _far(np.append(data["c"], size * np.abs(data["P"]).max() if "P" in data else 0.0))
+        price = _far(np.append(data["c"], size * data["P"].data if "P" in data else 0.0))
         scaled = data | {"b": data["b"] / size, "c": data["c"] / price}
         if "P" in data:
             scaled["P"] = data["P"] * (size / price)
@@ -143,10 +143,16 @@ class Compiled:
 
 
 def _far(entries: np.ndarray) -> float:
-    """Their largest size, as a power of 2, where that is far from 1; else 1."""
-    largest = float(np.abs(entries).max(initial=0.0))
-    far = np.isfinite(largest) and largest > 0 and not 1 / NEAR <= largest <= NEAR
-    return 2.0 ** round(np.log2(largest)) if far else 1.0
+    """A power of 2 near entries that are all large, or all small; 1 for all others.
+
+    Small entries beside large ones would be lost below Clarabel's tolerances.
+    """
+    sizes = np.abs(entries[np.isfinite(entries) & (entries != 0)])
+    if sizes.size and sizes.min() > NEAR:
+        return float(2.0 ** np.floor(np.log2(sizes.min())))
+    if sizes.size and sizes.max() < 1 / NEAR:
+        return float(2.0 ** np.floor(np.log2(sizes.max())))
+    return 1.0
 
 
 def compiled(problem: "cp.Problem") -> Compiled:

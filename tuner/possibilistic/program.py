@@ -24,7 +24,7 @@ def tanaka_program(t: ArrayLike, h: float = 0.0) -> ConvexProgram:
 
     Raises:
         ValueError: as :func:`tuner.tanaka`; where t does not determine the center; for regressors
-            that are not of a size near 1.
+            that are not of a size near 1, and, when it is solved, for samples that are much larger.
 
     >>> from tuner.convex import solve
     >>> program = tanaka_program([0.0, 1.0, 2.0, 3.0])
@@ -39,8 +39,8 @@ def tanaka_program(t: ArrayLike, h: float = 0.0) -> ConvexProgram:
     columns = of.columns * of.scale
     size = np.abs(columns)
     with building():
-        x = cp.Parameter(len(zeros), name="x")
-        e = cp.Parameter(len(zeros), name="e", nonneg=True)
+        x = cp.Parameter(len(zeros), name="x", bounds=[-NEAR, NEAR])
+        e = cp.Parameter(len(zeros), name="e", bounds=[0.0, NEAR])
         center, spread = cp.Variable(columns.shape[1]), cp.Variable(columns.shape[1], nonneg=True)
         room = (1 - h) * (size @ spread - e)
         rows = {"above": columns @ center + room >= x, "below": room - columns @ center >= -x}
