@@ -14,8 +14,8 @@ from benchmarks.startup import compiling
 from benchmarks.table import Row, duration
 from benchmarks.timing import Call, Times, interleave
 from filters import TiltKalman, TiltNoise, TiltSample, run
-from tuner.simulation import GRAVITY, Bursts, Sensor, Swing, simulate
-from tuner.simulation import measure as sensed
+from tuner.data.simulation import GRAVITY, Bursts, Sensor, Swing, simulate
+from tuner.data.simulation import measure as sensed
 
 PART = "An extended Kalman filter, 5 states"
 DT, DELTA, P0 = 0.01, 0.02, 1e-2

@@ -5,7 +5,7 @@ import platform
 from dataclasses import dataclass
 
 from benchmarks.baseline import Baseline
-from tuner.environment import installed
+from tuner.run.environment import installed
 
 PACKAGES = ("jax", "numpy", "scipy", "statsmodels", "dynamax", "filterpy")
 

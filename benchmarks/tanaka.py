@@ -8,8 +8,8 @@ from benchmarks.table import Row, duration
 from benchmarks.timing import interleave
 from tuner import tanaka, tanaka_program, tanaka_simplex, tanaka_windows
 from tuner.convex import solve
-from tuner.possibilistic.interior import interior_point
-from tuner.possibilistic.window import window
+from tuner.regression.interior import interior_point
+from tuner.regression.window import window
 
 PART = "Tanaka's regression, windows of 10 samples"
 WINDOWS, ONE_BY_ONE, SAME, SLOW = 10_000, 200, 2000, 10

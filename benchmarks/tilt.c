@@ -1,4 +1,4 @@
-/* The extended Kalman filter of filters/tilt.py (two-step law, nonlinear residual) as a careful
+/* The extended Kalman filter of filters/tilt_euler.py (two-step law, nonlinear residual) as a careful
  * engineer writes it for one core: fixed sizes, scalar measurements one after another, no solve.
  */
 #include <math.h>

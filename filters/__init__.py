@@ -4,15 +4,41 @@ from filters.backend import LoopOption, loop_option
 
 loop_option()  # before anything below starts JAX's backend
 
+from filters.attitude import (  # noqa: E402
+    AttitudeKalman,
+    AttitudeNoise,
+    AttitudeOutputs,
+    AttitudeState,
+    ImuSample,
+)
+from filters.batched import Batched, shared  # noqa: E402
+from filters.bounded_motion import (  # noqa: E402
+    BoundedMotionKalman,
+    BoundedMotionNoise,
+    BoundedMotionOutputs,
+    BoundedMotionState,
+    RestRule,
+    blocks,
+)
 from filters.complementary import (  # noqa: E402
     AngleSample,
-    FirstOrder,
-    FirstOrderGain,
+    Complementary,
+    ComplementaryGain,
     Madgwick,
     MadgwickGain,
     Mahony,
     MahonyGains,
     MahonyState,
+)
+from filters.conventional_loop import (  # noqa: E402
+    GRAVITY_GRADIENT,
+    ConventionalLoop,
+    LoopGains,
+    LoopStep,
+    Plant,
+    loop_error,
+    loop_step,
+    vertical_channel,
 )
 from filters.covariance import (  # noqa: E402
     Flow,
@@ -24,22 +50,33 @@ from filters.covariance import (  # noqa: E402
     Uncertainty,
     riccati_flow,
 )
+from filters.dead_reckoning import (  # noqa: E402
+    DeadReckoningKalman,
+    DeadReckoningNoise,
+    DeadReckoningSample,
+    constructed_attitude,
+)
+from filters.declared import (  # noqa: E402
+    Channel,
+    Param,
+    assembled,
+    channel_facts,
+    inputs_of,
+    optional,
+    output,
+    parameter_facts,
+)
 from filters.discretise import transitions, van_loan  # noqa: E402
-from filters.euler_aided import EulerKalman, EulerNoise, EulerSample  # noqa: E402
 from filters.extended import (  # noqa: E402
     ExtendedKalman,
     ExtendedModel,
     ExtendedSample,
     linearised,
 )
-from filters.gravity import (  # noqa: E402
-    GravityKalman,
-    GravityNoise,
-    GravityOutputs,
-    GravityState,
-    ImuSample,
-)
-from filters.inertial import (  # noqa: E402
+from filters.fuzzy_regression import line, regression  # noqa: E402
+from filters.gps_aided import GpsAidedKalman, GpsAidedNoise, GpsAidedSample  # noqa: E402
+from filters.kalman import Estimate, Innovation, decorrelate, predict, update  # noqa: E402
+from filters.kownacki import (  # noqa: E402
     AccelerometerFilter,
     FixedGainFilter,
     Gains,
@@ -49,7 +86,6 @@ from filters.inertial import (  # noqa: E402
     accelerometer_steady,
     gyroscope_steady,
 )
-from filters.kalman import Estimate, Innovation, decorrelate, predict, update  # noqa: E402
 from filters.linear import (  # noqa: E402
     GainedSample,
     LinearKalman,
@@ -59,22 +95,19 @@ from filters.linear import (  # noqa: E402
     StoredGains,
     Transition,
 )
-from filters.mixing import (  # noqa: E402
-    MixingFilter,
-    MixingGains,
-    MixingOutputs,
-    MixingSample,
-    MixingState,
+from filters.pi_complementary import (  # noqa: E402
+    PiComplementary,
+    PiGains,
+    PiOutputs,
+    PiSample,
+    PiState,
     VelocityNoise,
     accelerometer_angles,
     euler_rates,
 )
-from filters.possibilistic import line, regression  # noqa: E402
 from filters.protocol import AnyFilter, Filter, run  # noqa: E402
 from filters.residual_noise import ResidualNoise  # noqa: E402
-from filters.room import RestRule, RoomKalman, RoomNoise, RoomOutputs, RoomState, blocks  # noqa: E402
-from filters.several import Several, shared  # noqa: E402
-from filters.tilt import (  # noqa: E402
+from filters.tilt_euler import (  # noqa: E402
     TiltKalman,
     TiltNoise,
     TiltOutputs,
@@ -83,49 +116,43 @@ from filters.tilt import (  # noqa: E402
     tilt_disturbance,
     tilt_transition,
 )
-from filters.track import (  # noqa: E402
-    TrackKalman,
-    TrackNoise,
-    TrackSample,
-    constructed_attitude,
-)
-from filters.vertical import (  # noqa: E402
-    GRAVITY_GRADIENT,
-    ConventionalLoop,
-    LoopGains,
-    LoopStep,
-    Plant,
-    loop_error,
-    loop_step,
-    vertical_channel,
-)
+from filters.timed import Timed, TimedSample  # noqa: E402
 
 __all__ = [
     "GRAVITY_GRADIENT",
     "AccelerometerFilter",
     "AngleSample",
     "AnyFilter",
+    "AttitudeKalman",
+    "AttitudeNoise",
+    "AttitudeOutputs",
+    "AttitudeState",
+    "Batched",
+    "BoundedMotionKalman",
+    "BoundedMotionNoise",
+    "BoundedMotionOutputs",
+    "BoundedMotionState",
+    "Channel",
+    "Complementary",
+    "ComplementaryGain",
     "ConventionalLoop",
+    "DeadReckoningKalman",
+    "DeadReckoningNoise",
+    "DeadReckoningSample",
     "Estimate",
-    "EulerKalman",
-    "EulerNoise",
-    "EulerSample",
     "ExtendedKalman",
     "ExtendedModel",
     "ExtendedSample",
     "Filter",
-    "FirstOrder",
-    "FirstOrderGain",
     "FixedGainFilter",
     "Flow",
     "GainCovariance",
     "GainTable",
     "GainedSample",
     "Gains",
-    "GravityKalman",
-    "GravityNoise",
-    "GravityOutputs",
-    "GravityState",
+    "GpsAidedKalman",
+    "GpsAidedNoise",
+    "GpsAidedSample",
     "GyroscopeFilter",
     "ImuSample",
     "Innovation",
@@ -141,22 +168,18 @@ __all__ = [
     "Mahony",
     "MahonyGains",
     "MahonyState",
-    "MixingFilter",
-    "MixingGains",
-    "MixingOutputs",
-    "MixingSample",
-    "MixingState",
     "Noise",
+    "Param",
+    "PiComplementary",
+    "PiGains",
+    "PiOutputs",
+    "PiSample",
+    "PiState",
     "Plant",
     "ResidualNoise",
     "RestRule",
     "RiccatiCovariance",
-    "RoomKalman",
-    "RoomNoise",
-    "RoomOutputs",
-    "RoomState",
     "Sample",
-    "Several",
     "SteadyState",
     "StoredGains",
     "TableCovariance",
@@ -165,24 +188,29 @@ __all__ = [
     "TiltOutputs",
     "TiltSample",
     "TiltState",
-    "TrackKalman",
-    "TrackNoise",
-    "TrackSample",
+    "Timed",
+    "TimedSample",
     "Transition",
     "Uncertainty",
     "VelocityNoise",
     "accelerometer_angles",
     "accelerometer_steady",
+    "assembled",
     "blocks",
+    "channel_facts",
     "constructed_attitude",
     "decorrelate",
     "euler_rates",
     "gyroscope_steady",
+    "inputs_of",
     "line",
     "linearised",
     "loop_error",
     "loop_option",
     "loop_step",
+    "optional",
+    "output",
+    "parameter_facts",
     "predict",
     "regression",
     "riccati_flow",

@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from filters.gravity import ImuSample
+from filters.attitude import ImuSample
 from filters.rotation import (
     begun,
     cross,
@@ -18,12 +18,12 @@ from filters.rotation import (
     rotate,
     rotate_back,
 )
-from filters.sound import check_setup
+from filters.validate import check_setup
 
 UP = (0.0, 0.0, 1.0)
 
 
-class FirstOrderGain(NamedTuple):
+class ComplementaryGain(NamedTuple):
     """The gain of a first-order complementary filter.
 
     Attributes:
@@ -43,7 +43,7 @@ class AngleSample(NamedTuple):
 
 
 @dataclass(frozen=True)
-class FirstOrder:
+class Complementary:
     """One angle, or several apart, from its rate and a measurement of itself.
 
     a (angle + rate dt) + (1 - a) measured with a = tau / (tau + dt): stable for every tau. A bias
@@ -59,12 +59,12 @@ class FirstOrder:
     def __post_init__(self) -> None:
         check_setup(self)
 
-    def init(self, params: FirstOrderGain) -> Array:
+    def init(self, params: ComplementaryGain) -> Array:
         """The start."""
         return params.angle0
 
     def step(
-        self, params: FirstOrderGain, state: Array, inputs: AngleSample
+        self, params: ComplementaryGain, state: Array, inputs: AngleSample
     ) -> tuple[Array, Array]:
         """Move by the rate, and go a share of the way to what is measured."""
         ahead = state + or_else(inputs.rate, jnp.zeros_like(inputs.rate)) * self.dt

@@ -13,7 +13,7 @@ from jax import Array
 
 from filters.kalman import Estimate, decorrelate, matmul, predict, update
 from filters.linear import LinearModel
-from filters.small import product, solve
+from filters.small_linalg import product, solve
 
 
 class Uncertainty(NamedTuple):

@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
-from filters.possibilistic import line
+from filters.fuzzy_regression import line
 
 Law = Literal["constant", "fuzzy", "random"]
 

@@ -1,5 +1,6 @@
 """Objectives: how good a filter's run or a design is, as one differentiable number."""
 
+from objectives.angle_rmse import AngleRmse
 from objectives.attitude import (
     AngleErrors,
     AttitudeError,
@@ -8,18 +9,10 @@ from objectives.attitude import (
     attitude_error,
     masked,
 )
-from objectives.complementary import Complementary, SensorNoise, Transfer
-from objectives.design import (
-    decay_rate,
-    ise,
-    settling_time,
-    spectral_radius,
-    steady_variance,
-)
-from objectives.history import VarianceRatio
+from objectives.complementary import ComplementaryLoop, SensorNoise, Transfer
 from objectives.likelihood import InnovationLikelihood
-from objectives.lyapunov import lyapunov, stein
-from objectives.modes import (
+from objectives.linear_systems.lyapunov import lyapunov, stein
+from objectives.linear_systems.modes import (
     Mode,
     Reduction,
     undriven_modes,
@@ -27,10 +20,19 @@ from objectives.modes import (
     without_undriven,
     without_unseen,
 )
-from objectives.phases import AngleRmse
-from objectives.placement import Factors, place
+from objectives.linear_systems.placement import Factors, place
+from objectives.linear_systems.response import (
+    decay_rate,
+    ise,
+    settling_time,
+    spectral_radius,
+    steady_variance,
+)
+from objectives.linear_systems.riccati import bucy_gain, care, dare, steady_gain, updated
+from objectives.linear_systems.steady import SteadyKalman, steady_kalman
+from objectives.linear_systems.subspaces import unobservable
+from objectives.linear_systems.variance_ratio import VarianceRatio
 from objectives.records import Records
-from objectives.riccati import bucy_gain, care, dare, steady_gain, updated
 from objectives.score import (
     Data,
     Fold,
@@ -42,7 +44,6 @@ from objectives.score import (
     score_and_gradient,
     scores_and_gradients,
 )
-from objectives.steady import SteadyKalman, steady_kalman
 from objectives.step_response import (
     Crossing,
     Reading,
@@ -51,7 +52,6 @@ from objectives.step_response import (
     StepSum,
     StepTruth,
 )
-from objectives.subspaces import unobservable
 from objectives.welch import Welch, window
 
 __all__ = [
@@ -59,7 +59,7 @@ __all__ = [
     "AngleRmse",
     "AttitudeError",
     "AttitudeRmse",
-    "Complementary",
+    "ComplementaryLoop",
     "Crossing",
     "Data",
     "Factors",

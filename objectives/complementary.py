@@ -1,7 +1,7 @@
 """What a complementary filter does to the errors of its sensors, over frequency and in variance.
 
 The filter follows a rate, and is drawn to a measured angle by K1 times the difference and by K1 K2
-times its integral (:class:`filters.MixingFilter`). Its error is then
+times its integral (:class:`filters.PiComplementary`). Its error is then
 (s b + (K1 s + K1 K2) n) / (s^2 + K1 s + K1 K2), b being the error of the rate and n that of the
 angle. Source: You and Lee, (1), (7), (8), (15); the variances are the integrals of the transfers.
 """
@@ -40,7 +40,7 @@ class SensorNoise(NamedTuple):
     angle: Array | float = 0.0
 
 
-class Complementary(NamedTuple):
+class ComplementaryLoop(NamedTuple):
     """A complementary filter by its gains; K2 = 0 is one of first order, time constant 1/K1.
 
     Everything is differentiable in the gains, and of their shape. Gains of another sign make a
@@ -55,16 +55,16 @@ class Complementary(NamedTuple):
     K2: Array | float
 
     @classmethod
-    def critical(cls, tau: Array) -> "Complementary":
+    def critical(cls, tau: Array) -> "ComplementaryLoop":
         """(15): both poles at -1/tau, so K1 = 2/tau and K2 = K1/4.
 
-        >>> [float(gain) for gain in Complementary.critical(jnp.array(40.0))]
+        >>> [float(gain) for gain in ComplementaryLoop.critical(jnp.array(40.0))]
         [0.05, 0.0125]
         """
         return cls(2 / tau, 1 / (2 * tau))
 
     @classmethod
-    def first_order(cls, tau: Array) -> "Complementary":
+    def first_order(cls, tau: Array) -> "ComplementaryLoop":
         """One pole at -1/tau."""
         return cls(1 / tau, jnp.zeros_like(tau))
 
@@ -97,7 +97,7 @@ class Complementary(NamedTuple):
     def transfer(self, omega: Array) -> Transfer:
         """What is left of sinusoidal errors, omega in rad/s, broadcast against the gains.
 
-        >>> both = Complementary.critical(jnp.array(40.0)).transfer(jnp.array(0.0))
+        >>> both = ComplementaryLoop.critical(jnp.array(40.0)).transfer(jnp.array(0.0))
         >>> [float(abs(part)) for part in both]
         [0.0, 1.0]
         """
@@ -112,7 +112,7 @@ class Complementary(NamedTuple):
     def variance(self, noise: SensorNoise) -> Array:
         """Of the angle's error once the start is forgotten, rad^2; infinite for a walk at K2 = 0.
 
-        >>> float(Complementary(jnp.array(0.5), jnp.array(0.5)).variance(SensorNoise(rate=2.0)))
+        >>> float(ComplementaryLoop(jnp.array(0.5), jnp.array(0.5)).variance(SensorNoise(rate=2.0)))
         2.0
         """
         second = jnp.asarray(self.K2) > 0

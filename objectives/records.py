@@ -12,7 +12,7 @@ from objectives.score import Measure
 
 @dataclass(frozen=True)
 class Records:
-    """An objective over records that run side by side (:class:`filters.Several`).
+    """An objective over records that run side by side (:class:`filters.Batched`).
 
     Attributes:
         measure: the objective of one record, a plain function of outputs and truth.

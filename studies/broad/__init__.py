@@ -17,13 +17,13 @@ from studies.broad.contestants import SPEED, Contestant, takes_field
 from studies.broad.figures import figures
 from studies.broad.rows import compare, fold_name
 from studies.broad.trials import AccUnit, GyrUnit, Trial, halved, read
+from tuner.certificate.solution import Solution
+from tuner.data.logs import Log
 from tuner.export.tuned import Quantity
-from tuner.logs import Log
-from tuner.problem import Problem
-from tuner.settings import StudySettings
-from tuner.solution import Solution
+from tuner.problem.problem import Problem
+from tuner.run.settings import StudySettings
+from tuner.run.study import Plan, Source, Study, Target, Task
 from tuner.solvers import Alternating, Gradient
-from tuner.study import Plan, Source, Study, Target, Task
 
 ROOM_STATES = (
     *(f"turn_{axis}" for axis in "xyz"),
@@ -127,7 +127,7 @@ def _source(trials: list[Trial]) -> Source:
 def _target(posed: Problem, rate_hz: float) -> Target:
     return Target(
         problem=posed,
-        filter="RoomKalman",
+        filter="BoundedMotionKalman",
         states=ROOM_STATES,
         dt=1 / rate_hz,
         quantities=_quantities,

@@ -10,13 +10,13 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import AnyFilter, ImuSample, Several, run
+from filters import AnyFilter, Batched, ImuSample, run
 from objectives import AttitudeRmse, Data, Records, attitude_error
 from objectives.attitude import Part
 from studies.broad.contestants import FREE, PARAMETERS, Build, filter_of, group, takes_field
 from studies.broad.trials import Trial
-from tuner.problem import Problem
-from tuner.space import Space
+from tuner.problem.problem import Problem
+from tuner.problem.space import Space
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class Contest:
         return Problem(
             name=title,
             space=Space.of(**FREE[name]),
-            filter=Several(filter_of(name, self.rate_hz)),
+            filter=Batched(filter_of(name, self.rate_hz)),
             build=self._build(name),
             objective=Records(Error("total" if takes_field(name) else "inclination")),
             data=self.data(name),
@@ -180,7 +180,7 @@ def _judged(
     filter: AnyFilter, parts: tuple[Part, ...], params: Any, data: Data
 ) -> tuple[list[Array], Array]:
     """The errors by part, each ``(k,)``, and the last trial's inclination error in time."""
-    found = run(Several(filter), params, data.inputs)[1]
+    found = run(Batched(filter), params, data.inputs)[1]
     q = getattr(found, "q", found)
     end, truth = q[:, -1].reshape(-1, 4), data.truth[:, -1].reshape(-1, 4)
     angle = jnp.degrees(jax.vmap(attitude_error)(end, truth).inclination)

@@ -9,18 +9,18 @@ from jax import Array
 
 from filters import (
     AnyFilter,
-    GravityKalman,
-    GravityNoise,
+    AttitudeKalman,
+    AttitudeNoise,
+    BoundedMotionKalman,
+    BoundedMotionNoise,
     Madgwick,
     MadgwickGain,
     Mahony,
     MahonyGains,
-    RoomKalman,
-    RoomNoise,
     shared,
 )
 from studies.broad.trials import GRAVITY
-from tuner.parameters import Limited, Parameter, Positive
+from tuner.problem.parameters import Limited, Parameter, Positive
 
 BLOCK = 0.196
 """How often the room filter corrects, s; 10 to 200 ms give the same errors."""
@@ -55,18 +55,18 @@ LABELS: dict[str, str] = {
 }
 
 
-def room(values: dict[str, Array]) -> RoomNoise:
+def room(values: dict[str, Array]) -> BoundedMotionNoise:
     """Parameters of the room filter."""
     fixed = {"speed": SPEED, "gyroscope": 0.0, "bias0": 0.02, "tilt0": 0.03, "lead": 0.0}
     numbers = _arrays(fixed | {"gravity": GRAVITY}) | values
-    return RoomNoise(**numbers, q0=LEVEL)
+    return BoundedMotionNoise(**numbers, q0=LEVEL)
 
 
-def gravity(values: dict[str, Array]) -> GravityNoise:
+def gravity(values: dict[str, Array]) -> AttitudeNoise:
     """Parameters of the gravity filter; the adaptive ones do nothing where it is not."""
     fixed = {"memory": 1.0, "gain": 0.0, "delta": 1e3, "bias0": 0.02, "tilt0": 0.03}
     numbers = _arrays(fixed | {"gravity": GRAVITY, "gyroscope": GYROSCOPE}) | values
-    return GravityNoise(**numbers, q0=LEVEL, b0=jnp.zeros(3))
+    return AttitudeNoise(**numbers, q0=LEVEL, b0=jnp.zeros(3))
 
 
 def mahony(values: dict[str, Array]) -> MahonyGains:
@@ -155,10 +155,10 @@ def filter_of(name: str, rate_hz: float) -> AnyFilter:
     dt = 1 / rate_hz
     slow = dt * group(name, rate_hz)
     filters: dict[str, AnyFilter] = {
-        "room": RoomKalman(dt),
-        "room_now": RoomKalman(dt),
-        "gravity": GravityKalman(slow, adaptive=False),
-        "two_step": GravityKalman(slow),
+        "room": BoundedMotionKalman(dt),
+        "room_now": BoundedMotionKalman(dt),
+        "gravity": AttitudeKalman(slow, adaptive=False),
+        "two_step": AttitudeKalman(slow),
         "mahony": Mahony(dt),
         "madgwick": Madgwick(dt),
     }

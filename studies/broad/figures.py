@@ -6,8 +6,8 @@ import numpy as np
 
 from studies.broad.contest import Contest
 from studies.broad.rows import judged_at, left_out
-from tuner.figure import Chart, Figure, Line
-from tuner.study import Solutions
+from tuner.run.figure import Chart, Figure, Line
+from tuner.run.study import Solutions
 
 WINDOW = 1.0
 """Errors in time are root mean squares over so many seconds: single samples only blacken."""

@@ -11,8 +11,8 @@ from studies.broad.contest import Contest, Outcome
 from studies.broad.contestants import FREE, LABELS, start, takes_field
 from studies.broad.peers import vqf
 from studies.broad.trials import Trial
-from tuner.comparison import Comparison, claim, number, undecided
-from tuner.study import Solutions, best, tuned_values
+from tuner.run.comparison import Comparison, claim, number, undecided
+from tuner.run.study import Solutions, best, tuned_values
 
 REACH = 0.70
 """What a filter of this project has to reach on trials that it was not tuned on, deg."""

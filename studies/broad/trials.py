@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from tuner.matfile import variables
+from tuner.data.mat import variables
 
 GRAVITY = 9.81
 NEEDED = ("imu_acc", "imu_gyr", "opt_quat", "movement", "sampling_rate")

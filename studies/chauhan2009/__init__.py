@@ -12,12 +12,12 @@ from studies.chauhan2009.laws import STATES, problems
 from studies.chauhan2009.rows import compare
 from studies.chauhan2009.steps import DT, Settings
 from studies.chauhan2009.sweep import Sweep
+from tuner.certificate.solution import Solution
+from tuner.data.logs import Log
 from tuner.export.tuned import Quantity
-from tuner.logs import Log
-from tuner.problem import Problem
-from tuner.solution import Solution
+from tuner.problem.problem import Problem
+from tuner.run.study import Plan, Source, Study, Target, Task
 from tuner.solvers import NelderMead
-from tuner.study import Plan, Source, Study, Target, Task
 
 MEANINGS = {
     "angle": "deviation of the measured angles",
@@ -52,7 +52,7 @@ def _source(problem: Problem) -> Source:
 def _target(problem: Problem, settings: Settings) -> Target:
     return Target(
         problem=problem,
-        filter="EulerKalman",
+        filter="GpsAidedKalman",
         states=STATES,
         dt=DT,
         quantities=partial(_quantities, settings),

@@ -18,8 +18,8 @@ from studies.chauhan2009.steps import (
     times,
 )
 from studies.chauhan2009.sweep import Sweep
-from tuner.figure import Chart, Figure, Line
-from tuner.study import Solutions, best, tuned_values
+from tuner.run.figure import Chart, Figure, Line
+from tuner.run.study import Solutions, best, tuned_values
 
 
 def figures(settings: Settings, seed: int, sweep: Sweep, solutions: Solutions) -> Iterator[Figure]:

@@ -9,20 +9,20 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import Several, run, shared
-from filters.euler_aided import EulerKalman, EulerNoise, EulerOutputs, EulerSample
+from filters import Batched, run, shared
+from filters.gps_aided import GpsAidedKalman, GpsAidedNoise, GpsAidedOutputs, GpsAidedSample
 from filters.residual_noise import ResidualNoise
 from objectives import Data
 from objectives import Records as OverRecords
 from studies.chauhan2009.steps import BEFORE, DT, EVERY, MOTIONS, Records, Settings, Step, records
-from tuner.parameters import Bounded, Parameter, Positive
-from tuner.problem import Problem
-from tuner.space import Space
+from tuner.problem.parameters import Bounded, Parameter, Positive
+from tuner.problem.problem import Problem
+from tuner.problem.space import Space
 
 STATES = ("q0", "q1", "q2", "q3", "bias_x", "bias_y", "bias_z")
-FUZZY = EulerKalman(DT, EVERY, "fuzzy")
-RANDOM = EulerKalman(DT, EVERY, "random")
-CONSTANT = EulerKalman(DT, EVERY, "constant")
+FUZZY = GpsAidedKalman(DT, EVERY, "fuzzy")
+RANDOM = GpsAidedKalman(DT, EVERY, "random")
+CONSTANT = GpsAidedKalman(DT, EVERY, "constant")
 PAPER = {"quaternion": 1e-4, "bias": 1e-6, "floor": 1e-12, "h": 0.0}
 """Q until the fuzzy law has one, and its floor: none is in the paper."""
 HELD_OUT = 1000
@@ -41,7 +41,7 @@ class Build:
     noise: float
     count: int
 
-    def __call__(self, values: dict[str, Array]) -> EulerNoise:
+    def __call__(self, values: dict[str, Array]) -> GpsAidedNoise:
         """The same for every record, without a random law's scale."""
         given = {"angle": jnp.asarray(self.noise)} | {k: jnp.asarray(v) for k, v in PAPER.items()}
         given |= values
@@ -49,20 +49,22 @@ class Build:
         process = ResidualNoise(Q, given["floor"], jnp.zeros(7), given["h"])
         R = jnp.full(3, jnp.radians(given["angle"]) ** 2)
         x0 = jnp.zeros(7).at[0].set(1.0)
-        found: EulerNoise = shared(EulerNoise(R, process, x0, 0.01 * jnp.eye(7)), self.count)
+        found: GpsAidedNoise = shared(GpsAidedNoise(R, process, x0, 0.01 * jnp.eye(7)), self.count)
         return found
 
 
 def estimated(
-    filter: EulerKalman, settings: Settings, inputs: EulerSample, values: dict[str, Array]
-) -> EulerOutputs:
+    filter: GpsAidedKalman, settings: Settings, inputs: GpsAidedSample, values: dict[str, Array]
+) -> GpsAidedOutputs:
     """A filter's outputs over records side by side."""
     return outputs(filter, Build(settings.noise, inputs.rate.shape[1])(values), inputs)
 
 
-def outputs(filter: EulerKalman, params: EulerNoise, inputs: EulerSample) -> EulerOutputs:
+def outputs(
+    filter: GpsAidedKalman, params: GpsAidedNoise, inputs: GpsAidedSample
+) -> GpsAidedOutputs:
     """The same for parameters of each record."""
-    found: EulerOutputs = _run(filter, params, inputs)
+    found: GpsAidedOutputs = _run(filter, params, inputs)
     return found
 
 
@@ -79,8 +81,8 @@ def random_scale(Q: np.ndarray, factor: float) -> np.ndarray:
 
 
 def randomly(
-    settings: Settings, made: Records, fuzzy: EulerOutputs, factor: float, seed: int
-) -> EulerOutputs:
+    settings: Settings, made: Records, fuzzy: GpsAidedOutputs, factor: float, seed: int
+) -> GpsAidedOutputs:
     """The random law's outputs on the same records."""
     count = made.truth.shape[1]
     late = np.asarray(fuzzy.Q)[round(BEFORE / DT) :]
@@ -101,7 +103,7 @@ class PitchRmse:
 
     skipped: int
 
-    def __call__(self, outputs: EulerOutputs, truth: Array) -> Array:
+    def __call__(self, outputs: GpsAidedOutputs, truth: Array) -> Array:
         """Of one record, ``()``."""
         error = (outputs.angles[:, 1] - truth)[self.skipped :]
         return jnp.degrees(jnp.sqrt((error**2).mean()))
@@ -127,12 +129,12 @@ def tuning_records(settings: Settings, count: int, seed: int) -> Records:
     return records(settings, steps, [seed + i for i in range(count)])
 
 
-def filters(settings: Settings) -> dict[str, tuple[str, EulerKalman]]:
+def filters(settings: Settings) -> dict[str, tuple[str, GpsAidedKalman]]:
     """What is tuned, by problem: the law's name in :data:`FREE`, and the filter."""
     found = {"constant": ("constant", CONSTANT)}
     for samples in settings.windows:
-        found[f"fuzzy_{samples}"] = ("fuzzy", EulerKalman(DT, EVERY, "fuzzy", samples))
-    edge = EulerKalman(DT, EVERY, "fuzzy", settings.windows[-1], slope="edge")
+        found[f"fuzzy_{samples}"] = ("fuzzy", GpsAidedKalman(DT, EVERY, "fuzzy", samples))
+    edge = GpsAidedKalman(DT, EVERY, "fuzzy", settings.windows[-1], slope="edge")
     return found | {"edge": ("edge", edge)}
 
 
@@ -143,7 +145,7 @@ def problems(settings: Settings, seed: int) -> dict[str, Problem]:
         name: Problem(
             name=name,
             space=Space.of(**FREE[law]),
-            filter=Several(filter),
+            filter=Batched(filter),
             build=Build(settings.noise, made.truth.shape[1]),
             objective=OBJECTIVE,
             data=Data(made.inputs, made.truth),
@@ -153,15 +155,15 @@ def problems(settings: Settings, seed: int) -> dict[str, Problem]:
 
 
 def judged(
-    filter: EulerKalman, settings: Settings, made: Records, values: dict[str, Array]
+    filter: GpsAidedKalman, settings: Settings, made: Records, values: dict[str, Array]
 ) -> float:
     """The mean error over records, deg."""
     found = estimated(filter, settings, made.inputs, values)
     return float(OBJECTIVE(found, made.truth))
 
 
-def _passed(filter: EulerKalman, params: Any, inputs: Any) -> Any:
-    return run(Several(filter), params, inputs)[1]
+def _passed(filter: GpsAidedKalman, params: Any, inputs: Any) -> Any:
+    return run(Batched(filter), params, inputs)[1]
 
 
 _run: Callable[..., Any] = jax.jit(_passed, static_argnums=0)

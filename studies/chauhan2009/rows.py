@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from filters import run
-from filters.euler_aided import EulerKalman, EulerSample
+from filters.gps_aided import GpsAidedKalman, GpsAidedSample
 from studies.chauhan2009.laws import (
     FUZZY,
     HELD_OUT,
@@ -31,9 +31,9 @@ from studies.chauhan2009.steps import (
     records,
 )
 from studies.chauhan2009.sweep import Sweep, ranges
-from tuner.comparison import Comparison, Verdict, claim, number
-from tuner.possibilistic import tanaka
-from tuner.study import Solutions, best, tuned_values
+from tuner.regression import tanaka
+from tuner.run.comparison import Comparison, Verdict, claim, number
+from tuner.run.study import Solutions, best, tuned_values
 
 ALIKE = 0.1
 """Standard deviations count as alike that differ by less than this share."""
@@ -82,11 +82,11 @@ def _printed_rate() -> Comparison:
 
 
 def _turned(kinematics: str) -> float:
-    filter = EulerKalman(DT, EVERY, kinematics="printed" if kinematics == "printed" else "half")
+    filter = GpsAidedKalman(DT, EVERY, kinematics="printed" if kinematics == "printed" else "half")
     count = round(4 / DT)
     rate = jnp.tile(jnp.array([0.0, 0.0, jnp.radians(10.0)]), (count, 1))
     params = jax.tree.map(lambda leaf: leaf[0], Build(1.0, 1)({}))
-    found = run(filter, params, EulerSample(rate, jnp.full((count, 3), jnp.nan)))[1]
+    found = run(filter, params, GpsAidedSample(rate, jnp.full((count, 3), jnp.nan)))[1]
     return float(jnp.degrees(found.angles[-1, 2]))
 
 

@@ -13,8 +13,8 @@ import numpy as np
 from jax import Array
 from pydantic import Field, field_validator
 
-from filters import EulerSample, constructed_attitude
-from tuner.settings import StudySettings
+from filters import GpsAidedSample, constructed_attitude
+from tuner.run.settings import StudySettings
 
 DT, EVERY = 0.25, 4
 """A tick, s, and ticks between measurements (section 6.1)."""
@@ -89,7 +89,7 @@ class Records(NamedTuple):
         truth: pitch at the ticks, rad, ``(N, k)``.
     """
 
-    inputs: EulerSample
+    inputs: GpsAidedSample
     truth: Array
 
 
@@ -97,7 +97,7 @@ def records(settings: Settings, steps: list[Step], seeds: list[int]) -> Records:
     """Every step with every seed: those of the first step come first."""
     made = [_record(settings, step, seed) for step in steps for seed in seeds]
     rate, z, truth = (np.stack(part, axis=1) for part in zip(*made, strict=True))
-    return Records(EulerSample(jnp.asarray(rate), jnp.asarray(z)), jnp.asarray(truth))
+    return Records(GpsAidedSample(jnp.asarray(rate), jnp.asarray(z)), jnp.asarray(truth))
 
 
 def times(settings: Settings) -> np.ndarray:

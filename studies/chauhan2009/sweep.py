@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from filters.euler_aided import EulerOutputs
+from filters.gps_aided import GpsAidedOutputs
 from studies.chauhan2009.laws import FUZZY, estimated, randomly
 from studies.chauhan2009.steps import (
     DRIVEN,
@@ -57,7 +57,7 @@ class Sweep:
         seeds = [self.seed + i for i in range(self.settings.records)]
         return records(self.settings, [step], seeds)
 
-    def fuzzy(self, made: Records) -> EulerOutputs:
+    def fuzzy(self, made: Records) -> GpsAidedOutputs:
         """The fuzzy law as the notes have it."""
         return estimated(FUZZY, self.settings, made.inputs, {})
 
@@ -65,7 +65,7 @@ class Sweep:
         made = self.made(step)
         fuzzy = self.fuzzy(made)
 
-        def judged(found: EulerOutputs) -> Behaviour:
+        def judged(found: GpsAidedOutputs) -> Behaviour:
             return behaviour(np.asarray(found.angles)[:, :, 1], made, self.settings, step.pitch)
 
         random = tuple(

@@ -15,11 +15,11 @@ from studies.design.designed import Designed, target
 from studies.design.figures import figures
 from studies.design.rows import compare_fastest, compare_quietest
 from studies.design.settings import Settings, model
-from tuner.design import LinearDesign, fastest, quietest, riccati
-from tuner.logs import Log
-from tuner.observer import Attempt, FastestTask, LeastTask, observer_model
+from tuner.data.logs import Log
+from tuner.observers import LinearDesign, fastest, quietest, riccati
+from tuner.observers.lmi import Attempt, FastestTask, LeastTask, observer_model
+from tuner.run.study import Plan, Source, Study, Task
 from tuner.solvers import Convex, Ipopt
-from tuner.study import Plan, Source, Study, Task
 
 
 def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:

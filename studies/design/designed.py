@@ -6,11 +6,11 @@ from functools import partial
 import numpy as np
 
 from studies.design.settings import Settings
-from tuner.design import LinearDesign, gain_of
+from tuner.certificate.solution import Solution
 from tuner.export.tuned import Quantity
-from tuner.problem import Problem
-from tuner.solution import Solution
-from tuner.study import Target
+from tuner.observers import LinearDesign, gain_of
+from tuner.problem.problem import Problem
+from tuner.run.study import Target
 
 
 @dataclass(frozen=True, eq=False)

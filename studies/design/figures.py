@@ -7,9 +7,9 @@ import numpy as np
 from jax.scipy.linalg import expm
 
 from studies.design.designed import Designed
-from tuner.design import LinearDesign
-from tuner.figure import Chart, Figure, Line
-from tuner.study import Solutions, best
+from tuner.observers import LinearDesign
+from tuner.run.figure import Chart, Figure, Line
+from tuner.run.study import Solutions, best
 
 CURVE = 400
 

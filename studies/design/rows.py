@@ -1,8 +1,8 @@
 """What is said beside the gains: whether the proofs agree with them."""
 
-from tuner.comparison import Comparison, Verdict, claim
-from tuner.solution import Solution, Status
-from tuner.study import Solutions, best
+from tuner.certificate.solution import Solution, Status
+from tuner.run.comparison import Comparison, Verdict, claim
+from tuner.run.study import Solutions, best
 
 AGREE = 1e-7
 """How closely the matrix inequality has to give the Riccati equation's variance."""

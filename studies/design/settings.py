@@ -8,11 +8,11 @@ import numpy as np
 from pydantic import Field, Strict, field_validator, model_validator
 
 from filters import van_loan
-from tuner.design import LinearDesign
 from tuner.export.checks import require, require_name, require_once
 from tuner.names import unknown
-from tuner.parameters import covariance
-from tuner.settings import StudySettings
+from tuner.observers import LinearDesign
+from tuner.problem.parameters import covariance
+from tuner.run.settings import StudySettings
 
 Number = Annotated[float, Strict()]
 Matrix = tuple[tuple[Number, ...], ...]

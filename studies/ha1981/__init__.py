@@ -22,13 +22,13 @@ from studies.ha1981 import conventional, scheme
 from studies.ha1981.channel import STATES, Channel, Settings
 from studies.ha1981.figures import figures
 from studies.ha1981.rows import compare
+from tuner.certificate.single_precision import Part, SinglePrecision, single_precision
+from tuner.certificate.solution import Solution
+from tuner.data.logs import Log
 from tuner.export.tuned import Quantity
-from tuner.logs import Log
-from tuner.observer import FastestTask, observer_model
-from tuner.single import Part, SinglePrecision, single_precision
-from tuner.solution import Solution
+from tuner.observers.lmi import FastestTask, observer_model
+from tuner.run.study import Plan, Source, Study, Target, Task
 from tuner.solvers import Convex, Gradient, Ipopt, NelderMead
-from tuner.study import Plan, Source, Study, Target, Task
 
 LOOP_DT = 0.1
 """How often the loop's single-precision check samples, s."""

@@ -24,7 +24,7 @@ from filters import (
     van_loan,
     vertical_channel,
 )
-from tuner.settings import StudySettings
+from tuner.run.settings import StudySettings
 
 FOOT = 0.3048
 """In metres."""

@@ -10,12 +10,12 @@ from jax import Array
 from filters import LoopGains, loop_error, van_loan
 from objectives import Factors
 from studies.ha1981.channel import Channel, Gains, noise_share
-from tuner.constraint import Constraint
-from tuner.parameters import Limited, Positive
-from tuner.problem import Problem
-from tuner.solution import Solution
+from tuner.certificate.solution import Solution
+from tuner.problem.constraint import Constraint
+from tuner.problem.parameters import Limited, Positive
+from tuner.problem.problem import Problem
+from tuner.problem.space import Space
 from tuner.solvers.known import Known
-from tuner.space import Space
 
 WIDEST = 100.0
 """How many times as far out as the slowest pole the others may lie."""

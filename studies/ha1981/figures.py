@@ -19,8 +19,8 @@ from studies.ha1981.channel import (
     times,
 )
 from studies.ha1981.conventional import gains_of
-from tuner.figure import Chart, Figure, Line
-from tuner.study import Solutions, best
+from tuner.run.figure import Chart, Figure, Line
+from tuner.run.study import Solutions, best
 
 FINE = 0.1
 """Step of what is continuous, s."""

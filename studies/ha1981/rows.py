@@ -18,8 +18,8 @@ from studies.ha1981.channel import (
     times,
 )
 from studies.ha1981.conventional import gains_of
-from tuner.comparison import Comparison, Verdict, claim, number
-from tuner.study import Solutions, best
+from tuner.run.comparison import Comparison, Verdict, claim, number
+from tuner.run.study import Solutions, best
 
 FIVE = 5.0
 """The paper's design value of Ts, s; its printed gains are those."""

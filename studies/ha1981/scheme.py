@@ -11,10 +11,10 @@ from jax import Array
 from filters import GainTable, LinearModel, TableCovariance, Uncertainty
 from objectives import Data, VarianceRatio, dare, steady_gain, steady_variance, updated
 from studies.ha1981.channel import Channel, kalman_history, replayed, times
-from tuner.parameters import Limited, Positive
-from tuner.problem import Problem
+from tuner.problem.parameters import Limited, Positive
+from tuner.problem.problem import Problem
+from tuner.problem.space import Space
 from tuner.solvers.known import Known
-from tuner.space import Space
 
 LONGEST = 1e6
 """Samples of the longest history that is looked through."""

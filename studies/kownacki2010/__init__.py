@@ -12,13 +12,13 @@ from filters import FixedGainFilter, Gains
 from studies.kownacki2010.bench import Bench, Settings, benches, noise
 from studies.kownacki2010.figures import figures
 from studies.kownacki2010.rows import compare
+from tuner.certificate.single_precision import SinglePrecision, single_precision
+from tuner.certificate.solution import Solution
+from tuner.data.logs import Log
 from tuner.export.tuned import Quantity
-from tuner.logs import Log
-from tuner.problem import Problem
-from tuner.single import SinglePrecision, single_precision
-from tuner.solution import Solution
+from tuner.problem.problem import Problem
+from tuner.run.study import Plan, Source, Study, Target, Task, tuned_values
 from tuner.solvers import NelderMead, make_solver
-from tuner.study import Plan, Source, Study, Target, Task, tuned_values
 
 MEANINGS = {
     "Q": "process noise",

@@ -19,14 +19,14 @@ from filters import (
     gyroscope_steady,
 )
 from objectives import Crossing, Data, Reading, StepResponse, Welch
-from tuner.logs import Log
+from tuner.data.logs import Log
+from tuner.data.noise_split import NoiseSplit, split_noise
 from tuner.names import unknown
-from tuner.parameters import Fixed, Positive, covariance
-from tuner.problem import Problem
-from tuner.settings import StudySettings
+from tuner.problem.parameters import Fixed, Positive, covariance
+from tuner.problem.problem import Problem
+from tuner.problem.space import Space
+from tuner.run.settings import StudySettings
 from tuner.solvers import SOLVERS
-from tuner.space import Space
-from tuner.split import NoiseSplit, split_noise
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ import numpy as np
 from filters import AnyFilter, Noise, run
 from objectives import Folded, StepCost, StepResponse
 from studies.kownacki2010.bench import ACC, Bench
-from tuner.figure import Chart, Figure, Line, Map
-from tuner.problem import Problem
-from tuner.study import Solutions, best
-from tuner.surface import grid
+from tuner.problem.problem import Problem
+from tuner.problem.surface import grid
+from tuner.run.figure import Chart, Figure, Line, Map
+from tuner.run.study import Solutions, best
 
 POINTS = 1000  # samples of a curve; a picture shows no more
 

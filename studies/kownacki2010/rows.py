@@ -6,9 +6,9 @@ from functools import partial
 import numpy as np
 
 from studies.kownacki2010.bench import ACC, Bench
-from tuner.comparison import Comparison, Verdict, claim, number
+from tuner.run.comparison import Comparison, Verdict, claim, number
+from tuner.run.study import Solutions, best
 from tuner.solvers import fminsearch
-from tuner.study import Solutions, best
 
 TOLERANCE = 0.05
 NEARLY = 1.01

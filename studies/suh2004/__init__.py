@@ -12,13 +12,13 @@ from studies.suh2004.figures import figures
 from studies.suh2004.mixed import Recordings, problems, recordings
 from studies.suh2004.paper import DT, STATES, TWO_STEP, Settings, experiment_2, noise
 from studies.suh2004.rows import compare
+from tuner.certificate.single_precision import Part, SinglePrecision, single_precision
+from tuner.certificate.solution import Solution
+from tuner.data.logs import Log
 from tuner.export.tuned import Quantity
-from tuner.logs import Log
-from tuner.problem import Problem
-from tuner.single import Part, SinglePrecision, single_precision
-from tuner.solution import Solution
+from tuner.problem.problem import Problem
+from tuner.run.study import Plan, Source, Study, Target, Task, tuned_values
 from tuner.solvers import Alternating, Gradient, NelderMead
-from tuner.study import Plan, Source, Study, Target, Task, tuned_values
 
 HELD_OUT = 1000
 """Seeds of held-out records lie this far above those that are tuned on."""

@@ -8,8 +8,8 @@ import numpy as np
 
 from studies.suh2004.mixed import FILTERS, Recordings
 from studies.suh2004.paper import DT, TWO_STEP, Settings, experiment_2, noise, outputs
-from tuner.figure import Chart, Figure, Line
-from tuner.study import Solutions, best, tuned_values
+from tuner.run.figure import Chart, Figure, Line
+from tuner.run.study import Solutions, best, tuned_values
 
 LABELS = {"standard": "standard", "simple": "simple adaptive", "two_step": "two-step"}
 

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import Several, TiltKalman, TiltNoise, TiltOutputs, TiltSample, shared
+from filters import Batched, TiltKalman, TiltNoise, TiltOutputs, TiltSample, shared
 from objectives import Data, Records, score
 from studies.suh2004.paper import (
     ACC_VARIANCE,
@@ -19,10 +19,10 @@ from studies.suh2004.paper import (
     Settings,
     noise,
 )
-from tuner.parameters import Bounded, Parameter, Positive
-from tuner.problem import Problem
-from tuner.simulation import GRAVITY, Bursts, Motion, Sensor, Swing, measure, simulate
-from tuner.space import Space
+from tuner.data.simulation import GRAVITY, Bursts, Motion, Sensor, Swing, measure, simulate
+from tuner.problem.parameters import Bounded, Parameter, Positive
+from tuner.problem.problem import Problem
+from tuner.problem.space import Space
 
 SWING = Swing(size=(np.radians(15.0), np.radians(12.0), np.radians(60.0)))
 EVERY = 10.0
@@ -105,7 +105,7 @@ def problems(tuned_on: Recordings) -> dict[str, Problem]:
         name: Problem(
             name=name,
             space=Space.of(**FREE[name]),
-            filter=Several(FILTERS[name]),
+            filter=Batched(FILTERS[name]),
             build=Build(tuned_on.count),
             objective=OBJECTIVE,
             data=tuned_on.data,
@@ -121,7 +121,7 @@ def held_out(name: str, values: dict[str, Array], judged_on: Recordings) -> floa
 
 @jax.jit(static_argnums=0)
 def _score(filter: TiltKalman, params: TiltNoise, data: Data) -> Array:
-    return score(Several(filter), OBJECTIVE, params, data)
+    return score(Batched(filter), OBJECTIVE, params, data)
 
 
 def _record(settings: Settings, seed: int) -> tuple[TiltSample, Array]:

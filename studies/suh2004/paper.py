@@ -10,7 +10,7 @@ from pydantic import Field
 
 from filters import TiltKalman, TiltNoise, TiltOutputs, TiltSample, run
 from objectives import AngleErrors, angle_errors
-from tuner.settings import StudySettings
+from tuner.run.settings import StudySettings
 
 STATES = ("pitch", "roll", "rate_x", "rate_y", "rate_z")
 DT = 0.05

@@ -23,8 +23,8 @@ from studies.suh2004.paper import (
     noise,
     outputs,
 )
-from tuner.comparison import Comparison, Verdict, claim, undecided
-from tuner.study import Solutions, best, tuned_values
+from tuner.run.comparison import Comparison, Verdict, claim, undecided
+from tuner.run.study import Solutions, best, tuned_values
 
 THETA, PHI = 0, 1
 ALIKE = 0.01

@@ -15,11 +15,11 @@ from studies.uav.figures import figures
 from studies.uav.flights import Flight, cut, flight
 from studies.uav.recordings import GRAVITY, AccUnit, GyrUnit, read
 from studies.uav.rows import compare
-from tuner.logs import Log
-from tuner.problem import Problem
-from tuner.settings import StudySettings
+from tuner.data.logs import Log
+from tuner.problem.problem import Problem
+from tuner.run.settings import StudySettings
+from tuner.run.study import Plan, Source, Study, Target, Task
 from tuner.solvers import Gradient
-from tuner.study import Plan, Source, Study, Target, Task
 
 ENOUGH = 1e-4
 """Slope of ln deviation at which a search may end: a tenth of a factor e more changes nothing."""
@@ -111,7 +111,7 @@ def _source(field: judging.Field, settings: Settings) -> Source:
 def _target(posed: Problem, settings: Settings) -> Target:
     return Target(
         problem=posed,
-        filter="EulerKalman",
+        filter="GpsAidedKalman",
         states=STATES,
         dt=1 / settings.ticks_per_second,
         quantities=lambda _: (),

@@ -8,12 +8,12 @@ import numpy as np
 from jax import Array
 from scipy.spatial.transform import Rotation
 
-from filters import EulerKalman, EulerNoise, EulerSample, ResidualNoise
+from filters import GpsAidedKalman, GpsAidedNoise, GpsAidedSample, ResidualNoise
 from objectives import Data, InnovationLikelihood
 from studies.uav.flights import Flight
-from tuner.parameters import Positive
-from tuner.problem import Problem
-from tuner.space import Space
+from tuner.problem.parameters import Positive
+from tuner.problem.problem import Problem
+from tuner.problem.space import Space
 
 Angle = Literal["phi", "theta", "psi"]
 Tuned = Literal["constant", "fuzzy"]
@@ -41,7 +41,7 @@ class Build:
     measured: tuple[Angle, ...]
     start: tuple[float, ...]
 
-    def __call__(self, values: dict[str, Array]) -> EulerNoise:
+    def __call__(self, values: dict[str, Array]) -> GpsAidedNoise:
         """R by angle; process noise equal for the quaternion's parts and for the biases."""
         kind = PROCESS[self.law]
         each = [jnp.asarray(values[f"{kind}_{part}"]) for part in UNITS]
@@ -50,7 +50,7 @@ class Build:
         # Of a fuzzy law Q holds until there are two residuals; its floor by state.
         process = ResidualNoise(diagonal, diagonal, jnp.zeros(7), jnp.zeros(()))
         x0 = jnp.concatenate([jnp.asarray(quaternion(np.array(self.start))), jnp.zeros(3)])
-        return EulerNoise(R, process, x0, jnp.diag(jnp.asarray(VARIANCE0)))
+        return GpsAidedNoise(R, process, x0, jnp.diag(jnp.asarray(VARIANCE0)))
 
 
 def quaternion(angles: np.ndarray) -> np.ndarray:
@@ -59,9 +59,9 @@ def quaternion(angles: np.ndarray) -> np.ndarray:
     return np.asarray(turn.as_quat(scalar_first=True))
 
 
-def filter_of(law: Tuned, dt: float, every: int) -> EulerKalman:
+def filter_of(law: Tuned, dt: float, every: int) -> GpsAidedKalman:
     """The filter with a law."""
-    return EulerKalman(dt, every=every, law=law)
+    return GpsAidedKalman(dt, every=every, law=law)
 
 
 def space(law: Tuned, measured: tuple[Angle, ...]) -> Space:
@@ -80,7 +80,7 @@ def space(law: Tuned, measured: tuple[Angle, ...]) -> Space:
 def data(flight: Flight, measured: tuple[Angle, ...]) -> Data:
     """A flight as filter and likelihood take it; NaN for angles that are left out."""
     z = jnp.asarray(np.where([angle in measured for angle in ANGLES], flight.z, np.nan))
-    return Data(EulerSample(jnp.asarray(flight.rate), z), z)
+    return Data(GpsAidedSample(jnp.asarray(flight.rate), z), z)
 
 
 def problem(flight: Flight, law: Tuned, measured: tuple[Angle, ...]) -> Problem:
@@ -99,7 +99,7 @@ def problem(flight: Flight, law: Tuned, measured: tuple[Angle, ...]) -> Problem:
     )
 
 
-def parameters(flight: Flight, law: Tuned, values: dict[str, Any]) -> EulerNoise:
+def parameters(flight: Flight, law: Tuned, values: dict[str, Any]) -> GpsAidedNoise:
     """What the filter takes on a flight, of tuned numbers."""
     measured = tuple(angle for angle in ANGLES if f"R_{angle}" in values)
     return Build(law, measured, tuple(flight.first.tolist()))(values)

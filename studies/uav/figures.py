@@ -9,8 +9,8 @@ from studies.uav.flights import Flight
 from studies.uav.judging import Field, Outcome
 from studies.uav.prediction import AHEAD, predicted
 from studies.uav.rows import outcome_of
-from tuner.figure import Chart, Figure, Line
-from tuner.study import Solutions
+from tuner.run.figure import Chart, Figure, Line
+from tuner.run.study import Solutions
 
 NAMES = {"phi": "roll", "theta": "pitch", "psi": "heading"}
 

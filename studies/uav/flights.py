@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from filters.track import constructed_attitude
+from filters.dead_reckoning import constructed_attitude
 from studies.uav.recordings import Recording
 
 APART = 1.0

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from filters import run
-from filters.euler_aided import EulerSample
+from filters.gps_aided import GpsAidedSample
 from studies.uav.estimator import ANGLES, Angle, Tuned, data, filter_of, parameters
 from studies.uav.flights import Flight
 
@@ -94,7 +94,7 @@ class Field:
         rate[:n] = flight.rate
         params = jax.tree.map(jnp.asarray, parameters(flight, law, values))
         filter = filter_of(law, flight.dt, flight.every)
-        out = _runs(filter, params, EulerSample(jnp.asarray(rate), jnp.asarray(z)))[1]
+        out = _runs(filter, params, GpsAidedSample(jnp.asarray(rate), jnp.asarray(z)))[1]
         seen = ~np.isnan(z[:n])
         innovation = np.where(seen, np.asarray(out.innovation)[:n], np.nan)
         parts = (np.asarray(leaf)[:n] for leaf in (out.x, out.angles, out.variance))

@@ -8,9 +8,9 @@ import numpy as np
 from jax import Array
 
 from filters import run
-from filters.euler_aided import EulerKalman, EulerNoise, EulerSample
+from filters.dead_reckoning import DeadReckoningKalman, DeadReckoningNoise, DeadReckoningSample
+from filters.gps_aided import GpsAidedKalman, GpsAidedNoise, GpsAidedSample
 from filters.residual_noise import ResidualNoise
-from filters.track import TrackKalman, TrackNoise, TrackSample
 from studies.uav.flights import Flight
 from studies.uav.judging import Outcome
 
@@ -100,34 +100,34 @@ def _filled(values: np.ndarray) -> Array:
 def _attitudes(flight: Flight, x: np.ndarray, rates: np.ndarray) -> np.ndarray:
     """Angles of the filter without measurements, ``(B, n, 3)``."""
     level = np.tile([1.0, *6 * (0.0,)], (MOST - len(x), 1))
-    filter = EulerKalman(flight.dt, every=flight.every)
+    filter = GpsAidedKalman(flight.dt, every=flight.every)
     found = _turned_on(filter, jnp.asarray(np.concatenate([x, level])), _filled(rates))
     return np.asarray(found)[: len(x)]
 
 
 @jax.jit(static_argnums=0, compiler_options={"xla_backend_optimization_level": 0})
-def _turned_on(filter: EulerKalman, x: Array, rates: Array) -> Array:
+def _turned_on(filter: GpsAidedKalman, x: Array, rates: Array) -> Array:
     still = ResidualNoise(jnp.zeros(7), jnp.zeros(()), jnp.zeros(7), jnp.zeros(()))
 
     def one(x0: Array, rate: Array) -> Array:
-        params = EulerNoise(jnp.ones(3), still, x0, jnp.eye(7))
+        params = GpsAidedNoise(jnp.ones(3), still, x0, jnp.eye(7))
         z = jnp.full(rate.shape, jnp.nan)
-        return jnp.asarray(run(filter, params, EulerSample(rate, z))[1].angles)
+        return jnp.asarray(run(filter, params, GpsAidedSample(rate, z))[1].angles)
 
     return jax.vmap(one)(x, rates)
 
 
 def _tracks(flight: Flight, p0: np.ndarray, speed: np.ndarray, angles: np.ndarray) -> np.ndarray:
     """Positions by dead reckoning, ``(B, n, 3)``."""
-    found = _moved_on(TrackKalman(flight.dt), _filled(p0), _filled(speed), _filled(angles))
+    found = _moved_on(DeadReckoningKalman(flight.dt), _filled(p0), _filled(speed), _filled(angles))
     return np.asarray(found)[: len(p0)]
 
 
 @jax.jit(static_argnums=0, compiler_options={"xla_backend_optimization_level": 0})
-def _moved_on(filter: TrackKalman, p0: Array, speed: Array, angles: Array) -> Array:
+def _moved_on(filter: DeadReckoningKalman, p0: Array, speed: Array, angles: Array) -> Array:
     def one(x0: Array, v: Array, attitude: Array) -> Array:
-        params = TrackNoise(jnp.ones(3), jnp.zeros((4, 4)), x0, jnp.eye(3))
+        params = DeadReckoningNoise(jnp.ones(3), jnp.zeros((4, 4)), x0, jnp.eye(3))
         z = jnp.full(attitude.shape, jnp.nan)
-        return jnp.asarray(run(filter, params, TrackSample(v, attitude, z))[1].x)
+        return jnp.asarray(run(filter, params, DeadReckoningSample(v, attitude, z))[1].x)
 
     return jax.vmap(one)(p0, speed, angles)

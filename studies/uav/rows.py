@@ -19,8 +19,8 @@ from studies.uav.judging import (
     turned,
 )
 from studies.uav.prediction import predicted
-from tuner.comparison import Comparison, claim, undecided
-from tuner.study import Solutions, best, tuned_values
+from tuner.run.comparison import Comparison, claim, undecided
+from tuner.run.study import Solutions, best, tuned_values
 
 NIS = (0.5, 2.0)
 """A normalised innovation squared has the mean 1; so far from it R and Q still fit."""

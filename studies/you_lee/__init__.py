@@ -8,20 +8,20 @@ from functools import partial
 import jax
 import numpy as np
 
-from filters import MixingFilter
+from filters import PiComplementary
 from studies.you_lee.cases import Bench, deterministic, gains, start_velocity
 from studies.you_lee.checks import refuse
 from studies.you_lee.figures import figures
 from studies.you_lee.rows import compare
 from studies.you_lee.settings import GRAVITY, Settings
 from studies.you_lee.tuning import AIDS, problems, with_gains
+from tuner.certificate.single_precision import Part, SinglePrecision, single_precision
+from tuner.certificate.solution import Solution
+from tuner.data.logs import Log
 from tuner.export.tuned import Quantity
-from tuner.logs import Log
-from tuner.problem import Problem
-from tuner.single import Part, SinglePrecision, single_precision
-from tuner.solution import Solution
+from tuner.problem.problem import Problem
+from tuner.run.study import Plan, Source, Study, Target, Task, tuned_values
 from tuner.solvers import Gradient
-from tuner.study import Plan, Source, Study, Target, Task, tuned_values
 
 SCALE = float(np.radians(30.0))
 """Size of the angles that the single-precision check goes by, rad."""
@@ -65,7 +65,7 @@ def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
 def _target(bench: Bench, problem: Problem) -> Target:
     return Target(
         problem=problem,
-        filter="MixingFilter",
+        filter="PiComplementary",
         states=("roll", "pitch"),
         dt=bench.settings.dt,
         quantities=partial(_quantities, bench),
@@ -97,7 +97,7 @@ def _single(bench: Bench, solution: Solution) -> tuple[SinglePrecision, ...]:
     inputs = jax.tree.map(lambda leaf: leaf[:, 0], deterministic(settings, flight, (0, 1, 2, 3, 4)))
     params = gains(settings, flight, settings.start, with_gains(tuned_values(solution)))
     form = "mixing" if aid == "airspeed" else "mixing with velocity"
-    filter = Part(MixingFilter(settings.dt, aid), "angles")
+    filter = Part(PiComplementary(settings.dt, aid), "angles")
     return (single_precision(form, filter, params, inputs, scale=SCALE),)
 
 

@@ -10,11 +10,11 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import MixingFilter, MixingGains, MixingSample, Several, VelocityNoise, run, shared
-from filters.mixing import Aid
+from filters import Batched, PiComplementary, PiGains, PiSample, VelocityNoise, run, shared
+from filters.pi_complementary import Aid
 from studies.you_lee.flight import TRAJECTORIES, Motion, Trajectory, motion
 from studies.you_lee.settings import GRAVITY, HELD_OUT, Settings, Start
-from tuner.simulation import Sensor, even_normals
+from tuner.data.simulation import Sensor, even_normals
 
 PER_HOUR = float(np.radians(1.0)) / 3600
 """1 deg/h in rad/s."""
@@ -70,7 +70,7 @@ def flown(settings: Settings, trajectory: Trajectory) -> Flown:
     return Flown(tuple(angles[0].tolist()), tuple(velocity[0].tolist()), sensed, angles[2::2])
 
 
-def deterministic(settings: Settings, flight: Flown, axes: tuple[int, ...]) -> MixingSample:
+def deterministic(settings: Settings, flight: Flown, axes: tuple[int, ...]) -> PiSample:
     """One run with table 1's deviations as constant errors, on some of the sensors' axes.
 
     Args:
@@ -128,22 +128,22 @@ def sensor_errors(settings: Settings, first: int, count: int, part: slice = ALL)
     return Errors(*(np.stack(errors, axis=1) for errors in zip(*made, strict=True)))
 
 
-def measured(flight: Flown, errors: Errors) -> MixingSample:
+def measured(flight: Flown, errors: Errors) -> PiSample:
     """What the sensors show of a flight in k runs, ``(N, k, ...)``."""
     # In NumPy: nothing has to be compiled for so many runs.
     force, rate = np.asarray(flight.sensed.force), np.asarray(flight.sensed.rate)
     u = np.asarray(flight.sensed.velocity)[:, :1]
     shown = force[:, None] + errors.force, rate[:, None] + errors.rate, u + errors.airspeed
-    return MixingSample(*map(jnp.asarray, shown))
+    return PiSample(*map(jnp.asarray, shown))
 
 
-def gains(settings: Settings, flight: Flown, start: Start, values: dict[str, Array]) -> MixingGains:
+def gains(settings: Settings, flight: Flown, start: Start, values: dict[str, Array]) -> PiGains:
     """What the filter takes: the settings' parameters, and those given by name."""
     known = {name: jnp.asarray(getattr(settings, name), float) for name in PARAMETERS} | values
     x0 = jnp.asarray(start_velocity(flight, start), float)
     noise = VelocityNoise(known["Q_k"], known["R_k"], known["threshold"], x0, known["P0"])
     angles0 = jnp.asarray(flight.angles0, float)
-    return MixingGains(known["K1"], known["K2"], jnp.asarray(GRAVITY, float), angles0, noise)
+    return PiGains(known["K1"], known["K2"], jnp.asarray(GRAVITY, float), angles0, noise)
 
 
 def start_velocity(flight: Flown, start: Start) -> tuple[float, ...]:
@@ -155,7 +155,7 @@ PARAMETERS = ("K1", "K2", "Q_k", "R_k", "P0", "threshold")
 
 
 def errors_of(
-    filter: MixingFilter, params: MixingGains, inputs: MixingSample, truth: np.ndarray
+    filter: PiComplementary, params: PiGains, inputs: PiSample, truth: np.ndarray
 ) -> np.ndarray:
     """Estimated minus true (roll, pitch) in k runs, deg, ``(N, k, 2)``."""
     count = inputs.airspeed.shape[1]
@@ -163,8 +163,8 @@ def errors_of(
 
 
 @jax.jit(static_argnums=0)
-def _errors(filter: MixingFilter, params: MixingGains, inputs: MixingSample, truth: Array) -> Array:
-    angles = run(Several(filter), params, inputs)[1].angles
+def _errors(filter: PiComplementary, params: PiGains, inputs: PiSample, truth: Array) -> Array:
+    angles = run(Batched(filter), params, inputs)[1].angles
     return jnp.degrees(angles - truth[:, None])
 
 
@@ -232,13 +232,13 @@ class Bench:
     def _known(self) -> dict[tuple[Case, int], Spread]:
         return {}
 
-    def train(self) -> tuple[MixingSample, np.ndarray]:
+    def train(self) -> tuple[PiSample, np.ndarray]:
         """What is tuned on: inputs ``(N, k, ...)`` and truth ``(N, 2)``."""
         flight = self.flights[self.settings.trajectory]
         errors = sensor_errors(self.settings, self.seed, self.settings.train)
         return measured(flight, errors), flight.truth
 
-    def shown(self) -> Iterator[MixingSample]:
+    def shown(self) -> Iterator[PiSample]:
         """What the sensors show in all runs: those that are tuned on, and then the others."""
         yield self.train()[0]
         flight = self.flights[self.settings.trajectory]
@@ -269,7 +269,7 @@ class Bench:
         flight = self.flights[case.trajectory]
         values = {name: jnp.asarray(value, float) for name, value in case.values}
         params = gains(self.settings, flight, case.start, values)
-        filter = MixingFilter(self.settings.dt, case.aid)
+        filter = PiComplementary(self.settings.dt, case.aid)
         found = errors_of(filter, params, measured(flight, errors), flight.truth)
         return judged(self.settings, found)
 

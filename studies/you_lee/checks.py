@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from filters import MixingSample
+from filters import PiSample
 from studies.you_lee.cases import Bench, Flown
 from studies.you_lee.flight import Trajectory
 from studies.you_lee.settings import GRAVITY, Settings
@@ -29,7 +29,7 @@ def refuse(bench: Bench) -> None:
     _switch(bench.settings.threshold, low, high)
 
 
-def _of(shown: MixingSample) -> np.ndarray:
+def _of(shown: PiSample) -> np.ndarray:
     """Of k runs the share of samples without arc sine, and the least and largest rate, (3, k)."""
     size = np.linalg.norm(np.asarray(shown.rate), axis=2)
     return np.stack([_missing(shown), size.min(axis=0), size.max(axis=0)])
@@ -65,7 +65,7 @@ def _attitude(settings: Settings, name: Trajectory, flight: Flown) -> None:
             )
 
 
-def _missing(shown: MixingSample) -> np.ndarray:
+def _missing(shown: PiSample) -> np.ndarray:
     """In which share of the samples (10) has no arc sine, ``(k,)``."""
     force, rate = np.asarray(shown.force), np.asarray(shown.rate)
     along = force[..., 0] / GRAVITY

@@ -8,9 +8,9 @@ from studies.you_lee.cases import CHUNK, Bench, Case, Spread
 from studies.you_lee.flight import TRAJECTORIES
 from studies.you_lee.settings import PUBLISHED
 from studies.you_lee.tuning import problems, tuned_case
-from tuner.figure import Chart, Figure, Line, Map
-from tuner.study import Solutions, best
-from tuner.surface import grid
+from tuner.problem.surface import grid
+from tuner.run.figure import Chart, Figure, Line, Map
+from tuner.run.study import Solutions, best
 
 ANGLES = ("roll", "pitch")
 BANDS = (5, 50, 95)

@@ -12,7 +12,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from filters.small import product
+from filters.small_linalg import product
 
 Trajectory = Literal["T0", "T1", "T2"]
 TRAJECTORIES: tuple[Trajectory, ...] = get_args(Trajectory)

@@ -7,14 +7,14 @@ from math import asin, degrees
 import jax.numpy as jnp
 import numpy as np
 
-from filters import MixingFilter
-from objectives import Complementary
+from filters import PiComplementary
+from objectives import ComplementaryLoop
 from studies.you_lee.cases import PER_HOUR, Bench, Case, Spread, deterministic, errors_of, gains
 from studies.you_lee.flight import TRAJECTORIES, Trajectory, rate_and_slope
 from studies.you_lee.settings import GRAVITY, PUBLISHED, Settings, Start
 from studies.you_lee.tuning import spaces, tuned_case
-from tuner.comparison import Comparison, Verdict, claim, number, undecided
-from tuner.study import Solutions, best
+from tuner.run.comparison import Comparison, Verdict, claim, number, undecided
+from tuner.run.study import Solutions, best
 
 PRINTED = 0.07
 """How far a gain with one printed digit, .08, may be off by rounding."""
@@ -92,7 +92,7 @@ def _gains(K1: float, K2: float) -> Iterator[Comparison]:
         f"{(K1 * K2) ** -0.5:.4g} s from their product; K1 may be a misread .05, and every claim "
         "is judged with both",
     )
-    loop = Complementary(jnp.asarray(K1), jnp.asarray(K2))
+    loop = ComplementaryLoop(jnp.asarray(K1), jnp.asarray(K2))
     fast, slow = np.asarray(loop.poles)
     damping = row("damping", float(loop.damping), "", f"poles {_complex(fast)}, {_complex(slow)}")
     yield replace(damping, paper=1.0)
@@ -198,7 +198,7 @@ def _floor(bench: Bench) -> Comparison:
         params = gains(
             settings, flight, "zero", {k: jnp.asarray(v, float) for k, v in values.items()}
         )
-        filter = MixingFilter(settings.dt, "airspeed")
+        filter = PiComplementary(settings.dt, "airspeed")
         return float(errors_of(filter, params, inputs, flight.truth)[end, 0, 0])
 
     row = "level.roll_floor_deg", "(10): b_r u / g"
@@ -206,7 +206,7 @@ def _floor(bench: Bench) -> Comparison:
     if sine >= 1:
         return undecided(*row, note=f"b_r u / g is {sine:.3g}, which has no arc sine")
     floor = degrees(asin(sine))
-    loop = Complementary(jnp.asarray(settings.K1), jnp.asarray(settings.K2))
+    loop = ComplementaryLoop(jnp.asarray(settings.K1), jnp.asarray(settings.K2))
     slowest = float(np.abs(np.asarray(loop.poles).real).min())
     if settings.level * slowest < SETTLES:
         return undecided(

@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from studies.you_lee.flight import Course, Trajectory
-from tuner.settings import StudySettings
+from tuner.run.settings import StudySettings
 
 GRAVITY = 32.17404
 """Ft/s^2."""

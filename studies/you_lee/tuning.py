@@ -6,15 +6,15 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import MixingFilter, MixingGains, Several, shared
-from filters.mixing import Aid
-from objectives import AngleRmse, Complementary, Data
+from filters import Batched, PiComplementary, PiGains, shared
+from filters.pi_complementary import Aid
+from objectives import AngleRmse, ComplementaryLoop, Data
 from studies.you_lee.cases import Bench, Case, Flown, gains
 from studies.you_lee.settings import Settings, Start
-from tuner.parameters import Limited, Parameter, Positive
-from tuner.problem import Problem
-from tuner.solution import Solution
-from tuner.space import Space
+from tuner.certificate.solution import Solution
+from tuner.problem.parameters import Limited, Parameter, Positive
+from tuner.problem.problem import Problem
+from tuner.problem.space import Space
 
 AIDS: dict[str, Aid] = {
     "damped": "airspeed",
@@ -34,9 +34,9 @@ class Build:
     start: Start
     count: int
 
-    def __call__(self, values: dict[str, Array]) -> MixingGains:
+    def __call__(self, values: dict[str, Array]) -> PiGains:
         """The same for every run."""
-        made: MixingGains = shared(
+        made: PiGains = shared(
             gains(self.settings, self.flight, self.start, with_gains(values)), self.count
         )
         return made
@@ -46,17 +46,17 @@ def with_gains(values: dict[str, Array]) -> dict[str, Array]:
     """Parameters in which tau, or omega and zeta, have become K1 and K2."""
     rest = {name: value for name, value in values.items() if name not in ("tau", "omega", "zeta")}
     if "tau" in values:
-        return rest | Complementary.critical(values["tau"])._asdict()
+        return rest | ComplementaryLoop.critical(values["tau"])._asdict()
     if "omega" in values:
         omega, zeta = values["omega"], values["zeta"]
         return rest | {"K1": 2 * zeta * omega, "K2": omega / (2 * zeta)}
     return rest
 
 
-def loop(values: dict[str, Array]) -> Complementary:
+def loop(values: dict[str, Array]) -> ComplementaryLoop:
     """The two gains."""
     known = with_gains(values)
-    return Complementary(known["K1"], known["K2"])
+    return ComplementaryLoop(known["K1"], known["K2"])
 
 
 def derived(values: dict[str, Array]) -> dict[str, Array]:
@@ -76,7 +76,7 @@ def spaces(settings: Settings) -> dict[str, Space]:
     R_k stays: it shares a scale with Q_k and P0. P0 stays: where Q_k is free, it is soon forgotten.
     The limits of the damping are the problem's own.
     """
-    published = Complementary(jnp.asarray(settings.K1), jnp.asarray(settings.K2))
+    published = ComplementaryLoop(jnp.asarray(settings.K1), jnp.asarray(settings.K2))
     omega = float(published.natural_frequency)
     both: dict[str, Parameter] = {
         "K1": Positive(settings.K1, min(1e-3, settings.K1), max(2.0, settings.K1), "1/s"),
@@ -109,7 +109,7 @@ def problems(bench: Bench) -> dict[str, Problem]:
         name: Problem(
             name=name,
             space=space,
-            filter=Several(MixingFilter(settings.dt, AIDS[name])),
+            filter=Batched(PiComplementary(settings.dt, AIDS[name])),
             build=build,
             objective=AngleRmse(),
             data=Data(inputs, truth),

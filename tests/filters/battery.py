@@ -12,23 +12,29 @@ from filters import (
     AccelerometerFilter,
     AngleSample,
     AnyFilter,
+    AttitudeKalman,
+    AttitudeNoise,
+    Batched,
+    BoundedMotionKalman,
+    BoundedMotionNoise,
+    Complementary,
+    ComplementaryGain,
     ConventionalLoop,
-    EulerKalman,
-    EulerNoise,
-    EulerSample,
+    DeadReckoningKalman,
+    DeadReckoningNoise,
+    DeadReckoningSample,
     ExtendedKalman,
     ExtendedModel,
     ExtendedSample,
-    FirstOrder,
-    FirstOrderGain,
     FixedGainFilter,
     Flow,
     GainCovariance,
     GainedSample,
     Gains,
     GainTable,
-    GravityKalman,
-    GravityNoise,
+    GpsAidedKalman,
+    GpsAidedNoise,
+    GpsAidedSample,
     GyroscopeFilter,
     ImuSample,
     KalmanCovariance,
@@ -40,25 +46,19 @@ from filters import (
     MadgwickGain,
     Mahony,
     MahonyGains,
-    MixingFilter,
-    MixingGains,
-    MixingSample,
     Noise,
+    PiComplementary,
+    PiGains,
+    PiSample,
     ResidualNoise,
     RestRule,
     RiccatiCovariance,
-    RoomKalman,
-    RoomNoise,
     Sample,
-    Several,
     StoredGains,
     TableCovariance,
     TiltKalman,
     TiltNoise,
     TiltSample,
-    TrackKalman,
-    TrackNoise,
-    TrackSample,
     Transition,
     VelocityNoise,
     loop_step,
@@ -214,7 +214,7 @@ def _tilt(point):
 
 def _gravity(point):
     gyroscope, bias, accelerometer, memory, gain, gravity = jnp.exp(point)
-    return GravityNoise(
+    return AttitudeNoise(
         gyroscope,
         bias,
         accelerometer,
@@ -241,13 +241,13 @@ def _mixing(point):
     K1, K2, gravity, Q_k, R_k, P0 = jnp.exp(point)
     x0 = jnp.array([30.0, 1.0, -2.0])
     noise = VelocityNoise(Q_k, R_k, jnp.asarray(0.8), x0, P0)
-    return MixingGains(K1, K2, gravity, jnp.array([0.1, -0.2]), noise)
+    return PiGains(K1, K2, gravity, jnp.array([0.1, -0.2]), noise)
 
 
 def _aided(z):
     """Small forces forward and across, so that every arc sine exists; and an airspeed."""
     z = jnp.asarray(z) + jnp.array([0.0, 0.0, -1.0, 0.0])
-    return MixingSample(9.81 * z[:, :3], _RATES, 0.3 * (20.0 + z[:, 3]))
+    return PiSample(9.81 * z[:, :3], _RATES, 0.3 * (20.0 + z[:, 3]))
 
 
 def _euler(point):
@@ -255,7 +255,7 @@ def _euler(point):
     diagonal = jnp.repeat(jnp.stack([Q, bias]), np.array([4, 3]), 0)
     process = ResidualNoise(diagonal, jnp.asarray(0.0), jnp.ones(7), jnp.asarray(0.0))
     x0 = jnp.zeros(7).at[:4].set(_TURNED)
-    return EulerNoise(jnp.full(3, angle), process, x0, 0.01 * jnp.eye(7))
+    return GpsAidedNoise(jnp.full(3, angle), process, x0, 0.01 * jnp.eye(7))
 
 
 def _imu(z):
@@ -266,7 +266,7 @@ def _imu(z):
 def _room(point):
     speed, place, accelerometer, turning, matrix0, lead = jnp.exp(point)
     small = jnp.asarray(1e-3)
-    return RoomNoise(
+    return BoundedMotionNoise(
         speed,
         place,
         accelerometer,
@@ -376,20 +376,20 @@ CASES = [
     ),
     # The filters below integrate the rates: a missing one is no missing measurement, so the holes
     # are in what corrects them.
-    Case("gravity, adaptive", GravityKalman(0.05), _gravity, _TURNING, _FORCES, _imu),
+    Case("gravity, adaptive", AttitudeKalman(0.05), _gravity, _TURNING, _FORCES, _imu),
     Case("Mahony, field", Mahony(0.05), _mahony, np.log([2.0, 0.5]), _FIELDS, _compass),
     Case("Madgwick, field", Madgwick(0.05), _madgwick, np.log([0.4]), _FIELDS, _compass),
     Case(
         "first order, two angles",
-        FirstOrder(0.1),
-        lambda point: FirstOrderGain(jnp.exp(point[0]), point[1:]),
+        Complementary(0.1),
+        lambda point: ComplementaryGain(jnp.exp(point[0]), point[1:]),
         np.array([-1.0, 0.1, 0.2]),
         _TWO,
         lambda z: AngleSample(0.3 * _PUSH, jnp.asarray(z)),
     ),
     Case(
         "mixing, velocity",
-        MixingFilter(0.05, "velocity"),
+        PiComplementary(0.05, "velocity"),
         _mixing,
         np.log([0.8, 0.3, 9.81, 0.2, 4.0, 2.0]),
         _AIDED,
@@ -397,25 +397,25 @@ CASES = [
     ),
     Case(
         "Euler angles",
-        EulerKalman(0.1),
+        GpsAidedKalman(0.1),
         _euler,
         np.log([1e-3, 1e-5, 1e-2]),
         _FORCES,
-        lambda z: EulerSample(_RATES, jnp.asarray(z)),
+        lambda z: GpsAidedSample(_RATES, jnp.asarray(z)),
     ),
     Case(
         "position by speed and attitude",
-        TrackKalman(0.2),
-        lambda point: TrackNoise(
+        DeadReckoningKalman(0.2),
+        lambda point: DeadReckoningNoise(
             jnp.exp(point), 0.01 * jnp.eye(4), jnp.array([0.1, -0.2, 0.3]), jnp.eye(3)
         ),
         _POINT,
         _FORCES,
-        lambda z: TrackSample(2.0 + _PUSH[:, 0], _RATES, jnp.asarray(z)),
+        lambda z: DeadReckoningSample(2.0 + _PUSH[:, 0], _RATES, jnp.asarray(z)),
     ),
     Case(
         "room",
-        RoomKalman(0.05, RestRule(seconds=0.3)),
+        BoundedMotionKalman(0.05, RestRule(seconds=0.3)),
         _room,
         np.log([0.3, 0.2, 0.05, 5e-3, 3e-3, 0.02]),
         _FORCES,
@@ -423,7 +423,7 @@ CASES = [
     ),
     Case(
         "several records",
-        Several(GyroscopeFilter(0.1)),
+        Batched(GyroscopeFilter(0.1)),
         lambda point: shared(_noise(point), 2),
         _POINT,
         _TWO,

@@ -10,8 +10,8 @@ import pytest
 from scipy.linalg import solve_continuous_lyapunov
 from scipy.signal import TransferFunction, freqresp
 
-from filters import MixingOutputs
-from objectives import AngleRmse, Complementary, Records, SensorNoise, masked
+from filters import PiOutputs
+from objectives import AngleRmse, ComplementaryLoop, Records, SensorNoise, masked
 from tests.oracles_you_lee import K1, K2, gains, time_constants
 
 QUICK = {"xla_backend_optimization_level": 0}
@@ -34,7 +34,7 @@ rmse = jax.jit(AngleRmse(), compiler_options=QUICK)
 
 
 def loop(k1, k2):
-    return Complementary(np.float64(k1), np.float64(k2))
+    return ComplementaryLoop(np.float64(k1), np.float64(k2))
 
 
 def noise(rate=0.0, walk=0.0, angle=0.0):
@@ -55,9 +55,9 @@ def system(k1, k2):
 
 
 def test_what_15_makes_of_a_time_constant():
-    assert [float(gain) for gain in Complementary.critical(jnp.array(25.0))] == [0.08, 0.02]
-    assert [float(gain) for gain in Complementary.critical(jnp.array(40.0))] == [0.05, 0.0125]
-    assert tuple(map(float, Complementary.critical(jnp.array(31.0)))) == gains(31.0)
+    assert [float(gain) for gain in ComplementaryLoop.critical(jnp.array(25.0))] == [0.08, 0.02]
+    assert [float(gain) for gain in ComplementaryLoop.critical(jnp.array(40.0))] == [0.05, 0.0125]
+    assert tuple(map(float, ComplementaryLoop.critical(jnp.array(31.0)))) == gains(31.0)
     assert float(shape(loop(*gains(7.0)))[0]) == pytest.approx(1.0, rel=1e-15)
 
 
@@ -117,7 +117,7 @@ def test_steady_errors_are_those_of_the_equations():
 
 
 def test_first_order():
-    found = Complementary.first_order(np.float64(4.0))
+    found = ComplementaryLoop.first_order(np.float64(4.0))
     assert [float(gain) for gain in found] == [0.25, 0.0]
     assert [float(part) for part in shape(found)[:2]] == [np.inf, 0.0]
     assert [float(part) for part in steady(found, 0.1)] == pytest.approx([0.4, np.inf], rel=1e-15)
@@ -131,7 +131,7 @@ def test_everything_has_a_derivative():
     """By both gains, K2 = 0 included."""
 
     def numbers(pair):
-        found = Complementary(*pair)
+        found = ComplementaryLoop(*pair)
         seen = found.transfer(jnp.array(0.03))
         return jnp.stack(
             [
@@ -158,7 +158,7 @@ def test_everything_has_a_derivative():
 
 
 def outputs(angles):
-    return MixingOutputs(angles, None, None)
+    return PiOutputs(angles, None, None)
 
 
 def test_angle_rmse_is_the_root_of_the_mean_of_both_squares():
@@ -196,7 +196,7 @@ def test_angle_rmse_without_a_truth_or_an_error():
 
 
 def test_gains_may_be_plain_numbers():
-    loop = Complementary(0.05, 0.0125)
+    loop = ComplementaryLoop(0.05, 0.0125)
     np.testing.assert_allclose(loop.poles, [-0.025, -0.025], atol=1e-9)
     assert float(loop.damping) == pytest.approx(1.0)
     assert float(loop.natural_frequency) == pytest.approx(0.025)
@@ -205,7 +205,7 @@ def test_gains_may_be_plain_numbers():
 
 @pytest.mark.parametrize("gains", [(-0.1, 0.1), (0.1, -0.1), (-0.1, -0.1)])
 def test_a_loop_that_is_not_stable_has_no_damping_and_endless_variance(gains):
-    loop = Complementary(*(jnp.asarray(gain) for gain in gains))
+    loop = ComplementaryLoop(*(jnp.asarray(gain) for gain in gains))
     assert np.isnan(loop.damping)
     assert np.isnan(loop.natural_frequency)
     assert np.isinf(loop.variance(SensorNoise(rate=1.0, angle=1.0)))

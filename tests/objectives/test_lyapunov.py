@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from objectives.lyapunov import lyapunov, stein
+from objectives.linear_systems.lyapunov import lyapunov, stein
 
 SIZES = (1, 3, 9)  # written out, and the last by the libraries
 LOT = 20  # models in a call: every other number of them, and every other shape, is a compilation

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from filters.small import product, solve
+from filters.small_linalg import product, solve
 from objectives import care, dare, steady_gain, updated
 
 EQUATIONS = {"dare": dare, "care": care}

@@ -20,8 +20,8 @@ from studies.broad.contestants import BLOCK, filter_of, room, start
 from studies.broad.figures import figures
 from studies.broad.trials import GRAVITY, read
 from tuner.cli import invoke
-from tuner.comparison import Verdict
-from tuner.simulation import Sensor, Swing, measure, simulate
+from tuner.data.simulation import Sensor, Swing, measure, simulate
+from tuner.run.comparison import Verdict
 
 REAL = Path(__file__).parents[2].parent / "shared" / "data" / "broad" / "data_mat"
 HZ, REST, SECONDS = 50.0, 2.0, 12.0

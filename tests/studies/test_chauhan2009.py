@@ -23,7 +23,7 @@ from studies.chauhan2009.steps import (
 from studies.chauhan2009.sweep import Case, Sweep, ranges
 from tests import oracles_chauhan2009 as oracle
 from tuner.cli import invoke
-from tuner.comparison import Verdict
+from tuner.run.comparison import Verdict
 
 QUICK = {"xla_backend_optimization_level": 0}
 SHORT = Settings(

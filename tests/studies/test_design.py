@@ -10,9 +10,9 @@ from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov, solve_
 
 from studies.design import Settings, model
 from tests import oracles_ha1981 as oracle
+from tuner.certificate.solution import Status
 from tuner.cli import invoke
-from tuner.design import LinearDesign, fastest, gain_of, quietest, riccati
-from tuner.solution import Status
+from tuner.observers import LinearDesign, fastest, gain_of, quietest, riccati
 from tuner.solvers import Ipopt
 
 CHANNEL = {

@@ -18,8 +18,8 @@ from studies.ha1981.channel import (
 )
 from tests import oracles_ha1981 as oracle
 from tests.published import as_printed
+from tuner.certificate.solution import Status
 from tuner.cli import invoke
-from tuner.solution import Status
 from tuner.solvers import Gradient, Ipopt
 
 CHANNEL = Channel.of(Settings())
@@ -147,9 +147,9 @@ def test_a_wrong_closed_form_is_not_believed():
 def test_least_ise_with_limited_gains(largest):
     """1/4 + sqrt(2/G) by differential evolution and by hand; IPOPT finds the same."""
     channel = Channel.of(Settings(q_a=1.0, bound=1.0))
-    from tuner.parameters import Positive
-    from tuner.problem import Problem
-    from tuner.space import Space
+    from tuner.problem.parameters import Positive
+    from tuner.problem.problem import Problem
+    from tuner.problem.space import Space
 
     posed = conventional.least_ise(channel)
     box = {name: Positive(8.0, 1e-2, largest) for name in ("K1", "K2p", "K3")}

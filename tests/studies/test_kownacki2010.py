@@ -11,9 +11,9 @@ from filters import AccelerometerFilter, Noise, run
 from studies.kownacki2010.bench import ACC, GYRO, Settings, benches, synthetic
 from studies.kownacki2010.rows import compare
 from tuner.cli import invoke
-from tuner.comparison import Verdict
+from tuner.run.comparison import Verdict
+from tuner.run.study import find_study
 from tuner.solvers import Gradient, NelderMead
-from tuner.study import find_study
 
 REQUIRED = (
     "q_over_r",

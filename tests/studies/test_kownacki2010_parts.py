@@ -10,11 +10,11 @@ from studies.kownacki2010 import plan
 from studies.kownacki2010.bench import ACC, GYRO, Settings, benches
 from studies.kownacki2010.figures import figures
 from studies.kownacki2010.rows import compare
-from tuner.comparison import Verdict
-from tuner.figure import Chart, Map
-from tuner.logs import parse_mapping, read_log
+from tuner.data.logs import parse_mapping, read_log
+from tuner.run.comparison import Verdict
+from tuner.run.figure import Chart, Map
+from tuner.run.study import find_study
 from tuner.solvers import Gradient
-from tuner.study import find_study
 
 # A fifth of the paper's record at a tenth of its rate.
 SHORT = Settings(seconds=2.0, rate_hz=1e3, solvers=("l-bfgs-b",), starts=1, grid=3)

@@ -20,7 +20,7 @@ from studies.suh2004.rows import (
 )
 from tests import oracles_suh2004 as oracle
 from tuner.cli import invoke
-from tuner.comparison import Verdict
+from tuner.run.comparison import Verdict
 
 SHORT = Settings(seconds=20.0, train=1, held_out=1)
 QUICK = {"xla_backend_optimization_level": 0}

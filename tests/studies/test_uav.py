@@ -23,7 +23,7 @@ from studies.uav.prediction import predicted
 from studies.uav.recordings import GRAVITY, read
 from tests import oracles_chauhan2009 as oracle
 from tuner.cli import invoke
-from tuner.comparison import Verdict
+from tuner.run.comparison import Verdict
 
 REAL = Path(__file__).parents[2].parent / "shared" / "data" / "uav_inertialnav"
 QUICK = {"xla_backend_optimization_level": 0}

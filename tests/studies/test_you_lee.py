@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from filters import MixingFilter
+from filters import PiComplementary
 from studies import you_lee
 from studies.you_lee import cases, checks, rows
 from studies.you_lee.cases import Bench, Case, errors_of, gains, judged
@@ -21,8 +21,8 @@ from studies.you_lee.settings import Settings
 from studies.you_lee.tuning import spaces, tuned_case, with_gains
 from tests import oracles_you_lee as oracle
 from tuner.cli import invoke
-from tuner.comparison import Verdict
-from tuner.drawing import table
+from tuner.run.comparison import Verdict
+from tuner.run.drawing import table
 
 SHORT = Settings(level=20.0, turn=20.0, ramp=5.0, rate_hz=20.0, runs=3, train=2, starts=1, grid=3)
 QUICK = {"xla_backend_optimization_level": 0}
@@ -449,5 +449,5 @@ def test_errors_are_finite_in_a_steep_bank():
     flight = steep.flights["T1"]
     for aid in ("airspeed", "velocity"):
         params = gains(steep.settings, flight, "zero", {})
-        errors = errors_of(MixingFilter(SHORT.dt, aid), params, steep.train()[0], flight.truth)
+        errors = errors_of(PiComplementary(SHORT.dt, aid), params, steep.train()[0], flight.truth)
         assert np.isfinite(errors).all()

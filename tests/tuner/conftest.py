@@ -3,7 +3,7 @@ from importlib.metadata import EntryPoint
 
 import pytest
 
-import tuner.study
+import tuner.run.study
 from tests.tuner.helpers import toy_study
 from tuner.cli import invoke
 
@@ -50,10 +50,10 @@ def offer(monkeypatch):
             return self.value
 
     def offered(study):
-        points = [*tuner.study.entry_points(group=tuner.study.GROUP)]
+        points = [*tuner.run.study.entry_points(group=tuner.run.study.GROUP)]
         points = [point for point in points if point.name != study.name]
-        new = Offered(study.name, study, tuner.study.GROUP)
-        monkeypatch.setattr(tuner.study, "entry_points", lambda group: [*points, new])
+        new = Offered(study.name, study, tuner.run.study.GROUP)
+        monkeypatch.setattr(tuner.run.study, "entry_points", lambda group: [*points, new])
         return study
 
     return offered

@@ -10,15 +10,15 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from objectives import Data
-from tuner.comparison import claim, number
+from tuner.certificate.single_precision import SinglePrecision
 from tuner.export.tuned import Quantity
-from tuner.figure import Chart, Line
-from tuner.parameters import Positive
-from tuner.problem import Problem
-from tuner.single import SinglePrecision
+from tuner.problem.parameters import Positive
+from tuner.problem.problem import Problem
+from tuner.problem.space import Space
+from tuner.run.comparison import claim, number
+from tuner.run.figure import Chart, Line
+from tuner.run.study import Plan, Source, Study, Target, Task
 from tuner.solvers import make_solver
-from tuner.space import Space
-from tuner.study import Plan, Source, Study, Target, Task
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from objectives import Records
-from tuner.parameters import Bounded, Covariance, Fixed, Positive
-from tuner.problem import Problem
-from tuner.solution import Status
+from tuner.certificate.solution import Status
+from tuner.problem.parameters import Bounded, Covariance, Fixed, Positive
+from tuner.problem.problem import Problem
+from tuner.problem.space import Space
 from tuner.solvers import SOLVERS, Alternating, Gradient, Ipopt, NelderMead, make_solver
-from tuner.space import Space
 
 STEPS = (1.3, 3.0)
 """Where the objective steps in the threshold; from 1 the first simplex reaches 1.65."""

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-import tuner.certify as judged
+import tuner.certificate.certify as judged
 from studies.kownacki2010.bench import GYRO, Settings, benches
 from tests.tuner.helpers import (
     ANY,
@@ -21,13 +21,13 @@ from tests.tuner.helpers import (
     slope,
     trench,
 )
-from tuner.certify import flat_in_words, is_flat, is_stationary, spectrum
-from tuner.multipliers import hold
-from tuner.parameters import Bounded, Covariance, Positive
-from tuner.problem import Problem
-from tuner.solution import Starts
+from tuner.certificate.certify import flat_in_words, is_flat, is_stationary, spectrum
+from tuner.certificate.kkt import hold
+from tuner.certificate.solution import Starts
+from tuner.problem.parameters import Bounded, Covariance, Positive
+from tuner.problem.problem import Problem
+from tuner.problem.space import Space
 from tuner.solvers import Gradient
-from tuner.space import Space
 
 ONE = Starts(1, 1, 1.0)
 

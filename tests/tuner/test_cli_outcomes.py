@@ -9,7 +9,7 @@ import pytest
 
 from tests.tuner.helpers import snapshot, toy_study
 from tuner.cli import invoke
-from tuner.result import read_result
+from tuner.run.result import read_result
 from tuner.solvers import Sampler
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from tests.tuner.helpers import snapshot, toy_study, write_csv
-from tuner.result import read_result
+from tuner.run.result import read_result
 from tuner.solvers import make_solver
 
 GO_ON = "tuner: finished parts are saved; go on with: tuner "

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tuner.comparison import Comparison, Verdict, claim, number, undecided
+from tuner.run.comparison import Comparison, Verdict, claim, number, undecided
 
 numbers = st.floats(1e-12, 1e12) | st.floats(-1e12, -1e-12)
 

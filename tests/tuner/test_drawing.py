@@ -8,8 +8,8 @@ import zlib
 import numpy as np
 import pytest
 
-from tuner.drawing import MANY, picture, table
-from tuner.figure import Chart, Line, Map
+from tuner.run.drawing import MANY, picture, table
+from tuner.run.figure import Chart, Line, Map
 
 NASTY = 'a "quoted", comma\nand line'
 CHART = Chart(

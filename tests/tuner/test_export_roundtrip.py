@@ -14,8 +14,8 @@ from hypothesis import given
 from scipy.io import loadmat, savemat
 
 from tests.tuner.export_cases import EDGES, gyroscope, nasty, tuned, tuned_filters
+from tuner.data.mat import variables
 from tuner.export import FORMATS, Quantity, dump, load, suffix
-from tuner.matfile import variables
 
 
 @pytest.mark.parametrize("format", FORMATS)

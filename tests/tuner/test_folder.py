@@ -7,7 +7,7 @@ import pytest
 
 from tests.tuner.helpers import snapshot
 from tuner.atomic import WriteError
-from tuner.folder import RunFolder, open_folder
+from tuner.run.folder import RunFolder, open_folder
 
 
 def opened(path=None, *, force=False, resume=False):

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from tests.tuner.helpers import bowl, problem
-from tuner.constraint import Constraint
-from tuner.parameters import Bounded, Covariance, Fixed, Limited, Positive
-from tuner.problem import Problem
-from tuner.solution import Status
+from tuner.certificate.solution import Status
+from tuner.code.casadi import NoCounterpartError, expressions
+from tuner.problem.constraint import Constraint
+from tuner.problem.parameters import Bounded, Covariance, Fixed, Limited, Positive
+from tuner.problem.problem import Problem
+from tuner.problem.space import Space
 from tuner.solvers import SOLVERS, Ipopt, make_solver
-from tuner.solvers.symbolic import NoCounterpartError, expressions
-from tuner.space import Space
 
 every_model = pytest.mark.parametrize("model", ["symbolic", "callback"])
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tuner.logs import LogError, parse_mapping, read_log
+from tuner.data.logs import LogError, parse_mapping, read_log
 
 CHANNELS = ("omega", "theta")
 ROWS = ((0.00, 1.5, -3.0), (0.01, 2.5, -2.0), (0.02, 0.5, -4.0), (0.03, 1.0, 1e-3))

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tuner.logs import Mapping
-from tuner.logs.findings import find_channel, resolution, saturation
+from tuner.data.logs import Mapping
+from tuner.data.logs.findings import find_channel, resolution, saturation
 
 N = 20_000
 NOISE = np.random.default_rng(5).normal(size=N)

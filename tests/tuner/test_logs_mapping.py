@@ -2,8 +2,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tuner.logs import LogError, Mapping, parse_mapping
-from tuner.logs.error import FEW, suggest
+from tuner.data.logs import LogError, Mapping, parse_mapping
+from tuner.data.logs.error import FEW, suggest
 
 CHANNELS = ("omega", "theta", "acc_x")
 

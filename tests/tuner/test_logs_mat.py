@@ -3,7 +3,7 @@ import sys
 import numpy as np
 import pytest
 
-from tuner.logs import LogError, parse_mapping, read_log
+from tuner.data.logs import LogError, parse_mapping, read_log
 
 CHANNELS = ("omega", "theta")
 N = 40

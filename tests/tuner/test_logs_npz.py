@@ -4,7 +4,7 @@ import zipfile
 import numpy as np
 import pytest
 
-from tuner.logs import LogError, parse_mapping, read_log
+from tuner.data.logs import LogError, parse_mapping, read_log
 
 CHANNELS = ("omega", "theta")
 N = 50
@@ -172,6 +172,6 @@ def test_a_header_that_claims_too_much(tmp_path):
 
 
 def test_an_archive_that_unpacks_to_gigabytes(tmp_path, monkeypatch):
-    monkeypatch.setattr("tuner.logs.npz._MAX_BYTES", 1000)
+    monkeypatch.setattr("tuner.data.logs.npz._MAX_BYTES", 1000)
     path = saved(tmp_path, np.savez_compressed, x=np.zeros(10_000))
     assert "would unpack to 0.0 GiB" in refusal(path, "omega=x", rate_hz=1)

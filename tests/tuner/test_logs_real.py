@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tuner.logs import LogError, describe, parse_mapping, read_log
+from tuner.data.logs import LogError, describe, parse_mapping, read_log
 
 DATA = Path(__file__).parents[2].parent / "shared" / "data"
 CHANNELS = ("omega", "theta", "acc")

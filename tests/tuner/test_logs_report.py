@@ -9,10 +9,10 @@ import sys
 import numpy as np
 import pytest
 
-import tuner.logs
-from tuner.logs import describe, parse_mapping, read_log, to_dict
+import tuner.data.logs
+from tuner.data.logs import describe, parse_mapping, read_log, to_dict
 
-MODULES = [info.name for info in pkgutil.iter_modules(tuner.logs.__path__, "tuner.logs.")]
+MODULES = [info.name for info in pkgutil.iter_modules(tuner.data.logs.__path__, "tuner.data.logs.")]
 
 
 @pytest.fixture
@@ -71,5 +71,5 @@ def test_examples_in_docstrings(name):
 
 def test_import_is_light():
     heavy = "{'jax', 'scipy', 'h5py', 'matplotlib'}"
-    code = f"import sys, tuner.logs; sys.exit(bool({heavy} & set(sys.modules)))"
+    code = f"import sys, tuner.data.logs; sys.exit(bool({heavy} & set(sys.modules)))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

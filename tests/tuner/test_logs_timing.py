@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from tuner.logs import LogError, parse_mapping, read_log
-from tuner.logs.timename import UNITS, is_time, unit_of
+from tuner.data.logs import LogError, parse_mapping, read_log
+from tuner.data.logs.timename import UNITS, is_time, unit_of
 
 N = 400
 NOISE = np.random.default_rng(3).normal(size=N)

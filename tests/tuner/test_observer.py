@@ -12,14 +12,14 @@ from scipy.linalg import (
     solve_discrete_lyapunov,
 )
 
-from tuner.observer import (
+from tuner.certificate.solution import Status
+from tuner.observers.lmi import (
     FastestTask,
     LeastTask,
     fastest_observer,
     h2_observer,
     observer_model,
 )
-from tuner.solution import Status
 from tuner.solvers.convex import Convex
 
 both_times = pytest.mark.parametrize("discrete", [False, True], ids=["continuous", "discrete"])

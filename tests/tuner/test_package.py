@@ -34,7 +34,7 @@ def test_import_is_light():
 
 def test_names_are_loaded_when_they_are_used():
     modules = loaded("import tuner; tuner.parse_mapping; tuner.Verdict")
-    assert "tuner.logs" in modules
+    assert "tuner.data.logs" in modules
     assert not modules & (HEAVY - {"numpy"})
 
 
@@ -57,12 +57,12 @@ def test_every_public_name_is_there():
 def test_public_names_can_be_imported():
     from tuner import Bounded, NelderMead, Problem, Space, find_study, read_log
 
-    assert Problem is tuner.problem.Problem
-    assert Space is tuner.space.Space
+    assert Problem is tuner.problem.problem.Problem
+    assert Space is tuner.problem.space.Space
     assert NelderMead is tuner.solvers.NelderMead
-    assert Bounded.__module__ == "tuner.parameters"
+    assert Bounded.__module__ == "tuner.problem.parameters"
     assert find_study("kownacki2010").name == "kownacki2010"
-    assert read_log.__module__ == "tuner.logs.log"
+    assert read_log.__module__ == "tuner.data.logs.log"
 
 
 def test_unknown_names_are_attribute_errors():
@@ -125,5 +125,5 @@ def test_imports_go_one_way():
     lower, upper = (set(line.split()) for line in ran.stdout.splitlines())
     assert "filters" in lower
     assert not lower & {"tuner", "studies"}
-    assert "tuner.surface" in upper
+    assert "tuner.problem.surface" in upper
     assert "studies" not in upper

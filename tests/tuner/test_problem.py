@@ -14,9 +14,9 @@ from objectives import Crossing, Data, Reading, StepResponse, Welch
 from studies.kownacki2010.bench import ACC, GYRO, Settings, benches
 from tests.oracles import central_difference, lag_below, lag_to_first_crossing
 from tests.tuner.helpers import ANY, SQUARE, Echo, bowl, hollow, logarithms, problem, ratio
-from tuner.parameters import Covariance, Fixed, Positive
-from tuner.problem import Problem, _value, _value_and_gradient
-from tuner.space import Space
+from tuner.problem.parameters import Covariance, Fixed, Positive
+from tuner.problem.problem import Problem, _value, _value_and_gradient
+from tuner.problem.space import Space
 
 DT, N = 1e-3, 2001
 

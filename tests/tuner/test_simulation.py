@@ -7,7 +7,7 @@ import pytest
 import scipy.stats
 from scipy.spatial.transform import Rotation
 
-from tuner.simulation import GRAVITY, Bursts, Sensor, Swing, even_normals, measure, simulate
+from tuner.data.simulation import GRAVITY, Bursts, Sensor, Swing, even_normals, measure, simulate
 
 SWING = Swing(size=(0.4, 0.3, 1.0))
 STILL = Swing(size=(0.0, 0.0, 0.0))

@@ -13,9 +13,10 @@ import pytest
 import tuner.solvers.multistart
 import tuner.solvers.sampling
 from tests.tuner.helpers import SQUARE, bowl, crater, hollow, kink, plain, problem, slope, valley
-from tuner.parameters import Bounded, Fixed, Positive
-from tuner.problem import Problem
-from tuner.solution import Status
+from tuner.certificate.solution import Status
+from tuner.problem.parameters import Bounded, Fixed, Positive
+from tuner.problem.problem import Problem
+from tuner.problem.space import Space
 from tuner.solvers import (
     SOLVERS,
     Gradient,
@@ -24,7 +25,6 @@ from tuner.solvers import (
     Sampler,
     make_solver,
 )
-from tuner.space import Space
 
 GRADIENT = ("l-bfgs-b", "trust-constr")
 SLOPES = (*GRADIENT, "ipopt")

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.strategies import seeds
-from tuner.parameters import Bounded, Covariance, Fixed, Positive, covariance
-from tuner.space import Space
+from tuner.problem.parameters import Bounded, Covariance, Fixed, Positive, covariance
+from tuner.problem.space import Space
 
 EYE = ((1.0, 0.0), (0.0, 1.0))
 MIXED = Space.of(

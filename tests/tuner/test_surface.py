@@ -6,13 +6,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-import tuner.surface
+import tuner.problem.surface
 from objectives import kept_bytes
 from studies.kownacki2010.bench import ACC, GYRO, Settings, benches
 from tests.tuner.helpers import bowl, crater, problem
-from tuner.parameters import Fixed, Positive
-from tuner.space import Space
-from tuner.surface import MEMORY, _lanes, grid, values, values_and_gradients
+from tuner.problem.parameters import Fixed, Positive
+from tuner.problem.space import Space
+from tuner.problem.surface import MEMORY, _lanes, grid, values, values_and_gradients
 
 
 @cache
@@ -50,7 +50,7 @@ def test_values_and_gradients_equal_those_one_by_one(sensor):
 @pytest.mark.parametrize("count", [1, 2, 3, 5, 8, 13])
 @pytest.mark.parametrize("lanes", [1, 3, 8])
 def test_batches_need_not_divide_the_points(count, lanes, monkeypatch):
-    monkeypatch.setattr(tuner.surface, "_lanes", lambda *_: lanes)
+    monkeypatch.setattr(tuner.problem.surface, "_lanes", lambda *_: lanes)
     one = problem(bowl)
     Z = np.random.default_rng(0).normal(size=(count, 2))
     expected = [one.value(z) for z in Z]
@@ -110,7 +110,7 @@ def test_grid_refuses_a_fixed_parameter():
 
 
 def lanes(one, threads, count, memory, monkeypatch):
-    monkeypatch.setattr(tuner.surface, "MEMORY", memory)
+    monkeypatch.setattr(tuner.problem.surface, "MEMORY", memory)
     return _lanes(one, threads, count)
 
 

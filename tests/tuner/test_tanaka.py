@@ -11,11 +11,11 @@ import pytest
 from jax.test_util import check_grads
 
 import tests.oracles_tanaka as oracle
-from filters.possibilistic import line, regression
+from filters.fuzzy_regression import line, regression
 from tuner import tanaka, tanaka_program, tanaka_simplex, tanaka_windows
+from tuner.certificate.solution import Status
 from tuner.convex import solve
-from tuner.possibilistic import Outcome, corners, interior, many
-from tuner.solution import Status
+from tuner.regression import Outcome, corners, interior, many
 
 EXACT = 1e-9
 # Without the compiler's optimisation, which changes no formula and takes most of the time.

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from tuner.cli.run import Request, from_toml, load_log
 from tuner.cli.settings import parse_settings
-from tuner.study import Plan, find_study
+from tuner.run.study import Plan, find_study
 
 _BLANK = Request(
     study="",
@@ -35,7 +35,7 @@ def plan_again(folder: Path, log: Path | None) -> Plan:
     study = find_study(request.study)
     settings = parse_settings(study.settings, (), base)
     plan = study.plan(settings, load_log(study, request), request.seed or 0, "")
-    from tuner.result import read_result
+    from tuner.run.result import read_result
 
     recorded = read_result(folder).log.sha256
     if plan.source.sha256 != recorded:

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from tuner.cli.tables import number_text, show_grid
-from tuner.comparison import Comparison
-from tuner.result import Result, read_result
+from tuner.run.comparison import Comparison
+from tuner.run.result import Result, read_result
 
 _Read: TypeAlias = tuple[str, Result, list[Comparison]]
 

@@ -6,7 +6,7 @@ import sys
 from importlib.util import find_spec
 from typing import Any
 
-from tuner.environment import environment
+from tuner.run.environment import environment
 
 _OPTIONAL = {
     "h5py": "MAT v7.3 logs: pip install 'filter-tuner[mat73]'",
@@ -54,7 +54,7 @@ def _loop_sentence() -> str:
 
 
 def _cache() -> bool:
-    from tuner.cache import use_cache
+    from tuner.run.cache import use_cache
 
     return use_cache()
 

@@ -8,7 +8,7 @@ from tuner import export
 from tuner.atomic import write_bytes
 from tuner.export import Tuned
 from tuner.names import unknown
-from tuner.result import Result, read_result
+from tuner.run.result import Result, read_result
 
 
 def write(
@@ -55,7 +55,7 @@ def _choose(result: Result, problem: str | None) -> Tuned:
 def _score(folder: Path, result: Result, path: Path, to: str, log: Path | None) -> None:
     """Score the file on the run's data and add that to the result; say so where it cannot be."""
     from tuner.cli.again import plan_again
-    from tuner.running import score_export
+    from tuner.run.pipeline import score_export
 
     try:
         plan = plan_again(folder, log)

@@ -5,7 +5,7 @@ import json as json_
 from types import ModuleType
 
 from tuner.names import unknown
-from tuner.study import find_study, study_names
+from tuner.run.study import find_study, study_names
 
 
 def show(what: str, json: bool) -> None:

@@ -9,19 +9,19 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from tuner.cache import use_cache
+from tuner.certificate.solution import Solution
 from tuner.cli.interrupt import interruptible
 from tuner.cli.recipe import LogEntries, Recipe, log_beside, read_recipe
 from tuner.cli.settings import parse_settings
-from tuner.environment import environment
+from tuner.data.logs import Log, describe, parse_mapping, read_log
 from tuner.export import FORMATS
-from tuner.folder import RunFolder, open_folder
-from tuner.logs import Log, describe, parse_mapping, read_log
-from tuner.problem import Problem
-from tuner.result import pretty
-from tuner.running import Progress, Run, recorded, trusted
-from tuner.solution import Solution
-from tuner.study import Plan, Study, find_study
+from tuner.problem.problem import Problem
+from tuner.run.cache import use_cache
+from tuner.run.environment import environment
+from tuner.run.folder import RunFolder, open_folder
+from tuner.run.pipeline import Progress, Run, recorded, trusted
+from tuner.run.result import pretty
+from tuner.run.study import Plan, Study, find_study
 
 
 @dataclass(frozen=True)

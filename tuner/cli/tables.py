@@ -7,8 +7,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from tuner.result import ParameterRecord, Result, SolutionRecord
-from tuner.solution import Status
+from tuner.certificate.solution import Status
+from tuner.run.result import ParameterRecord, Result, SolutionRecord
 
 _COLOURS = {
     "match": "green",

@@ -6,7 +6,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from tuner.solution import Status
+from tuner.certificate.solution import Status
 
 Report: TypeAlias = Callable[["Answer"], dict[str, float]]
 """From an answer to derived numbers."""

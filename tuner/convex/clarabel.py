@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tuner.certificate.solution import Status
 from tuner.convex.bound import dual_bound
-from tuner.solution import Status
 
 if TYPE_CHECKING:
     import cvxpy as cp

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tuner.certificate.solution import Status
 from tuner.convex.answer import Answer
 from tuner.convex.clarabel import Run
-from tuner.solution import Status
 
 if TYPE_CHECKING:
     import cvxpy as cp

@@ -30,7 +30,7 @@ _UNSAFE = re.compile(r"(?<=\*)/|/(?=\*)|(?<=\?)\?")
 def dump(tuned: Tuned) -> bytes:
     """A header in ASCII for C99 and C++17; it includes nothing and allocates nothing.
 
-    The filters of :mod:`filters.inertial` come with functions that run them, if all their
+    The filters of :mod:`filters.kownacki` come with functions that run them, if all their
     numbers are there, of the discrete model; a filter with K1 and K2 also in its fixed form.
     """
     from jinja2 import Environment, StrictUndefined

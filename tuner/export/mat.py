@@ -6,10 +6,10 @@ import json
 import numpy as np
 from numpy.typing import NDArray
 
+from tuner.data.mat import variables
 from tuner.export.arrays import META, from_arrays, meta
 from tuner.export.document import Document, head
 from tuner.export.tuned import Tuned
-from tuner.matfile import variables
 
 _JSON = "tuner_json"
 # scipy writes the day and the system here, which would make equal files differ.

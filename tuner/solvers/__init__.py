@@ -2,9 +2,9 @@
 
 from collections.abc import Callable
 
+from tuner.certificate.solution import Solution
 from tuner.names import unknown
-from tuner.problem import Problem
-from tuner.solution import Solution
+from tuner.problem.problem import Problem
 from tuner.solvers.alternating import Alternating
 from tuner.solvers.convex import Convex
 from tuner.solvers.gradient import Gradient

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tuner.problem import Problem
-from tuner.solution import Solution
+from tuner.certificate.solution import Solution
+from tuner.problem.problem import Problem
 from tuner.solvers.gradient import minimise
 from tuner.solvers.multistart import Minimum, from_several
 from tuner.solvers.nelder_mead import boxed

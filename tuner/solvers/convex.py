@@ -6,9 +6,9 @@ from typing import Literal, Protocol
 
 import numpy as np
 
+from tuner.certificate.solution import Certificate, Parameter, Solution, Starts
 from tuner.convex import Answer, Report
 from tuner.names import unknown
-from tuner.solution import Certificate, Parameter, Solution, Starts
 
 KINDS = {
     "lp": "linear objective and constraints",

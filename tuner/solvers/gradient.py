@@ -5,9 +5,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from tuner.certificate.solution import Solution
 from tuner.names import unknown
-from tuner.problem import Problem
-from tuner.solution import Solution
+from tuner.problem.problem import Problem
 from tuner.solvers.multistart import Minimum, from_several
 
 

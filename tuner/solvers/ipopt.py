@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import jax.numpy as jnp
 import numpy as np
 
+from tuner.certificate.solution import Solution
+from tuner.code.casadi import NoCounterpartError, expressions
 from tuner.names import unknown
-from tuner.problem import Problem
-from tuner.solution import Solution
+from tuner.problem.problem import Problem
 from tuner.solvers.foreign import python_function
 from tuner.solvers.multistart import Minimum, best_of, from_several
-from tuner.solvers.symbolic import NoCounterpartError, expressions
 from tuner.solvers.widening import widen
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tuner.problem import Problem
-from tuner.solution import Solution
+from tuner.certificate.solution import Solution
+from tuner.problem.problem import Problem
 from tuner.solvers.multistart import Minimum, conclude
 
 

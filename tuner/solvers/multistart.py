@@ -7,11 +7,11 @@ from typing import TypeAlias
 
 import numpy as np
 
-from tuner.certify import certify, estimates, is_stationary, spectrum, unknown_spectrum
-from tuner.constraint import ALLOWED
-from tuner.multipliers import hold
-from tuner.problem import Problem
-from tuner.solution import Certificate, Solution, Starts, Status
+from tuner.certificate.certify import certify, estimates, is_stationary, spectrum, unknown_spectrum
+from tuner.certificate.kkt import hold
+from tuner.certificate.solution import Certificate, Solution, Starts, Status
+from tuner.problem.constraint import ALLOWED
+from tuner.problem.problem import Problem
 
 
 @dataclass(frozen=True)

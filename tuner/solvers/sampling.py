@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 import numpy as np
 
+from tuner.certificate.solution import Solution
 from tuner.names import unknown
-from tuner.problem import Problem
-from tuner.solution import Solution
+from tuner.problem.problem import Problem
 from tuner.solvers.multistart import Minimum, conclude, refuse
 
 if TYPE_CHECKING:

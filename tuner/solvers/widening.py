@@ -8,8 +8,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
-from tuner.problem import Problem
-from tuner.solution import Solution, Status
+from tuner.certificate.solution import Solution, Status
+from tuner.problem.problem import Problem
 
 WIDENINGS = 4
 FACTOR = 10.0

@@ -1,0 +1,306 @@
+"""Attitude of a sensor that stays in a room: strapdown navigation that knows it goes nowhere.
+
+External acceleration is no noise that could be averaged over any time one likes: its integrals,
+speed and place, stay small. A strapdown navigation whose speed and place are measured to be zero,
+loosely, weighs it accordingly, and leaves the accelerometers their say about the vertical.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from filters.attitude import ImuSample, skew
+from filters.kalman import Estimate, predict, update
+from filters.protocol import run
+from filters.rotation import begun, from_rotation_vector, multiply, normalise, rotate
+from filters.validate import check_setup
+
+SIZE = 21
+"""Errors of attitude (3), gyroscope bias, speed, place (3 each), gyroscope matrix (9)."""
+_TURN, _BIAS, _SPEED, _PLACE, _MATRIX = (
+    slice(i, j) for i, j in ((0, 3), (3, 6), (6, 9), (9, 12), (12, 21))
+)
+
+
+class BoundedMotionNoise(NamedTuple):
+    """What the room filter takes; white noises as roots of their densities.
+
+    Attributes:
+        speed: of the measurement that the sensor stands still, m/s s^1/2. Larger: slower to use
+            the accelerometers.
+        place: of the measurement that it stays where it was, m s^1/2.
+        accelerometer: noise of the accelerometers, m/s s^-1/2. Larger: gyroscopes are trusted more.
+        gyroscope: noise of the gyroscopes, rad s^-1/2.
+        turning: the same in proportion to the rate, s^1/2 rad per rad: what fast turns add.
+        bias: drift of the gyroscopes' bias, rad/s s^-1/2.
+        matrix0: deviation of their scale factors and misalignments at the start.
+        bias0: deviation of their bias at the start, rad/s.
+        tilt0: deviation of the attitude at the start, rad.
+        lead: how far ahead of the last sample the attitude is wanted, s.
+        gravity: m/s^2.
+        q0: attitude at the start, sensor to earth, ``(4,)``; zeros: level by the first block.
+    """
+
+    speed: Array
+    place: Array
+    accelerometer: Array
+    gyroscope: Array
+    turning: Array
+    bias: Array
+    matrix0: Array
+    bias0: Array
+    tilt0: Array
+    lead: Array
+    gravity: Array
+    q0: Array
+
+
+class Calibration(NamedTuple):
+    """A gyroscope's errors: bias, rad/s, ``(3,)``, and matrix ``(3, 3)`` of the rest."""
+
+    bias: Array
+    matrix: Array
+
+
+class Navigation(NamedTuple):
+    """Where dead reckoning has come: attitude ``(4,)``, speed and place in earth axes ``(3,)``."""
+
+    q: Array
+    speed: Array
+    place: Array
+
+
+class Sums(NamedTuple):
+    """What a block of samples sums up to, times the sample time, for the error's transition.
+
+    Attributes:
+        axes: rotation matrices, ``(3, 3)``.
+        force: specific force in earth axes, ``(3,)``.
+        turned: columns of the rotation matrix times rates, ``(3, 9)``.
+        square: squared rate, ``()``.
+        rate: raw rates, ``(3,)``.
+    """
+
+    axes: Array
+    force: Array
+    turned: Array
+    square: Array
+    rate: Array
+
+
+class Quiet(NamedTuple):
+    """For the detection of rest: low-passed rate and force ``(3,)``, and how long it lasts, s."""
+
+    rate: Array
+    force: Array
+    seconds: Array
+
+
+@dataclass(frozen=True)
+class RestRule:
+    """When the sensor is at rest, and how sure that is.
+
+    Attributes:
+        memory: time constant of the low pass that samples are compared with, s.
+        rate: largest rate, and deviation of it, rad/s.
+        force: largest deviation of the specific force, m/s^2.
+        seconds: how long both have to be small.
+        speed: root of the density of the speed's measurement at rest, m/s s^1/2.
+        bias: the same of the bias's measurement, rad/s s^1/2.
+    """
+
+    memory: float = 0.5
+    rate: float = 0.0349
+    force: float = 0.5
+    seconds: float = 1.5
+    speed: float = 1e-3
+    bias: float = 5e-4
+
+
+class Reckoned(NamedTuple):
+    """The state of dead reckoning within a block."""
+
+    at: Navigation
+    sums: Sums
+    quiet: Quiet
+
+
+@dataclass(frozen=True)
+class _Strapdown:
+    """Dead reckoning through a block of samples."""
+
+    dt: float
+    rule: RestRule
+
+    def init(self, params: tuple[BoundedMotionNoise, Calibration, Navigation, Quiet]) -> Reckoned:
+        _, _, at, quiet = params
+        zero = jnp.zeros(3, at.q.dtype)
+        sums = Sums(jnp.outer(zero, zero), zero, jnp.zeros((3, 9), zero.dtype), zero[0], zero)
+        return Reckoned(at, sums, quiet)
+
+    def step(
+        self,
+        params: tuple[BoundedMotionNoise, Calibration, Navigation, Quiet],
+        state: Reckoned,
+        inputs: ImuSample,
+    ) -> tuple[Reckoned, Array]:
+        noise, known, _, _ = params
+        (q, speed, place), sums, quiet = state
+        free = inputs.rate - known.bias
+        rate = free - (known.matrix * free).sum(axis=1)
+        q = normalise(multiply(q, from_rotation_vector(rate * self.dt)))
+        axes = jnp.stack([rotate(q, axis) for axis in jnp.eye(3, dtype=q.dtype)], axis=1)
+        down = jnp.zeros(3, q.dtype).at[2].set(noise.gravity)
+        missing = jnp.isnan(inputs.acceleration).any()
+        a = jnp.where(missing, 0.0, inputs.acceleration)
+        force = jnp.where(missing, down, (axes * a).sum(axis=1))  # then as if nothing pushed
+        seen = inputs._replace(acceleration=jnp.where(missing, quiet.force, a))
+        speed = speed + (force - down) * self.dt
+        place = place + speed * self.dt
+        turned = (axes[:, :, None] * rate).reshape(3, 9)
+        grown = Sums(axes, force, turned, rate @ rate, inputs.rate)
+        sums = Sums(*(total + self.dt * part for total, part in zip(sums, grown, strict=True)))
+        ahead = multiply(q, from_rotation_vector(rate * noise.lead))
+        return Reckoned(Navigation(q, speed, place), sums, self._quiet(quiet, seen)), ahead
+
+    def _quiet(self, quiet: Quiet, inputs: ImuSample) -> Quiet:
+        rule = self.rule
+        share = -jnp.expm1(jnp.asarray(-self.dt / rule.memory, inputs.rate.dtype))
+        rate = quiet.rate + share * (inputs.rate - quiet.rate)
+        force = quiet.force + share * (inputs.acceleration - quiet.force)
+        still = (
+            (((inputs.rate - rate) ** 2).sum() < rule.rate**2)
+            & (((inputs.acceleration - force) ** 2).sum() < rule.force**2)
+            & (jnp.abs(rate).max() < rule.rate)
+        )
+        return Quiet(rate, force, jnp.where(still, quiet.seconds + self.dt, 0.0))
+
+
+class BoundedMotionState(NamedTuple):
+    """Navigation, calibration, covariance of all errors ``(21, 21)``, and the rest detection."""
+
+    at: Navigation
+    known: Calibration
+    P: Array
+    quiet: Quiet
+
+
+class BoundedMotionOutputs(NamedTuple):
+    """What the filter knows after a block of n samples.
+
+    Attributes:
+        q: attitude at every sample, sensor to earth, ``(n, 4)``; it uses no later sample.
+        known: the gyroscopes' errors.
+        rest: whether the block ended at rest, ``()`` of bool.
+    """
+
+    q: Array
+    known: Calibration
+    rest: Array
+
+
+@dataclass(frozen=True)
+class BoundedMotionKalman:
+    """An error-state filter of strapdown navigation in a room, from six axes.
+
+    Samples come in blocks (:func:`blocks`), rates without gaps: dead reckoning takes every one; the
+    covariance and the pseudo-measurements (speed and place are zero; at rest, so is the rate) come
+    once a block, of a tenth of a second or so.
+
+    Attributes:
+        dt: sample time, s.
+        rule: when the sensor is at rest.
+    """
+
+    dt: float
+    rule: RestRule = RestRule()
+
+    def __post_init__(self) -> None:
+        check_setup(self)
+
+    def init(self, params: BoundedMotionNoise) -> BoundedMotionState:
+        """The start, at rest at the origin; what quiet samples look like is learnt from them."""
+        zero = jnp.zeros(3, params.q0.dtype)
+        nine = jnp.repeat(params.matrix0, 9)
+        start = jnp.stack(
+            [params.tilt0, params.bias0, _START + 0 * params.tilt0, _START + 0 * params.tilt0]
+        )
+        P = jnp.diag(jnp.concatenate([jnp.repeat(start, 3), nine]) ** 2)
+        known = Calibration(zero, jnp.outer(zero, zero))
+        quiet = Quiet(zero, zero, zero[0])
+        return BoundedMotionState(Navigation(params.q0, zero, zero), known, P, quiet)
+
+    def step(
+        self, params: BoundedMotionNoise, state: BoundedMotionState, inputs: ImuSample
+    ) -> tuple[BoundedMotionState, BoundedMotionOutputs]:
+        """Reckon through a block, then correct."""
+        whole = jnp.nan_to_num(inputs.acceleration).sum(axis=0)
+        at = state.at._replace(q=begun(state.at.q, whole))
+        reckoning = params, state.known, at, state.quiet
+        (at, sums, quiet), q = run(_Strapdown(self.dt, self.rule), reckoning, inputs)
+        span = self.dt * inputs.rate.shape[0]
+        P = _spread(state.P, params, sums, span)
+        rest = quiet.seconds > self.rule.seconds
+        seen = self._measured(params, at, sums.rate / span - state.known.bias, rest, span)
+        estimate = Estimate(jnp.zeros(SIZE, P.dtype), P)
+        for i, z, r in seen:
+            estimate, _ = update(estimate, jnp.eye(SIZE, dtype=P.dtype)[i], r, z)
+        x = estimate.x
+        at = Navigation(
+            normalise(multiply(from_rotation_vector(x[_TURN]), at.q)),
+            at.speed + x[_SPEED],
+            at.place + x[_PLACE],
+        )
+        known = Calibration(
+            state.known.bias + x[_BIAS], state.known.matrix + x[_MATRIX].reshape(3, 3)
+        )
+        return BoundedMotionState(at, known, estimate.P, quiet), BoundedMotionOutputs(
+            q, known, rest
+        )
+
+    def _measured(
+        self, params: BoundedMotionNoise, at: Navigation, bias: Array, rest: Array, span: float
+    ) -> list[tuple[int, Array, Array]]:
+        """Index of the error that is measured, its measurement, and the variance."""
+        speed = jnp.where(rest, self.rule.speed, params.speed)
+        found = [(9 + j, -at.place[j], params.place**2 / span) for j in range(3)]
+        found += [(6 + j, -at.speed[j], speed**2 / span) for j in range(3)]
+        known = jnp.asarray(self.rule.bias**2 / span, bias.dtype)
+        return found + [(3 + j, jnp.where(rest, bias[j], jnp.nan), known) for j in range(3)]
+
+
+_START = 0.01
+"""Deviation of speed and place at the start, m/s and m."""
+
+
+def blocks(samples: ImuSample, length: int) -> ImuSample:
+    """Samples ``(N, ...)`` in blocks ``(N // length, length, ...)``, without an unfinished one.
+
+    >>> blocks(ImuSample(jnp.zeros((10, 3)), jnp.zeros((10, 3))), 4).rate.shape
+    (2, 4, 3)
+    """
+    cut: ImuSample = jax.tree.map(lambda leaf: _cut(leaf, length), samples)
+    return cut
+
+
+def _cut(leaf: Array, length: int) -> Array:
+    count = leaf.shape[0] // length
+    return leaf[: count * length].reshape(count, length, *leaf.shape[1:])
+
+
+def _spread(P: Array, params: BoundedMotionNoise, sums: Sums, span: float) -> Array:
+    """The covariance after a block, ``(21, 21)``; attitude errors are in earth axes."""
+    one, push = jnp.eye(3, dtype=P.dtype), skew(sums.force)
+    F = jnp.eye(SIZE, dtype=P.dtype)
+    F = F.at[_TURN, _BIAS].set(-sums.axes).at[_TURN, _MATRIX].set(-sums.turned)
+    # The attitude's error grows through the block: half of it acts on the speed.
+    F = F.at[_SPEED, _TURN].set(-push).at[_SPEED, _BIAS].set(push @ sums.axes / 2)
+    F = F.at[_SPEED, _MATRIX].set(push @ sums.turned / 2)
+    F = F.at[_PLACE, _TURN].set(-span / 2 * push).at[_PLACE, _SPEED].set(span * one)
+    turn = params.gyroscope**2 * span + params.turning**2 * sums.square
+    densities = jnp.stack([turn, params.bias**2 * span, params.accelerometer**2 * span, 0 * turn])
+    W = jnp.diag(jnp.concatenate([jnp.repeat(densities, 3), jnp.zeros(9, turn.dtype)]))
+    return predict(Estimate(P[0], P), F, W).P

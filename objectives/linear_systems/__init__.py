@@ -1,0 +1,1 @@
+"""Linear systems: covariances, modes, placement and responses, without any data."""

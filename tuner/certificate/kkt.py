@@ -1,0 +1,88 @@
+"""What constraints and limits do at a point: their multipliers, and the directions they leave."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tuner.problem.constraint import ALLOWED
+from tuner.problem.problem import Problem
+
+PUSHING = 1e-6
+"""A multiplier below this is none: the optimum would hardly move if its constraint were gone."""
+NEAR = 0.01
+"""A coordinate this close to a bound lies on it: barriers and samplers never quite get there."""
+
+
+class Held(NamedTuple):
+    """A point with what holds it; all relative to the value there.
+
+    Attributes:
+        gradient: of the Lagrangian: the objective's less the shares of what holds it, ``(n,)``.
+        weights: multiplier of every constraint, ``(m,)``, 0 where it has room.
+        limits: multiplier of every limit that holds a coordinate, by its description.
+        tangent: orthonormal directions that keep all that holds, ``(n, k)``; none along thresholds.
+        excess: how far the worst constraint is exceeded, as a share of its bound.
+    """
+
+    gradient: np.ndarray
+    weights: np.ndarray
+    limits: dict[str, float]
+    tangent: np.ndarray
+    excess: float
+
+
+def hold(problem: Problem, z: np.ndarray) -> Held:
+    """Which constraints and limits hold a point ``(n,)``, and how hard.
+
+    The multipliers are found from the gradients alone, by non-negative least squares, and so do
+    not depend on what a solver says about them (Karush, Kuhn and Tucker's conditions).
+    """
+    value, gradient = problem.value_and_gradient(z)
+    gradient = gradient / (abs(value) or 1.0)
+    excess, slopes = problem.excesses(z)
+    labels, limits, ends = _boundaries(problem, z)
+    size, count = problem.space.size, len(labels)
+    touched = excess >= -ALLOWED
+    rows = np.vstack([slopes[touched], limits])
+    # Along a threshold every derivative is 0 and says nothing.
+    steps = np.eye(size)[problem.space.thresholds()]
+    worst, weights = float(excess.max(initial=-np.inf)), np.zeros(len(excess))
+    if not len(rows) or not (np.isfinite(gradient).all() and np.isfinite(rows).all()):
+        return Held(gradient, weights, {}, _orthogonal(steps, size), worst)
+    from scipy.optimize import nnls
+
+    # The box's own ends take their part as well, but their share stays in the gradient: a slope
+    # against such an end says that the optimum lies beyond it.
+    multipliers = nnls(np.vstack([rows, ends]).T, -gradient)[0][: len(rows)]
+    weights[touched] = multipliers[: len(rows) - count]
+    by_limit = dict(zip(labels, multipliers[len(rows) - count :].tolist(), strict=True))
+    tangent = _orthogonal(np.vstack([rows[multipliers > PUSHING], steps]), size)
+    return Held(gradient + rows.T @ multipliers, weights, by_limit, tangent, worst)
+
+
+def _boundaries(problem: Problem, z: np.ndarray) -> tuple[list[str], np.ndarray, np.ndarray]:
+    """The limits that z lies on, in words and as outward normals; the normals of the box's ends."""
+    low, high = problem.space.box()
+    size, limited = problem.space.size, problem.space.limited()
+    near = np.where(limited, ALLOWED * (high - low), NEAR)
+    labels, limits, ends = [], np.zeros((0, size)), np.zeros((0, size))
+    for i, name in enumerate(problem.space.coordinates):
+        for end, word, sign in ((low[i], ">=", -1.0), (high[i], "<=", 1.0)):
+            outward = sign * np.eye(size)[i]
+            if abs(z[i] - end) > near[i]:
+                continue
+            if limited[i]:
+                labels.append(f"{name} {word} {end:g}")
+                limits = np.vstack([limits, outward])
+            else:
+                ends = np.vstack([ends, outward])
+    return labels, limits, ends
+
+
+def _orthogonal(rows: np.ndarray, size: int) -> np.ndarray:
+    """An orthonormal basis of the directions orthogonal to all rows, ``(size, k)``."""
+    if not len(rows):
+        return np.eye(size)
+    from scipy.linalg import null_space
+
+    return np.asarray(null_space(rows))

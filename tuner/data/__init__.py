@@ -1,0 +1,1 @@
+"""Data: recordings and their units, made-up ones, and what their noise is."""

@@ -1,0 +1,152 @@
+"""What a log holds, in numbers: the first thing a user reads about it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tuner.data.logs.mapping import Mapping
+from tuner.data.logs.table import Floats
+
+_PROBE = 20_000
+_CONTINUOUS = 1 << 16
+_FINE = 2.0**-24
+_PILE = 4
+_LEVELS = 3
+_RUN = 3
+
+
+@dataclass(frozen=True)
+class ChannelFindings:
+    """What one channel holds; all values are in the channel's unit.
+
+    Attributes:
+        name: the channel.
+        source: the column it was read from, with index and factor.
+        unit: ``""`` where none was given.
+        mean: mean of the samples.
+        std: their standard deviation (divided by N).
+        minimum: the smallest.
+        maximum: the largest.
+        resolution: the smallest step between two values that occur; None where they are as good
+            as continuous (see :func:`resolution`).
+        saturated: how many samples rest at the limit of the range (see :func:`saturation`).
+        constant: whether all samples are equal.
+    """
+
+    name: str
+    source: str
+    unit: str
+    mean: float
+    std: float
+    minimum: float
+    maximum: float
+    resolution: float | None
+    saturated: int
+    constant: bool
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What a log holds.
+
+    Attributes:
+        samples: number of samples, N.
+        duration_s: seconds from the first sample to the last.
+        rate_hz: samples per second.
+        rate_source: ``time column 't'``, ``--rate`` or ``scalar 'fs'``.
+        time_column: name of the time column; None without one.
+        gaps: ``(row, seconds)`` of each step longer than 1.5 median steps: the row before the
+            gap, counted from 0, and the time to the next.
+        jitter: largest relative deviation of the other steps from the median step; 0 where the
+            digits of the time column explain it, None without a time column.
+        channels: one entry per channel, in the order they were mapped.
+    """
+
+    samples: int
+    duration_s: float
+    rate_hz: float
+    rate_source: str
+    time_column: str | None
+    gaps: tuple[tuple[int, float], ...]
+    jitter: float | None
+    channels: tuple[ChannelFindings, ...]
+
+
+def find_channel(mapping: Mapping, values: Floats) -> ChannelFindings:
+    """Look at one channel, ``(N,)``, finite."""
+    minimum, maximum = float(values.min()), float(values.max())
+    return ChannelFindings(
+        name=mapping.channel,
+        source=mapping.source,
+        unit=mapping.unit or "",
+        mean=float(values.mean()),
+        std=float(values.std()),
+        minimum=minimum,
+        maximum=maximum,
+        resolution=resolution(values),
+        saturated=saturation(values),
+        constant=minimum == maximum,
+    )
+
+
+def resolution(values: Floats) -> float | None:
+    """The smallest step between values that occur; None where they are as good as continuous.
+
+    That is where more than half of the samples or more than 65536 values differ, or where the
+    step is finer than 24 bits of the range, and so comes from printed digits.
+
+    Example:
+        >>> resolution(np.array([0.0, 0.5, 0.5, 0.0, 2.0, 0.5, 0.0]))
+        0.5
+    """
+    if _distinct(values[:_PROBE]) is None:
+        return None
+    levels = _distinct(values)
+    if levels is None or len(levels) < 2:
+        return None
+    step = np.diff(levels).min()
+    fine = step <= _FINE * (levels[-1] - levels[0])
+    return None if fine else float(f"{step:.10g}")
+
+
+def _distinct(values: Floats) -> Floats | None:
+    """The sorted values that occur, where they are few enough for steps to mean something."""
+    levels = np.unique(values)
+    few = len(levels) <= min(_CONTINUOUS, max(2, len(values) // 2))
+    return levels if few else None
+
+
+def saturation(values: Floats) -> int:
+    """How many samples rest at an end of the range, in runs of at least 3, as if clipped.
+
+    An end counts where far more samples (4 times) lie on it than on any of the next levels:
+    noise thins out towards its extremes however coarse its steps, a clipped signal piles up.
+    An end that holds half of all samples is a place of rest rather than a limit.
+
+    Example:
+        >>> wave = np.sin(np.linspace(0.0, 20.0, 1000))
+        >>> saturation(wave), saturation(np.clip(wave, -2.0, 0.8)) > 100
+        (0, True)
+    """
+    return _saturated_above(values) + _saturated_above(-values)
+
+
+def _saturated_above(values: Floats) -> int:
+    top = values == values.max()
+    count = np.count_nonzero(top)
+    if count < _RUN or 2 * count >= len(values):
+        return 0
+    below = values[~top]
+    for _ in range(_LEVELS):
+        level = below == below.max(initial=-np.inf)
+        if not len(below) or _PILE * np.count_nonzero(level) >= count:
+            return 0
+        below = below[~level]
+    return _in_runs(top)
+
+
+def _in_runs(marked: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> int:
+    """How many marked samples lie in runs of at least 3."""
+    edges = np.flatnonzero(np.diff(marked, prepend=False, append=False))
+    lengths = edges[1::2] - edges[::2]
+    return int(lengths[lengths >= _RUN].sum())

@@ -1,0 +1,132 @@
+"""When the samples were taken: from a time column, a given rate or a scalar of the file."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from tuner.data.logs.clock import read_clock
+from tuner.data.logs.error import LogError, counted, suggest
+from tuner.data.logs.mapping import Mapping
+from tuner.data.logs.table import Table
+from tuner.data.logs.timename import is_time
+from tuner.data.logs.values import Columns, pick, scalar
+
+_RATES = ("fs", "rate", "rate_hz", "sampling_rate", "sample_rate")
+_CONTRADICTION = 0.01
+
+
+@dataclass(frozen=True)
+class Timing:
+    """The rate of a log, where it comes from and how evenly it was kept.
+
+    Attributes:
+        samples: how many samples count.
+        rate_hz: samples per second.
+        source: ``time column 't'``, ``--rate`` or ``scalar 'fs'``.
+        column: the time column, or None.
+        duration_s: from the first sample to the last.
+        gaps: as in :class:`tuner.data.logs.Findings`.
+        jitter: as in :class:`tuner.data.logs.Findings`.
+    """
+
+    samples: int
+    rate_hz: float
+    source: str
+    column: str | None
+    duration_s: float
+    gaps: tuple[tuple[int, float], ...] = ()
+    jitter: float | None = None
+
+
+def timing_names(table: Table) -> list[str]:
+    """The names in a file that may tell the timing: time columns and scalar rates."""
+    return [*_time_names(table), *_rate_names(table)]
+
+
+def find_timing(
+    columns: Columns, time: Mapping | None, rate_hz: float | None, samples: int, limit: int | None
+) -> Timing:
+    """The timing of a log.
+
+    Args:
+        columns: the loaded columns, among them those of :func:`timing_names`.
+        time: the time column where the user named one; otherwise it is found by its name.
+        rate_hz: the rate where the user gave one.
+        samples: how many samples the file holds.
+        limit: how many of them count; None for all.
+
+    Raises:
+        LogError: where neither time nor rate is known, they contradict each other, or the
+            time column is unusable.
+    """
+    mapping = time or _found(columns, samples)
+    if mapping is not None:
+        return _from_time(columns, mapping, rate_hz, samples, limit)
+    wanted = samples if limit is None else min(samples, limit)
+    if rate_hz is not None:
+        return Timing(wanted, float(rate_hz), "--rate", None, (wanted - 1) / rate_hz)
+    name, rate = _scalar_rate(columns)
+    return Timing(wanted, rate, f"scalar {name!r}", None, (wanted - 1) / rate)
+
+
+def _time_names(table: Table) -> Iterable[str]:
+    return (name for name in table.names if is_time(name) and name not in table.texts)
+
+
+def _rate_names(table: Table) -> Iterable[str]:
+    if table.numbered:
+        return ()  # a text file has columns only
+    return (name for name in table.names if name.rsplit(".", 1)[-1].lower() in _RATES)
+
+
+def _found(columns: Columns, samples: int) -> Mapping | None:
+    """The first column that is time by its name and could be: numbers, one per sample."""
+    for name in _time_names(columns.table):
+        array = columns.raw[name]
+        if array.ndim > 0 and array.size == len(array) == samples and array.dtype.kind in "iuf":
+            return Mapping("time", name)
+    return None
+
+
+def _from_time(
+    columns: Columns, time: Mapping, rate_hz: float | None, samples: int, limit: int | None
+) -> Timing:
+    column = pick(columns, time)
+    if len(column) != samples:
+        rows = counted(len(column), "row")
+        raise columns.error(
+            time, f"has {rows} where the channels have {samples}; name another --time"
+        )
+    column = column[:limit]
+    clock = read_clock(columns, time, column)
+    found = 1.0 / clock.step
+    if rate_hz is not None and abs(rate_hz - found) > _CONTRADICTION * found:
+        raise columns.error(
+            time,
+            f"runs at {found:.6g} Hz, which contradicts --rate {rate_hz:.6g} Hz; leave --rate out "
+            f"or name the unit of time, such as --time '{time.column}:ms'",
+        )
+    source = f"time column {time.column!r}" if rate_hz is None else "--rate"
+    return Timing(
+        samples=len(column),
+        rate_hz=float(rate_hz or found),
+        source=source,
+        column=time.column,
+        duration_s=clock.duration_s,
+        gaps=clock.gaps,
+        jitter=clock.jitter,
+    )
+
+
+def _scalar_rate(columns: Columns) -> tuple[str, float]:
+    """The rate that the file itself tells."""
+    file, names = columns.table.file, columns.table.names
+    found = [name for name in _rate_names(columns.table) if columns.raw[name].size == 1]
+    if not found:
+        raise LogError(
+            f"{file}: neither a time column nor a rate is known; "
+            f"give --rate HZ or --time COLUMN ({suggest('time', names)})"
+        )
+    rate = scalar(columns, found[0])
+    if rate < 0:
+        raise LogError(f"{file}: the scalar {found[0]!r} is {rate:g}; give --rate HZ")
+    return found[0], rate

@@ -1,0 +1,132 @@
+"""The fastest observer whose variances keep their bounds."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tuner.certificate.solution import Status
+from tuner.observers.lmi.model import observer_model, refuse_undetectable
+from tuner.observers.lmi.reduction import fastest
+from tuner.observers.lmi.search import Ended
+from tuner.observers.lmi.units import Scaled, scaled
+
+
+@dataclass(frozen=True)
+class FastestObserver:
+    """The observer that forgets fastest while the variances of M e keep their bounds.
+
+    Attributes:
+        status: converged where ``alpha`` and ``limit`` meet; unattained where better observers
+            have ever larger gains, towards the limit; unbounded where every rate is admissible.
+        message: that, in a sentence.
+        alpha: the decay rate that the matrix inequalities reach, in 1/s.
+        limit: a rate that they cannot reach; inf where none is known.
+        gain: L, ``(n, m)``.
+        poles: eigenvalues of A - L C, ``(n,)``, the slowest first; in 1/s, or of a sample.
+        rate: the decay rate of the slowest, in 1/s: what one Lyapunov matrix for both demands
+            gives away is ``rate - alpha``, and what a better design has beyond ``rate``.
+        covariance: of the error, ``(n, n)``, by its Lyapunov equation.
+        variances: of M e, ``(k,)``, from that.
+        multipliers: by how many per cent alpha rises where a bound is 1 % wider, ``(k,)``.
+        needed: at ``limit``, no observer that keeps the inequalities has all variances below this
+            share of their bounds, as the dual solution proves: above 1. inf where no observer
+            keeps them at all, nan where no limit is known.
+        solved: how many matrix inequalities were solved.
+        seconds: how long it took.
+    """
+
+    status: Status
+    message: str
+    alpha: float
+    limit: float
+    gain: np.ndarray
+    poles: np.ndarray
+    rate: float
+    covariance: np.ndarray
+    variances: np.ndarray
+    multipliers: np.ndarray
+    needed: float
+    solved: int
+    seconds: float
+
+
+def fastest_observer(
+    A: ArrayLike,
+    C: ArrayLike,
+    W: ArrayLike,
+    V: ArrayLike,
+    M: ArrayLike,
+    bound: ArrayLike,
+    *,
+    discrete: bool = False,
+    dt: float = 1.0,
+    tolerance: float = 1e-7,
+) -> FastestObserver:
+    """The observer with the largest decay rate whose variances of M e keep their bounds.
+
+    It is the fastest of those that one Lyapunov matrix proves to keep both rate and bounds
+    (:mod:`tuner.observers.lmi.search`). A design with two Lyapunov matrices may be faster; none is
+    slower.
+
+    Args:
+        A, C, W, V, M, discrete: see :class:`tuner.observers.lmi.Model`.
+        bound: of the variances of M e, ``(k,)`` or a number, positive.
+        dt: sample time where discrete, s: the poles lie within exp(-alpha dt).
+        tolerance: relative, of the rate.
+
+    Raises:
+        ValueError: for shapes that do not fit, noise that is no covariance, or bounds that no
+            observer keeps, with the least variances.
+
+    >>> # e' = -(1 + l) e + w - l v has the variance (1 + l^2) / (2 + 2 l): 1 at l = 1 + sqrt(2).
+    >>> fast = fastest_observer([[-1.0]], [[1.0]], [[1.0]], [[1.0]], [[1.0]], 1.0)
+    >>> print(f"{fast.alpha:.5f}")
+    3.41421
+    """
+    begun = time.perf_counter()
+    model = observer_model(A, C, W, V, M, discrete)
+    bounds = _bounds(bound, len(model.M))
+    step = _step(dt, discrete)
+    own = scaled(model, np.sqrt(bounds))
+    refuse_undetectable(own.inner, own.units.time)
+    found = fastest(own.inner, tolerance, bounds)
+    return _outside(own, found, step, time.perf_counter() - begun)
+
+
+def _outside(own: Scaled, found: Ended, step: float, seconds: float) -> FastestObserver:
+    """What was found for the inner model, for the outer one, whose rates are per ``step``."""
+    per = own.units.time * step
+    covariance = own.covariance(found.gain)
+    return FastestObserver(
+        status=found.status,
+        message=found.message,
+        alpha=found.alpha / per,
+        limit=found.limit / per,
+        gain=own.units.gain(found.gain),
+        poles=own.poles(found.gain),
+        rate=own.inner.rate(found.gain) / per,
+        covariance=covariance,
+        variances=own.outer.variances(covariance),
+        multipliers=found.multipliers,
+        needed=found.needed,
+        solved=found.solved,
+        seconds=seconds,
+    )
+
+
+def _bounds(bound: ArrayLike, count: int) -> np.ndarray:
+    given = np.asarray(bound, float)
+    if given.shape not in ((), (count,)):
+        raise ValueError(f"bound has shape {given.shape}, but needs {(count,)} or a number")
+    if not (np.isfinite(given) & (given > 0)).all():
+        raise ValueError(f"bound is {given.tolist()}; give positive, finite variances")
+    return np.array(np.broadcast_to(given, (count,)))
+
+
+def _step(dt: float, discrete: bool) -> float:
+    """The unit of the rates that are found, in s."""
+    if not (dt > 0 and np.isfinite(dt)):
+        raise ValueError(f"the sample time is {dt}; give a positive number of seconds")
+    return dt if discrete else 1.0

@@ -1,0 +1,1 @@
+"""The problem: what is tuned, within which limits, judged by what."""

@@ -1,0 +1,202 @@
+"""A tuning problem: what is tuned, on which data, judged by what. One number per point z."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeAlias
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from filters import AnyFilter
+from objectives import Data, Objective, score, score_and_gradient
+from tuner.problem.constraint import Constraint
+from tuner.problem.space import Space
+
+Build: TypeAlias = Callable[[dict[str, Array]], Any]
+"""From parameters by name to what the filter takes."""
+NO_DATA = Data(None, None)
+"""The data of a design, which is judged without any."""
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A filter, its free parameters, an objective and data; or a design that needs no data.
+
+    Attributes:
+        name: what the problem is called in results and files.
+        space: the parameters.
+        filter: the filter that is tuned; None where nothing is run: the objective and the
+            constraints then judge what ``build`` makes.
+        build: makes the filter's parameters from the space's, by name. A module-level function
+            is compiled once; a new lambda is compiled anew.
+        objective: what is minimised.
+        data: the filter's inputs and the truth, float64 throughout; NaN means missing.
+        derive: quantities of interest that follow from the parameters, by name.
+        constraints: what a solution has to keep; not every solver takes them.
+        known_starts: points z ``(space.size,)`` from which a search is worth beginning, after the
+            initial values and before random points.
+
+    Raises:
+        ValueError: where the data holds single precision, infinite values or unequal lengths.
+    """
+
+    name: str
+    space: Space
+    filter: AnyFilter | None
+    build: Build
+    objective: Objective
+    data: Data = NO_DATA
+    derive: Callable[[dict[str, Array]], dict[str, Array]] | None = None
+    constraints: tuple[Constraint, ...] = ()
+    known_starts: tuple[np.ndarray, ...] = ()
+
+    def __post_init__(self) -> None:
+        for path, leaf in jax.tree_util.tree_leaves_with_path(self.data):
+            _check(jax.tree_util.keystr(path), np.asarray(leaf))
+        lengths = {np.shape(leaf)[0] for leaf in jax.tree.leaves(self.data) if np.ndim(leaf)}
+        if len(lengths) > 1:
+            raise ValueError(f"the data of {self.name} has unequal lengths {sorted(lengths)}")
+
+    def starts(self, count: int, seed: int) -> np.ndarray:
+        """Where to begin, ``(count, size)``: the initial values, known starts, random points."""
+        random = self.space.starts(max(count - len(self.known_starts), 1), seed)
+        return np.vstack([random[:1], *self.known_starts, random[1:]])[:count]
+
+    def value(self, z: np.ndarray) -> float:
+        """The objective at z ``(space.size,)``; infinite where it is not a number."""
+        return _finite(float(_value(self.static, jnp.asarray(z), self.data)))
+
+    def value_and_gradient(self, z: np.ndarray) -> tuple[float, np.ndarray]:
+        """The objective and its gradient in z, ``(space.size,)``."""
+        value, gradient = _value_and_gradient(self.static, jnp.asarray(z), self.data)
+        return _finite(float(value)), np.asarray(gradient)
+
+    def hessian(self, z: np.ndarray, step: float = 1e-3) -> np.ndarray:
+        """The Hessian in z, ``(n, n)``: central differences of the exact gradient.
+
+        A step of 1e-3 (a thousandth of a logarithm) leaves an error of about 1e-6 and keeps
+        clear of the rounding noise that a step of 1e-5 meets in filters with slow gains.
+        """
+        return self._differences(lambda at: self.value_and_gradient(at)[1], z, step)
+
+    def excesses(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """How far each constraint is exceeded at z, relative ``(m,)``, and its Jacobian ``(m, n)``.
+
+        Negative where there is room.
+        """
+        excess, slopes = _excesses(self.static, jnp.asarray(z), self.data)
+        return np.asarray(excess), np.asarray(slopes)
+
+    def constraint_hessian(
+        self, z: np.ndarray, weights: np.ndarray, step: float = 1e-3
+    ) -> np.ndarray:
+        """The weighted sum of the constraints' Hessians, relative as in :meth:`excesses`.
+
+        A design's step is smaller: it knows no noise, and may lie near the edge of what is stable.
+        """
+        if self.filter is None:
+            step = 1e-2 * step
+        return self._differences(lambda at: weights @ self.excesses(at)[1], z, step)
+
+    def _differences(
+        self, gradient: Callable[[np.ndarray], np.ndarray], z: np.ndarray, step: float
+    ) -> np.ndarray:
+        size = self.space.size
+        rows = [(gradient(z + h) - gradient(z - h)) / (2 * step) for h in step * np.eye(size)]
+        matrix = np.reshape(rows, (size, size))
+        return (matrix + matrix.T) / 2
+
+    def score(self, parameters: Mapping[str, Any]) -> float:
+        """The objective of parameters given by name, exactly as they are.
+
+        Raises:
+            ValueError: for unknown or missing names, or values outside their constraints.
+        """
+        self.space.unconstrain(parameters)
+        missing = [name for name in self.space.names if name not in parameters]
+        if missing:
+            raise ValueError(f"{self.name} has no value for {', '.join(missing)}: give them all")
+        values = {name: jnp.asarray(parameters[name], float) for name in self.space.names}
+        return float(_score(self.static, values, self.data))
+
+    def parameters(self, z: np.ndarray) -> dict[str, np.ndarray]:
+        """The parameters that z stands for, by name, fixed ones included."""
+        return {name: np.asarray(v) for name, v in self.space.constrain(jnp.asarray(z)).items()}
+
+    def derived(self, z: np.ndarray) -> dict[str, float]:
+        """The derived quantities at z, by name."""
+        if self.derive is None:
+            return {}
+        derived = self.derive(self.space.constrain(jnp.asarray(z)))
+        return {name: float(value) for name, value in derived.items()}
+
+    @property
+    def static(self) -> "Static":
+        """What is compiled for: everything but the numbers."""
+        return Static(self.space, self.filter, self.objective, self.build, self.constraints)
+
+
+class Static(NamedTuple):
+    """The hashable part of a problem; equal ones share one compilation."""
+
+    space: Space
+    filter: AnyFilter | None
+    objective: Objective
+    build: Build
+    constraints: tuple[Constraint, ...]
+
+    def built(self, z: Array) -> Any:
+        """What z stands for, as the filter takes it."""
+        return self.build(self.space.constrain(z))
+
+    def score(self, z: Array, data: Data) -> Array:
+        """The objective at z, inside ``jax.jit``."""
+        return score(self.filter, self.objective, self.built(z), data)
+
+    def excesses(self, z: Array, data: Data) -> Array:
+        """How far each constraint is exceeded at z, ``(m,)``, inside ``jax.jit``."""
+        params = self.built(z)
+        found = [c.excess(score(self.filter, c.measure, params, data)) for c in self.constraints]
+        return jnp.stack(found) if found else jnp.zeros(0)
+
+
+@jax.jit(static_argnums=0)
+def _value(static: Static, z: Array, data: Data) -> Array:
+    return static.score(z, data)
+
+
+@jax.jit(static_argnums=0)
+def _value_and_gradient(static: Static, z: Array, data: Data) -> tuple[Array, Array]:
+    return score_and_gradient(static.filter, static.objective, static.built, z, data)
+
+
+@jax.jit(static_argnums=0)
+def _excesses(static: Static, z: Array, data: Data) -> tuple[Array, Array]:
+    def twice(at: Array) -> tuple[Array, Array]:
+        excess = static.excesses(at, data)
+        return excess, excess
+
+    slopes, excess = jax.jacfwd(twice, has_aux=True)(z)
+    return excess, slopes
+
+
+@jax.jit(static_argnums=0)
+def _score(static: Static, values: dict[str, Array], data: Data) -> Array:
+    return score(static.filter, static.objective, static.build(values), data)
+
+
+def _finite(value: float) -> float:
+    return value if np.isfinite(value) else float("inf")
+
+
+def _check(where: str, leaf: np.ndarray) -> None:
+    if leaf.dtype.kind == "f" and leaf.dtype != np.float64:
+        raise ValueError(
+            f"data{where} is {leaf.dtype}; a filter is tuned in float64, for in single precision "
+            "slow gains are wrong by up to their size: convert it with np.asarray(x, float)"
+        )
+    if leaf.dtype.kind == "f" and np.isinf(leaf).any():
+        first = np.argwhere(np.isinf(leaf))[0]
+        raise ValueError(f"data{where} is infinite at {tuple(map(int, first))}; use NaN if missing")

@@ -1,0 +1,110 @@
+"""What is tuned: named parameters in a fixed order, as one unconstrained vector z."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jax import Array
+
+from tuner.names import unknown
+from tuner.problem.parameters import Parameter, Positive
+
+
+@dataclass(frozen=True)
+class Space:
+    """Named parameters in a fixed order, and the unconstrained vector z they share.
+
+    >>> from tuner.problem.parameters import Fixed, Positive
+    >>> space = Space.of(R=Positive(init=1e-4, low=1e-8, high=1.0, unit="(rad/s)^2"), T=Fixed(0.01))
+    >>> space.size, space.constrain(space.start())["T"].item()
+    (1, 0.01)
+    """
+
+    parameters: tuple[tuple[str, Parameter], ...]
+
+    @classmethod
+    def of(cls, **parameters: Parameter) -> "Space":
+        """A space of the parameters given by name."""
+        return cls(tuple(parameters.items()))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameters' names, in order."""
+        return tuple(name for name, _ in self.parameters)
+
+    @property
+    def size(self) -> int:
+        """Length of z."""
+        return sum(parameter.size for _, parameter in self.parameters)
+
+    @property
+    def coordinates(self) -> list[str]:
+        """What each entry of z is called."""
+        return [label for name, p in self.parameters for label in p.coordinates(name)]
+
+    def constrain(self, z: Array) -> dict[str, Array]:
+        """The parameters that z ``(size,)`` stands for, by name; differentiable."""
+        values, at = {}, 0
+        for name, parameter in self.parameters:
+            values[name] = parameter.constrain(z[at : at + parameter.size])
+            at += parameter.size
+        return values
+
+    def unconstrain(self, values: Mapping[str, float | np.ndarray]) -> np.ndarray:
+        """The z ``(size,)`` of parameters given by name; those left out keep their initial value.
+
+        Raises:
+            ValueError: for an unknown name, and for a value outside its constraint.
+        """
+        for name in values:
+            if name not in self.names:
+                raise unknown("parameter", name, self.names)
+        parts: list[np.ndarray] = []
+        for name, parameter in self.parameters:
+            try:
+                value = values.get(name)
+                given = None if value is None else parameter.unconstrain(np.asarray(value, float))
+                parts.append(parameter.start() if given is None else given)
+            except ValueError as error:
+                raise ValueError(f"{name} {error}") from None
+        return np.concatenate(parts)
+
+    def start(self) -> np.ndarray:
+        """The z of the initial values, ``(size,)``."""
+        return self.unconstrain({})
+
+    def box(self) -> tuple[np.ndarray, np.ndarray]:
+        """The lowest and highest z, ``(size,)`` each."""
+        boxes = [parameter.box() for _, parameter in self.parameters]
+        return np.concatenate([low for low, _ in boxes]), np.concatenate([h for _, h in boxes])
+
+    def limited(self) -> np.ndarray:
+        """Which entries of z have limits that belong to the problem, ``(size,)`` of bool."""
+        kinds = [np.full(parameter.size, parameter.limited) for _, parameter in self.parameters]
+        return np.concatenate(kinds)
+
+    def thresholds(self) -> np.ndarray:
+        """Which entries of z are thresholds, ``(size,)`` of bool: no gradient shows their worth."""
+        kinds = [
+            np.full(p.size, isinstance(p, Positive) and p.threshold) for _, p in self.parameters
+        ]
+        return np.concatenate(kinds)
+
+    def widened(self, factor: float) -> "Space":
+        """The same parameters in a wider box: positive ones up and down by a factor.
+
+        What bounds the problem itself (bounded and limited parameters) stays as it is.
+        """
+        wider = (
+            (name, replace(p, low=p.low / factor, high=p.high * factor))
+            if isinstance(p, Positive)
+            else (name, p)
+            for name, p in self.parameters
+        )
+        return Space(tuple(wider))
+
+    def starts(self, count: int, seed: int) -> np.ndarray:
+        """Where to begin, ``(count, size)``: the initial values, then random points of the box."""
+        low, high = self.box()
+        random = np.random.default_rng(seed).uniform(low, high, (max(count - 1, 0), self.size))
+        return np.vstack([self.start(), random])[:count]

@@ -1,0 +1,98 @@
+"""An objective at many points at once: cost surfaces, sweeps, populations."""
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar, cast
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from objectives import Data, kept_bytes, scores_and_gradients
+from tuner.problem.problem import Problem, Static
+
+T = TypeVar("T")
+MEMORY = 200e6
+"""Bytes that one call may take for what it keeps, all threads together."""
+_LANES = 64  # points side by side in one time loop: enough to fill the vector registers
+_TRANSFORMS = 12  # a kept record is cut, windowed and transformed: copies that live at once
+
+
+def values(problem: Problem, Z: np.ndarray) -> np.ndarray:
+    """The objective at each of the points ``(B, n)``, as ``(B,)``; infinite where not a number.
+
+    The points run side by side in one time loop and in as many threads as there are processors;
+    memory stays below :data:`MEMORY`.
+    """
+    found = np.concatenate(_batches(problem, Z, _values))
+    return np.where(np.isfinite(found), found, np.inf)
+
+
+def values_and_gradients(problem: Problem, Z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The objective ``(B,)`` and its gradients ``(B, n)`` at each of the points ``(B, n)``."""
+    scores, gradients = zip(*_batches(problem, Z, _values_and_gradients), strict=True)
+    found = np.concatenate(scores)
+    return np.where(np.isfinite(found), found, np.inf), np.concatenate(gradients)
+
+
+def grid(problem: Problem, axes: dict[str, np.ndarray]) -> np.ndarray:
+    """The objective on a grid of two or more parameters, the others at their initial values.
+
+    Args:
+        problem: the problem.
+        axes: values by parameter name, in the order of the result's axes.
+
+    Returns:
+        The objective, ``(len(first axis), len(second axis), ...)``.
+
+    Raises:
+        ValueError: for an unknown name, and for a value outside its constraint.
+
+    >>> from tuner import Positive, Problem, Space
+    >>> space = Space.of(a=Positive(1.0, 0.1, 10.0), b=Positive(1.0, 0.1, 10.0))
+    >>> product = lambda p, _: p["a"] * p["b"]
+    >>> problem = Problem("product", space, filter=None, build=lambda p: p, objective=product)
+    >>> grid(problem, {"a": np.array([1.0, 2.0]), "b": np.array([3.0, 5.0])}).round(9).tolist()
+    [[3.0, 5.0], [6.0, 10.0]]
+    """
+    mesh = np.meshgrid(*axes.values(), indexing="ij")
+    points = zip(*(axis.ravel() for axis in mesh), strict=True)
+    Z = [problem.space.unconstrain(dict(zip(axes, point, strict=True))) for point in points]
+    return values(problem, np.array(Z)).reshape(mesh[0].shape)
+
+
+def _batches(problem: Problem, Z: np.ndarray, evaluate: Callable[..., T]) -> list[T]:
+    threads = os.cpu_count() or 1
+    lanes = _lanes(problem, threads, len(Z))
+    padded = np.vstack([Z, np.repeat(Z[-1:], -len(Z) % lanes, axis=0)])
+
+    def one(start: int) -> T:
+        found = evaluate(problem.static, jnp.asarray(padded[start : start + lanes]), problem.data)
+        # The last batch is filled up, so that every batch has the shape that was compiled.
+        return cast("T", jax.tree.map(lambda leaf: np.asarray(leaf)[: len(Z) - start], found))
+
+    with ThreadPoolExecutor(threads) as pool:
+        return list(pool.map(one, range(0, len(padded), lanes)))
+
+
+def _lanes(problem: Problem, threads: int, points: int) -> int:
+    params = jax.eval_shape(problem.static.built, jnp.asarray(problem.space.start()))
+    kept = kept_bytes(problem.filter, problem.objective, params, problem.data)
+    affordable = int(MEMORY / threads / _TRANSFORMS / kept) if kept else _LANES
+    return max(1, min(_LANES, affordable, -(-points // threads)))
+
+
+# A wider vector unit is used only where XLA is asked for it, and only side-by-side points fill it.
+_WIDE = {"xla_cpu_prefer_vector_width": 512}
+
+
+@jax.jit(static_argnums=0, compiler_options=_WIDE)
+def _values(static: Static, Z: Array, data: Data) -> Array:
+    return jax.vmap(lambda z: static.score(z, data))(Z)
+
+
+@jax.jit(static_argnums=0, compiler_options=_WIDE)
+def _values_and_gradients(static: Static, Z: Array, data: Data) -> tuple[Array, Array]:
+    return scores_and_gradients(static.filter, static.objective, static.built, Z, data)

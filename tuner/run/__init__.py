@@ -1,0 +1,1 @@
+"""From a recording or a paper to a folder of results."""

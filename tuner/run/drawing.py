@@ -1,0 +1,111 @@
+"""Figures as files: the data as CSV, and a picture of it."""
+
+import io
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tuner.run.figure import Chart, Figure, Line
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Canvas
+
+MANY = 6
+"""A legend of more entries than this stands beside the axes."""
+WIDTH = 0.7
+"""Share of the distance between numbers over which the points of several lines spread."""
+
+
+def table(figure: Figure) -> bytes:
+    """The figure's data as CSV: one row per point, with the curve's label; a map row by row."""
+    rows = ["label,x,y"]
+    if isinstance(figure, Chart):
+        lines = figure.lines
+    else:
+        rows = ["label,x,y,z"]
+        grid = (
+            (x, y, figure.z[i, j]) for i, x in enumerate(figure.x) for j, y in enumerate(figure.y)
+        )
+        rows += [f"{_quoted(figure.z_label)},{x:.10g},{y:.10g},{z:.10g}" for x, y, z in grid]
+        lines = figure.marks
+    more = "" if isinstance(figure, Chart) else ","
+    for line in lines:
+        points = zip(np.ravel(line.x), np.ravel(line.y), strict=True)
+        rows += [f"{_quoted(line.label)},{x:.10g},{y:.10g}{more}" for x, y in points]
+    return ("\n".join(rows) + "\n").encode()
+
+
+def picture(figure: Figure) -> bytes:
+    """The figure as a PNG."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure as Canvas
+
+    canvas = Canvas(figsize=(8, 5), dpi=110, layout="constrained")
+    FigureCanvasAgg(canvas)
+    axes = canvas.subplots()
+    axes.set(title=figure.title, xlabel=figure.x_label, ylabel=figure.y_label)
+    axes.title.set_fontsize(11)
+    if isinstance(figure, Chart):
+        _draw_chart(figure, axes)
+    else:
+        filled = axes.contourf(figure.x, figure.y, figure.z.T, levels=40, cmap="viridis")
+        canvas.colorbar(filled, label=figure.z_label)
+        _draw_lines(figure.marks, axes, on_map=True)
+    _explain(canvas, axes)
+    return _png(canvas)
+
+
+def _explain(canvas: "Canvas", axes: "Axes") -> None:
+    """The legend: where it covers least, or beside the axes if it would cover much anywhere."""
+    entries = len(axes.get_legend_handles_labels()[0])
+    if entries > MANY:
+        canvas.legend(fontsize=8, loc="outside right upper")
+    elif entries:
+        # Left to its default, which is the same, matplotlib warns where finding it took a second.
+        axes.legend(fontsize=8, framealpha=0.9, loc="best")
+
+
+def _draw_chart(chart: Chart, axes: "Axes") -> None:
+    if chart.numbered:
+        _draw_numbered(chart.lines, axes)
+    else:
+        _draw_lines(chart.lines, axes, on_map=False)
+    axes.grid(alpha=0.3)
+    if "x" in chart.log:
+        axes.set_xscale("log")
+    if "y" in chart.log:
+        axes.set_yscale("log")
+
+
+def _draw_numbered(lines: tuple[Line, ...], axes: "Axes") -> None:
+    """Points above each number that occurs, in its order; those of all lines side by side."""
+    numbers = np.unique([x for line in lines for x in line.x if np.isfinite(x)])
+    turned = 0 if len(numbers) <= 25 else 90
+    labels = [f"{number:g}" for number in numbers]
+    axes.set_xticks(np.arange(len(numbers)), labels, fontsize=7, rotation=turned)
+    for i, line in enumerate(lines):
+        known = np.isfinite(line.x)
+        aside = WIDTH * ((i + 0.5) / len(lines) - 0.5)
+        at, marker = np.searchsorted(numbers, line.x[known]), "osD^vP*X"[i % 8]
+        axes.plot(at + aside, line.y[known], marker, label=line.label, ms=5, mec="k", mew=0.5)
+
+
+def _draw_lines(lines: tuple[Line, ...], axes: "Axes", *, on_map: bool) -> None:
+    colours = ["#d62728", "#ffffff", "#ff9f1c"] if on_map else None
+    for i, line in enumerate(lines):
+        # Thinner dashes over thicker lines: curves that coincide all stay visible.
+        style = "o" if np.size(line.x) == 1 else ("-", "--", ":", "-.")[i % 4]
+        width = max(2.2 - 0.3 * i, 1.0)
+        colour = colours[i % len(colours)] if colours else None
+        axes.plot(line.x, line.y, style, label=line.label, color=colour, lw=width, ms=7, mec="k")
+
+
+def _png(canvas: "Canvas") -> bytes:
+    buffer = io.BytesIO()
+    canvas.savefig(buffer, format="png", metadata={"Software": None})
+    return buffer.getvalue()
+
+
+def _quoted(text: str) -> str:
+    return '"' + text.replace('"', '""') + '"' if set(text) & set(',"\n') else text

@@ -1,0 +1,208 @@
+"""From a study to a run's folder: solve, compare, export, read back, draw, write down."""
+
+import json
+import time
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import asdict, dataclass, replace
+from importlib.metadata import version
+from typing import Any, TypeAlias
+
+import numpy as np
+from pydantic import TypeAdapter, ValidationError
+
+from tuner import export
+from tuner.certificate.solution import Solution
+from tuner.export.tuned import Provenance, Quantity, Tuned
+from tuner.problem.problem import Problem
+from tuner.run.drawing import picture, table
+from tuner.run.folder import RunFolder
+from tuner.run.result import (
+    ComparisonRecord,
+    ExportRecord,
+    LogRecord,
+    Result,
+    SingleRecord,
+    SolutionRecord,
+)
+from tuner.run.study import Plan, Solutions, Study, Target, Task, best
+
+Progress: TypeAlias = Callable[[str, int, int], None]
+"""Called with what is being done, and how many of how many parts are finished."""
+
+VERSIONS = ("filter-tuner", "jax", "numpy", "scipy", "optuna")
+
+
+@dataclass(frozen=True)
+class Run:
+    """A study under way.
+
+    Attributes:
+        study: the study.
+        settings: its settings, as JSON-able values.
+        plan: what it does.
+        seed: where its random numbers come from.
+        folder: where its files go.
+        progress: told of every part.
+    """
+
+    study: Study
+    settings: dict[str, Any]
+    plan: Plan
+    seed: int
+    folder: RunFolder
+    progress: Progress
+
+    def solve(self, jobs: int, finished: Mapping[tuple[str, str], Solution]) -> Solutions:
+        """Solve all tasks that are not finished yet, in several threads.
+
+        Every solution is written to ``progress.json`` at once, so that an interrupted run can go
+        on. Threads suffice: the time is spent in compiled code, which frees the interpreter.
+        """
+        solutions = dict(finished)
+        open_tasks = [task for task in self.plan.tasks if _key(task) not in solutions]
+        self.progress("solving", len(solutions), len(self.plan.tasks))
+        self._save(solutions)  # a run that is interrupted at once can go on as well
+        with ThreadPoolExecutor(jobs) as pool:
+            futures = {pool.submit(task.solver, task.problem): task for task in open_tasks}
+            try:
+                for future in as_completed(futures):
+                    task = futures[future]
+                    solutions[_key(task)] = future.result()
+                    self._save(solutions)
+                    words = f"{task.problem.name}: {task.solver_name}"
+                    self.progress(words, len(solutions), len(self.plan.tasks))
+            except BaseException:
+                pool.shutdown(wait=False, cancel_futures=True)
+                raise
+        return _agreement({_key(task): solutions[_key(task)] for task in self.plan.tasks})
+
+    def _save(self, solutions: Solutions) -> None:
+        records = [SolutionRecord.of(s).model_dump_json() for s in solutions.values()]
+        text = f"[{','.join(records)}]\n"
+        self.folder.write("progress.json", text.encode(), replace=True)
+
+    def finish(self, solutions: Solutions, formats: tuple[str, ...], begun: float) -> Result:
+        """Compare, export, check in single precision and draw; write the result."""
+        artifacts = ["study.toml", "environment.json"]
+        self.progress("comparing", 0, 4)
+        comparisons = self.plan.compare(solutions)
+        exports: list[ExportRecord] = []
+        singles: list[SingleRecord] = []
+        tuned = [self.tuned(target, solutions) for target in self.plan.targets]
+        for target, what in zip(self.plan.targets, tuned, strict=True):
+            self.progress(f"exporting {what.name}", 1, 4)
+            solution = best(target.problem.name, solutions)
+            if solution.status.trusted:
+                exports += [self._export(target.problem, solution, what, f) for f in formats]
+            self.progress(f"single precision {what.name}", 2, 4)
+            checks = target.single(solution)
+            singles += [SingleRecord(problem=what.name, **asdict(check)) for check in checks]
+        artifacts += [record.file for record in exports]
+        for figure in self.plan.figures(solutions):
+            self.progress(f"drawing {figure.name}", 3, 4)
+            stem = f"figures/{figure.name}"
+            artifacts.append(self.folder.write(f"{stem}.csv", table(figure)))
+            artifacts.append(self.folder.write(f"{stem}.png", picture(figure)))
+        result = Result(
+            schema="tuner.run.result/1",
+            study=self.study.name,
+            seed=self.seed,
+            log=LogRecord(**asdict(self.plan.source)),
+            settings=self.settings,
+            solutions=[SolutionRecord.of(solution) for solution in solutions.values()],
+            comparisons=[ComparisonRecord(**asdict(row)) for row in comparisons],
+            exports=exports,
+            single_precision=singles,
+            tuned=[json.loads(export.dump(one, "json")) for one in tuned],
+            artifacts=[*artifacts, "result.json"],
+            seconds=time.perf_counter() - begun,
+        )
+        self.folder.write("result.json", result.to_json().encode())
+        self.folder.remove("progress.json")
+        self.progress("done", 4, 4)
+        return result
+
+    def tuned(self, target: Target, solutions: Solutions) -> Tuned:
+        """What is exported for a target: its parameters, and what follows from them."""
+        solution = best(target.problem.name, solutions)
+        parameters = [
+            Quantity(name, p.value, p.unit, target.meanings.get(name, ""))
+            for name, p in solution.parameters.items()
+        ]
+        return Tuned(
+            name=solution.problem,
+            filter=target.filter,
+            quantities=(*parameters, *target.quantities(solution)),
+            convention="discrete" if target.dt else "continuous",
+            dt=target.dt,
+            states=target.states,
+            provenance=Provenance(
+                study=self.study.name,
+                problem=solution.problem,
+                solver=solution.solver,
+                status=solution.status.value,
+                seed=self.seed,
+                log_name=self.plan.source.name,
+                log_sha256=self.plan.source.sha256,
+                versions=tuple((name, version(name)) for name in VERSIONS),
+            ),
+        )
+
+    def _export(
+        self, problem: Problem, solution: Solution, tuned: Tuned, form: str
+    ) -> ExportRecord:
+        name = f"exports/{tuned.name}{export.suffix(form)}"
+        self.folder.write(name, export.dump(tuned, form))
+        read_back = export.load((self.folder.path / name).read_bytes(), form)
+        return score_export(problem, solution.value, read_back, form, name)
+
+
+def score_export(
+    problem: Problem, value: float, tuned: Tuned, form: str, file: str
+) -> ExportRecord:
+    """Score the parameters of an exported filter against the value of its solution."""
+    parameters = {q.name: q.value for q in tuned.quantities if q.name in problem.space.names}
+    score = problem.score(parameters)
+    change = (score - value) / (value or 1.0)
+    return ExportRecord(
+        problem=problem.name, format=form, file=file, score=score, relative_change=change
+    )
+
+
+def recorded(progress: bytes) -> dict[tuple[str, str], Solution]:
+    """The solutions of an interrupted run, by problem and solver, from its ``progress.json``.
+
+    Raises:
+        ValueError: where it is none.
+    """
+    try:
+        records = TypeAdapter(list[SolutionRecord]).validate_json(progress)
+    except ValidationError:
+        raise ValueError("progress.json is not that of a run; start anew with --force") from None
+    solutions = [record.solution() for record in records]
+    return {(s.problem, s.solver): s for s in solutions}
+
+
+def trusted(plan: Plan, solutions: Solutions) -> bool:
+    """Whether every problem that is exported has a best solution that converged.
+
+    Problems that are solved for the comparison alone may be ill posed; their rows say so.
+    """
+    names = [target.problem.name for target in plan.targets]
+    return all(best(name, solutions).status.trusted for name in names)
+
+
+def _key(task: Task) -> tuple[str, str]:
+    return task.problem.name, task.solver_name
+
+
+def _agreement(solutions: Solutions) -> dict[tuple[str, str], Solution]:
+    """Tell every solution how the other methods did on its problem."""
+    agreed = {}
+    for key, own in solutions.items():
+        others = [s for s in solutions.values() if s.problem == own.problem and s is not own]
+        with np.errstate(divide="ignore", invalid="ignore"):  # values of zero, failed solutions
+            ratios = {s.solver: float(np.divide(s.value, own.value)) for s in others}
+        agreed[key] = replace(own, certificate=replace(own.certificate, methods=ratios))
+    return agreed

@@ -1,0 +1,193 @@
+"""A run's result: what is written to result.json, and read back from it."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from tuner.certificate.solution import Certificate, Parameter, Solution, Starts, Status
+from tuner.run.comparison import Comparison, Verdict
+
+
+class _Record(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+
+class ParameterRecord(_Record):
+    """A tuned parameter; see :class:`tuner.certificate.solution.Parameter`."""
+
+    value: float | list[float] | list[list[float]]
+    unit: str
+    interval: tuple[float, float] | None
+
+
+class SolutionRecord(_Record):
+    """A solution; see :class:`tuner.certificate.solution.Solution`. Infinite numbers are null."""
+
+    problem: str
+    solver: str
+    status: Status
+    message: str
+    value: float | None
+    z: list[float]
+    parameters: dict[str, ParameterRecord]
+    derived: dict[str, float | None]
+    evaluations: int
+    seconds: float
+    certificate: dict[str, Any]
+
+    @classmethod
+    def of(cls, solution: Solution) -> "SolutionRecord":
+        """The record of a solution."""
+        return cls(
+            problem=solution.problem,
+            solver=solution.solver,
+            status=solution.status,
+            message=solution.message,
+            value=solution.value,
+            z=solution.z.tolist(),
+            parameters={
+                name: ParameterRecord(value=p.value.tolist(), unit=p.unit, interval=p.interval)
+                for name, p in solution.parameters.items()
+            },
+            derived=dict(solution.derived),
+            evaluations=solution.evaluations,
+            seconds=solution.seconds,
+            certificate=asdict(solution.certificate),
+        )
+
+    def solution(self) -> Solution:
+        """The solution that was recorded."""
+        fields = _infinite(self.certificate)
+        for name in ("active_bounds", "curvatures", "flat_directions"):
+            fields[name] = tuple(fields[name])
+        fields["lower_bound"] = self.certificate.get("lower_bound")  # null: nothing is proved
+        return Solution(
+            problem=self.problem,
+            solver=self.solver,
+            status=self.status,
+            message=self.message,
+            value=_infinite(self.value),
+            z=np.array(self.z),
+            parameters={
+                name: Parameter(np.array(p.value), p.unit, p.interval)
+                for name, p in self.parameters.items()
+            },
+            derived=_infinite(self.derived),
+            evaluations=self.evaluations,
+            seconds=self.seconds,
+            certificate=Certificate(**{**fields, "starts": Starts(**fields["starts"])}),
+        )
+
+
+def _infinite(data: Any) -> Any:
+    """The same with infinity for null, which is how JSON has infinite numbers."""
+    if isinstance(data, dict):
+        return {key: _infinite(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_infinite(value) for value in data]
+    return np.inf if data is None else data
+
+
+class ComparisonRecord(_Record):
+    """A row of the comparison; see :class:`tuner.run.comparison.Comparison`."""
+
+    quantity: str
+    where: str
+    paper: float | None
+    ours: float | None
+    unit: str
+    tolerance: float | None
+    verdict: Verdict
+    note: str
+
+    def comparison(self) -> Comparison:
+        """The row that was recorded."""
+        return Comparison(**{name: getattr(self, name) for name in type(self).model_fields})
+
+
+class LogRecord(_Record):
+    """The data of a run; see :class:`tuner.run.study.Source`."""
+
+    name: str
+    sha256: str
+    samples: int
+    rate_hz: float
+
+
+class ExportRecord(_Record):
+    """An exported file, read back.
+
+    Attributes:
+        problem, format, file: what was written where, relative to the run's folder.
+        score: the objective with the parameters that were read back.
+        relative_change: its distance from the solution's value, over that value.
+    """
+
+    problem: str
+    format: str
+    file: str
+    score: float | None
+    relative_change: float | None
+
+
+class SingleRecord(_Record):
+    """A check in single precision; see :mod:`tuner.certificate.single_precision`."""
+
+    problem: str
+    form: str
+    largest: float | None
+    share: float | None
+    sample: int
+    rms: float | None
+    warning: str
+
+
+class Result(_Record):
+    """Everything a run found; ``result.json``."""
+
+    schema_: Literal["tuner.run.result/1"] = Field(alias="schema")
+    study: str
+    seed: int
+    log: LogRecord
+    settings: dict[str, Any]
+    solutions: list[SolutionRecord]
+    comparisons: list[ComparisonRecord]
+    exports: list[ExportRecord]
+    single_precision: list[SingleRecord]
+    tuned: list[dict[str, Any]] = Field(description="what is exported, as JSON exports have it")
+    artifacts: list[str]
+    seconds: float
+
+    def to_json(self) -> str:
+        """JSON text; infinite numbers become null."""
+        return self.model_dump_json(by_alias=True, indent=1) + "\n"
+
+
+def read_result(path: Path) -> Result:
+    """Read a run's result from its folder, or from result.json itself.
+
+    Raises:
+        ValueError: where there is none, or it is not one.
+    """
+    file = path / "result.json" if path.is_dir() else path
+    try:
+        return Result.model_validate_json(file.read_bytes())
+    except FileNotFoundError:
+        raise ValueError(
+            f"{path} holds no result.json; give the folder of a finished run"
+        ) from None
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"]) or "the file"
+        raise ValueError(f"{file.name} is no result of a run: {where}: {first['msg']}") from None
+    except OSError as error:
+        raise ValueError(f"{path} cannot be read: {error.strerror}") from None
+
+
+def pretty(data: Any) -> bytes:
+    """JSON with line breaks, as bytes."""
+    return (json.dumps(data, indent=1, ensure_ascii=False) + "\n").encode()
