@@ -164,9 +164,9 @@ def _facts(declared: Declared, kind: type[Any]) -> dict[str, Any]:
         inner = _tuple_in(hint)
         if inner is not None:
             found |= _facts(inner, kind)
-        found |= {
-            name: fact for fact in getattr(hint, "__metadata__", ()) if isinstance(fact, kind)
-        }
+        for fact in getattr(hint, "__metadata__", ()):
+            if isinstance(fact, kind):
+                found[name] = fact
     return found
 
 
