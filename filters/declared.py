@@ -119,6 +119,19 @@ def assembled(filter: Any, values: Mapping[str, Any]) -> Any:
     return _assembled(declaration(filter, "params"), values)
 
 
+def values_of(filter: Any, params: Any) -> dict[str, Array]:
+    """The parameters of a filter by the names it declares: the inverse of :func:`assembled`.
+
+    >>> from filters import Complementary, ComplementaryGain
+    >>> sorted(values_of(Complementary, ComplementaryGain(jnp.array(2.0), jnp.array(0.1))))
+    ['angle0', 'tau']
+    """
+    declared = declaration(filter, "params")
+    if isinstance(declared, Mapping):
+        return dict.fromkeys(declared, params)
+    return _values(declared, params)
+
+
 def inputs_of(filter: Any, channels: Mapping[str, Any]) -> Any:
     """What ``step`` takes as inputs, from channels by name, time first; None for those left out."""
     inputs = declaration(filter, "inputs")
@@ -194,6 +207,15 @@ def _assembled(declared: Declared, values: Mapping[str, Any]) -> Any:
         given = not may_be_none or bool(_facts(inner, Param).keys() & values.keys())
         made[name] = _assembled(inner, values) if given else None
     return declared(**made)
+
+
+def _values(declared: type[Any], params: Any) -> dict[str, Array]:
+    found: dict[str, Array] = {}
+    for name, hint in get_type_hints(declared, include_extras=True).items():
+        inner, value = _tuple_in(hint), getattr(params, name)
+        if value is not None:
+            found |= _values(inner, value) if inner is not None else {name: value}
+    return found
 
 
 def _filled(fact: Param, value: Any) -> Array:

@@ -15,6 +15,7 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
+from filters.declared import Param
 from filters.validate import check_setup
 
 
@@ -55,6 +56,14 @@ class RateState(NamedTuple):
     det: Array
 
 
+_DERIVED = {
+    "K1": Param("1", "steady gain on the measured quantity", 0.1),
+    "K2": Param("1/s", "steady gain on its derivative", 0.1),
+    "bandwidth": Param("Hz", "where the response has fallen by 3 dB", 1.0),
+}
+"""What follows from R and Q; a filter that is nearly none has no bandwidth."""
+
+
 @dataclass(frozen=True)
 class AccelerometerFilter:
     """Model (8), a constant acceleration: measured and put out is a, in the unit of z.
@@ -69,6 +78,8 @@ class AccelerometerFilter:
 
     dt: float
     shape: tuple[int, ...] = ()
+
+    derived = _DERIVED
 
     def __post_init__(self) -> None:
         check_setup(self)
@@ -86,6 +97,15 @@ class AccelerometerFilter:
         a = state.a + p * jnp.where(missing, 0.0, inputs - state.a)
         return LevelState(a, p), a
 
+    def steady(self, params: Noise) -> "tuple[FixedGainFilter, Gains]":
+        """The filter that it becomes once P0 is forgotten, and that filter's parameters."""
+        gains, _ = accelerometer_steady(jnp.asarray(params.Q) / params.R, self.dt)
+        return FixedGainFilter(self.dt, self.shape), gains
+
+    def derive(self, params: Noise) -> dict[str, Array]:
+        """Steady gains and bandwidth."""
+        return _derived(accelerometer_steady(jnp.asarray(params.Q) / params.R, self.dt))
+
 
 @dataclass(frozen=True)
 class GyroscopeFilter:
@@ -101,6 +121,8 @@ class GyroscopeFilter:
 
     dt: float
     shape: tuple[int, ...] = ()
+
+    derived = _DERIVED
 
     def __post_init__(self) -> None:
         check_setup(self)
@@ -129,6 +151,15 @@ class GyroscopeFilter:
         y = jnp.where(missing, 0.0, inputs - omega)
         omega, epsilon = omega + p11 * y, state.epsilon + p12 * y
         return RateState(omega, epsilon, p11, p12, p22, det), omega
+
+    def steady(self, params: Noise) -> "tuple[FixedGainFilter, Gains]":
+        """The filter that it becomes once P0 is forgotten, and that filter's parameters."""
+        gains, _ = gyroscope_steady(jnp.asarray(params.Q) / params.R, self.dt)
+        return FixedGainFilter(self.dt, self.shape), gains
+
+    def derive(self, params: Noise) -> dict[str, Array]:
+        """Steady gains and bandwidth."""
+        return _derived(gyroscope_steady(jnp.asarray(params.Q) / params.R, self.dt))
 
 
 class Gains(NamedTuple):
@@ -186,6 +217,11 @@ class SteadyState(NamedTuple):
 
     gains: Gains
     bandwidth_hz: Array
+
+
+def _derived(steady: SteadyState) -> dict[str, Array]:
+    (K1, K2), bandwidth = steady
+    return {"K1": jnp.asarray(K1), "K2": jnp.asarray(K2), "bandwidth": bandwidth}
 
 
 def accelerometer_steady(q_over_r: ArrayLike, dt: float) -> SteadyState:

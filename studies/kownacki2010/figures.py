@@ -8,7 +8,9 @@ import numpy as np
 
 from filters import AnyFilter, Noise, run
 from objectives import Folded, StepCost, StepResponse
-from studies.kownacki2010.bench import ACC, Bench
+from studies.kownacki2010 import problems
+from studies.kownacki2010.data import Bench
+from studies.kownacki2010.paper import ACC
 from tuner.problem.problem import Problem
 from tuner.problem.surface import grid
 from tuner.run.figure import Chart, Figure, Line, Map
@@ -25,6 +27,14 @@ def figures(benches: list[Bench], solutions: Solutions) -> Iterator[Figure]:
         yield _surface(bench, ratio)
         yield _responses(bench, ratio)
         yield _tradeoff(bench, ratio)
+
+
+def own_figures(benches: list[Bench], solutions: Solutions) -> Iterator[Figure]:
+    """Of a record of one's own: the step response at the optimum, and what the cost trades."""
+    for bench in benches:
+        ratio = best(bench.sensor.name, solutions).derived["q_over_r"]
+        yield _responses(bench, ratio, published=False)
+        yield _tradeoff(bench, ratio, published=False)
 
 
 def _sweeps(bench: Bench) -> Figure:
@@ -44,15 +54,13 @@ def _sweeps(bench: Bench) -> Figure:
     return _chart(bench, figure, title, sweeps)
 
 
-def _responses(bench: Bench, ratio: float) -> Figure:
+def _responses(bench: Bench, ratio: float, *, published: bool = True) -> Figure:
     """Fig 9: the step response at Table 2's ratio and at the optimum of this record."""
-    published = bench.sensor.table2
-    chosen = {
-        "Table 2": Noise(published.R, published.Q, np.ones((2, 2))),
-        f"optimum, Q/R = {ratio:.4g}": Noise(bench.R, ratio * bench.R, np.ones((2, 2))),
-    }
-    title = "Step response with tuned Q and R"
-    return _chart(bench, f"fig9_{bench.sensor.name}", title, chosen, window=(0.48, 0.65))
+    table, ones = bench.sensor.table2, np.ones((2, 2))
+    chosen = {"Table 2": Noise(table.R, table.Q, ones)} if published else {}
+    chosen[f"optimum, Q/R = {ratio:.4g}"] = Noise(bench.R, ratio * bench.R, ones)
+    name = f"{'fig9' if published else 'step'}_{bench.sensor.name}"
+    return _chart(bench, name, "Step response with tuned Q and R", chosen, window=(0.48, 0.65))
 
 
 def _chart(
@@ -88,7 +96,7 @@ def _answer(filter: AnyFilter, params: Noise, signals: jax.Array) -> jax.Array:
 
 def _surface(bench: Bench, ratio: float) -> Figure:
     """Fig 8: the cost over R and Q, on logarithmic axes, where its valley shows."""
-    problem = bench.paper()
+    problem = problems.paper(bench)
     R = np.logspace(-13, 0, bench.settings.grid)
     Q = np.logspace(-13, 2, bench.settings.grid)
     published = bench.sensor.table2
@@ -111,14 +119,12 @@ def _surface(bench: Bench, ratio: float) -> Figure:
     )
 
 
-def _tradeoff(bench: Bench, ratio: float) -> Figure:
+def _tradeoff(bench: Bench, ratio: float, *, published: bool = True) -> Figure:
     """Inertia against noise over Q/R: every point is the best for some weight of the noise."""
-    problem = bench.problem()
+    problem = problems.problem(bench)
     ratios = ratio * np.logspace(-3, 3, 61)
     inertia, noise = (np.asarray(part) for part in _parts(problem, bench.R * ratios))
     optima = [int(np.argmin(inertia + weight * noise)) for weight in (0.5, 1.0, 2.0)]
-    published = bench.sensor.table2.Q / bench.sensor.table2.R
-    there = _parts(problem, np.array([bench.R * published]))
     words = ("half weight", "weight 1", "double weight")
     return Chart(
         name=f"tradeoff_{bench.sensor.name}",
@@ -131,14 +137,16 @@ def _tradeoff(bench: Bench, ratio: float) -> Figure:
                 Line(f"{word}: Q/R = {ratios[i]:.3g}", noise[[i]], inertia[[i]])
                 for word, i in zip(words, optima, strict=True)
             ),
-            Line(
-                f"Table 2: Q/R = {published:.4g}",
-                np.asarray(there.noise),
-                np.asarray(there.inertia),
-            ),
+            *(_of_table_2(bench, problem) if published else ()),
         ),
         log="xy",
     )
+
+
+def _of_table_2(bench: Bench, problem: Problem) -> tuple[Line]:
+    ratio = bench.sensor.table2.Q / bench.sensor.table2.R
+    there = _parts(problem, np.array([bench.R * ratio]))
+    return (Line(f"Table 2: Q/R = {ratio:.4g}", *map(np.asarray, (there.noise, there.inertia))),)
 
 
 def _parts(problem: Problem, Q: np.ndarray) -> StepCost:

@@ -51,6 +51,10 @@ def run(
     set: Annotated[
         list[str] | None, typer.Option(metavar="KEY=VALUE", help="A setting of the study.")
     ] = None,
+    claim: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Try this row of the comparison alone; * for any."),
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the results.")] = None,
     seed: Annotated[
         int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all random numbers; 0.")
@@ -76,6 +80,7 @@ def run(
         rate=rate,
         time=time,
         sets=tuple(set or ()),
+        claims=tuple(claim or ()),
         out=out,
         seed=seed,
         storage=storage,
@@ -114,17 +119,14 @@ def export(
     problem: Annotated[
         str | None, typer.Option(help="Which one, where the run has several.")
     ] = None,
-    log: Annotated[
-        Path | None, typer.Option(help="The run's log, to score what was written.")
-    ] = None,
     force: Annotated[
         bool, typer.Option(help="Replace the file; export what did not converge.")
     ] = False,
 ) -> None:
-    """Write a tuned filter as a file, read it back and score it again."""
+    """Write a tuned filter as a file and read it back."""
     from tuner.cli.export import write
 
-    write(run, to, output, problem=problem, log=log, force=force)
+    write(run, to, output, problem=problem, force=force)
 
 
 @app.command()

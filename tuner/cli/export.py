@@ -1,20 +1,17 @@
-"""tuner export: one tuned filter of a run as a file, read back and scored."""
+"""tuner export: one tuned filter of a run as a file, read back."""
 
 import json
 import sys
 from pathlib import Path
 
 from tuner import export
-from tuner.atomic import write_bytes
 from tuner.export import Tuned
 from tuner.names import unknown
 from tuner.run.result import Result, read_result
 
 
-def write(
-    run: Path, to: str, output: str | None, *, problem: str | None, log: Path | None, force: bool
-) -> None:
-    """Write a tuned filter of a run and score what was written.
+def write(run: Path, to: str, output: str | None, *, problem: str | None, force: bool) -> None:
+    """Write a tuned filter of a run, read it back and compare it with what the run found.
 
     Raises:
         ValueError: for an unknown problem or format, a solution that did not converge, or a file
@@ -31,11 +28,10 @@ def write(
     if output == "-":
         sys.stdout.buffer.write(data)
         return
-    folder = run if run.is_dir() else run.parent
     path = Path(output) if output else Path(f"{tuned.name}{export.suffix(to)}")
     export.write(tuned, path, to, overwrite=force)
-    print(f"wrote {path}", file=sys.stderr)
-    _score(folder, result, path, to, log)
+    _check(tuned, export.load(path.read_bytes(), to), path)
+    print(f"wrote {path}: {len(tuned.quantities)} quantities, read back equal", file=sys.stderr)
 
 
 def _choose(result: Result, problem: str | None) -> Tuned:
@@ -52,28 +48,7 @@ def _choose(result: Result, problem: str | None) -> Tuned:
     return tuned[names.index(problem)]
 
 
-def _score(folder: Path, result: Result, path: Path, to: str, log: Path | None) -> None:
-    """Score the file on the run's data and add that to the result; say so where it cannot be."""
-    from tuner.cli.again import plan_again
-    from tuner.run.pipeline import score_export
-
-    try:
-        plan = plan_again(folder, log)
-    except ValueError as error:
-        print(f"not scored again: {error}", file=sys.stderr)
-        return
-    tuned = export.load(path.read_bytes(), to)
-    problem = next(t.problem for t in plan.targets if t.problem.name == tuned.name)
-    solution = next(
-        s.solution()
-        for s in result.solutions
-        if (s.problem, s.solver) == (tuned.name, tuned.provenance.solver)
-    )
-    record = score_export(problem, solution.value, tuned, to, path.name)
-    print(
-        f"read back and scored: {record.score:.12g}, "
-        f"{record.relative_change:+.1e} of the solution's value",
-        file=sys.stderr,
-    )
-    grown = result.model_copy(update={"exports": [*result.exports, record]})
-    write_bytes(folder / "result.json", grown.to_json().encode(), overwrite=True)
+def _check(written: Tuned, read_back: Tuned, path: Path) -> None:
+    """Refuse a file whose numbers are not those of the run, to the bit."""
+    if read_back != written:
+        raise ValueError(f"{path} does not hold the numbers of the run; the disk may be damaged")

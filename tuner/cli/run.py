@@ -34,6 +34,7 @@ class Request:
     rate: float | None
     time: str | None
     sets: tuple[str, ...]
+    claims: tuple[str, ...]
     out: Path | None
     seed: int | None
     storage: str | None
@@ -56,16 +57,16 @@ def execute(request: Request) -> int:
     if log is not None:
         print("\n".join(describe(log)), file=sys.stderr)
     if request.dry_run:
-        _say_plan(study, study.plan(settings, log, seed, ""))
+        _say_plan(study, _chosen(study.plan(settings, log, seed, ""), request))
         return 0
     folder = open_folder(request.out, study.name, force=request.force, resume=request.resume)
     storage = request.storage or f"sqlite:///{folder.path / 'trials.sqlite3'}"
-    plan = study.plan(settings, log, seed, storage)
+    plan = _chosen(study.plan(settings, log, seed, storage), request)
     values = settings.model_dump(mode="json")
     recipe = _recipe(study, request, values, plan)
     finished = _finished(folder, recipe) if request.resume else {}
     with interruptible() as check, _progress(check) as progress:
-        run = Run(study, values, plan, seed, folder, progress)
+        run = Run(study.name, values, plan, seed, folder, progress, request.claims)
         try:
             _write_down(folder, recipe, plan)
             solutions = run.solve(request.jobs, finished)
@@ -80,6 +81,11 @@ def execute(request: Request) -> int:
 
         show_result(result, folder.path)
     return 0 if trusted(plan, solutions) else 1
+
+
+def _chosen(plan: Plan, request: Request) -> Plan:
+    """The whole plan, or what the claims that are asked for take."""
+    return plan.only(request.claims) if request.claims else plan
 
 
 def from_toml(request: Request) -> tuple[Request, dict[str, Any]]:
@@ -186,7 +192,7 @@ def _say_plan(study: Study, plan: Plan) -> None:
         free = ""
         if isinstance(task.problem, Problem):
             free = f" over {', '.join(task.problem.space.coordinates)}"
-        print(f"would solve {task.problem.name}{free} by {task.solver_name}")
+        print(f"would solve {task.problem.name}{free} by {task.solver.name}")
 
 
 @contextmanager

@@ -6,7 +6,7 @@ allowed set. A fixed parameter takes no place in z.
 """
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import jax
 import jax.numpy as jnp
@@ -25,6 +25,11 @@ class Parameter(Protocol):
     @property
     def unit(self) -> str:
         """The value's unit, "" for none."""
+        ...
+
+    @property
+    def meaning(self) -> str:
+        """What it is, in a short sentence; "" where nobody said."""
         ...
 
     @property
@@ -68,6 +73,7 @@ class Positive:
     size: int = 1
     limited: bool = False
     threshold: bool = False
+    meaning: str = ""
 
     def __post_init__(self) -> None:
         if not 0 < self.low <= self.init <= self.high < np.inf:
@@ -110,6 +116,7 @@ class Bounded:
     unit: str = ""
     size: int = 1
     limited: bool = False
+    meaning: str = ""
 
     def __post_init__(self) -> None:
         if not -np.inf < self.low < self.init < self.high < np.inf:
@@ -161,6 +168,7 @@ class Limited:
     scale: float = 1.0
     size: int = 1
     limited: bool = True
+    meaning: str = ""
 
     def __post_init__(self) -> None:
         if not -np.inf < self.low <= self.init <= self.high < np.inf or self.low == self.high:
@@ -203,6 +211,7 @@ class Covariance:
         init: the initial matrix as nested tuples, symmetric positive definite.
         low, high: bounds of the factor's diagonal, that is of standard deviations.
         unit: unit of the entries.
+        meaning: what it is.
     """
 
     init: tuple[tuple[float, ...], ...]
@@ -210,6 +219,7 @@ class Covariance:
     high: float
     unit: str = ""
     limited: bool = False
+    meaning: str = ""
 
     def __post_init__(self) -> None:
         if not 0 < self.low < self.high < np.inf:
@@ -267,12 +277,13 @@ class Covariance:
 
 @dataclass(frozen=True)
 class Fixed:
-    """A parameter that is not tuned: a number, or a matrix as nested tuples."""
+    """A parameter that is not tuned: a number, or a vector or matrix as nested tuples."""
 
-    value: float | tuple[tuple[float, ...], ...]
+    value: float | tuple[Any, ...]
     unit: str = ""
     size: int = 0
     limited: bool = False
+    meaning: str = ""
 
     def constrain(self, z: Array) -> Array:
         """The value itself."""

@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from jax import Array
 
+from filters.declared import Param, parameter_facts
 from tuner.names import unknown
-from tuner.problem.parameters import Parameter, Positive
+from tuner.problem.parameters import Bounded, Fixed, Parameter, Positive
 
 
 @dataclass(frozen=True)
@@ -26,6 +28,33 @@ class Space:
     def of(cls, **parameters: Parameter) -> "Space":
         """A space of the parameters given by name."""
         return cls(tuple(parameters.items()))
+
+    @classmethod
+    def of_filter(cls, filter: Any, **overrides: Parameter | float) -> "Space":
+        """The space of a filter's parameters, as its facts suggest it.
+
+        What has a search range is free, positive or bounded; the rest keeps its typical value.
+
+        Args:
+            filter: a filter that declares its parameters, or its class.
+            overrides: other decisions by name: a parameter of any kind, or a number that it is
+                fixed at. Unit and meaning come from the facts where they are left out.
+
+        Raises:
+            ValueError: for an unknown name, with the near ones, and a filter without facts.
+
+        >>> from filters import Complementary
+        >>> space = Space.of_filter(Complementary, tau=Positive(2.0, low=0.1, high=50.0))
+        >>> space.coordinates
+        ['ln tau']
+        """
+        facts = parameter_facts(filter)
+        for name in overrides:
+            if name not in facts:
+                raise unknown("parameter", name, facts)
+        return cls(
+            tuple((name, _decided(fact, overrides.get(name))) for name, fact in facts.items())
+        )
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -108,3 +137,20 @@ class Space:
         low, high = self.box()
         random = np.random.default_rng(seed).uniform(low, high, (max(count - 1, 0), self.size))
         return np.vstack([self.start(), random])[:count]
+
+
+def _decided(fact: Param, own: Parameter | float | None) -> Parameter:
+    """One parameter as the facts have it, or as it was decided."""
+    if isinstance(own, int | float):
+        return Fixed(float(own), fact.unit, meaning=fact.meaning)
+    if own is not None:
+        known: Any = own  # every kind is a frozen dataclass
+        told: Parameter = replace(
+            known, unit=own.unit or fact.unit, meaning=own.meaning or fact.meaning
+        )
+        return told
+    if fact.low is None or fact.high is None:
+        return Fixed(fact.typical, fact.unit, meaning=fact.meaning)
+    kind = Positive if fact.low > 0 else Bounded
+    begin = float(np.asarray(fact.typical))
+    return kind(begin, fact.low, fact.high, fact.unit, meaning=fact.meaning)

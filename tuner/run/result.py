@@ -139,6 +139,7 @@ class SingleRecord(_Record):
 
     problem: str
     form: str
+    output: str
     largest: float | None
     share: float | None
     sample: int
@@ -149,7 +150,7 @@ class SingleRecord(_Record):
 class Result(_Record):
     """Everything a run found; ``result.json``."""
 
-    schema_: Literal["tuner.run.result/1"] = Field(alias="schema")
+    schema_: Literal["tuner.result/1"] = Field(alias="schema")
     study: str
     seed: int
     log: LogRecord

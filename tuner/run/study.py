@@ -1,13 +1,12 @@
 """What a study is, and how studies are found."""
 
-import hashlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from fnmatch import fnmatch
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-import numpy as np
-
+from tuner.data.source import Source
 from tuner.names import unknown
 from tuner.run.comparison import Comparison
 from tuner.run.figure import Figure
@@ -16,47 +15,11 @@ if TYPE_CHECKING:
     from jax import Array
     from pydantic import BaseModel
 
-    from tuner.certificate.single_precision import SinglePrecision
     from tuner.certificate.solution import Solution
     from tuner.data.logs import Log
-    from tuner.export.tuned import Quantity
     from tuner.problem.problem import Problem
     from tuner.solvers.convex import ConvexTask
-
-Solver: TypeAlias = "Callable[[Any], Solution]"
-"""A solver of a :class:`Problem`, or of a convex program."""
-
-
-@dataclass(frozen=True)
-class Source:
-    """Which data a run used.
-
-    Attributes:
-        name: the log's file name, or what was made up instead.
-        sha256: of the log's bytes, or of the made-up samples; of the model where there are none.
-        samples: how many samples; 0 for a design, which needs none.
-        rate_hz: sample rate; 0 for a design.
-    """
-
-    name: str
-    sha256: str
-    samples: int
-    rate_hz: float
-
-    @classmethod
-    def simulated(cls, name: str, made: Sequence[np.ndarray], rate_hz: float) -> "Source":
-        """Made-up records side by side.
-
-        Args:
-            name: what was made up.
-            made: one array ``(N, k, ...)`` or several, of k records of N samples each.
-            rate_hz: sample rate.
-
-        >>> Source.simulated("two steps", [np.zeros((500, 2, 3))], 100.0).samples
-        1000
-        """
-        digest = hashlib.sha256(b"".join(array.tobytes() for array in made)).hexdigest()
-        return cls(name, digest, made[0].shape[0] * made[0].shape[1], rate_hz)
+    from tuner.solvers.solver import Solver
 
 
 @dataclass(frozen=True)
@@ -64,8 +27,7 @@ class Task:
     """One problem, or convex program, for one solver."""
 
     problem: "Problem | ConvexTask"
-    solver: Solver
-    solver_name: str
+    solver: "Solver"
 
 
 Solutions: TypeAlias = "Mapping[tuple[str, str], Solution]"
@@ -88,26 +50,24 @@ def tuned_values(solution: "Solution") -> "dict[str, Array]":
 
 
 @dataclass(frozen=True)
-class Target:
-    """A problem whose solution goes onto a machine.
+class Claim:
+    """One claim or number of a paper, and the function that tries it.
 
     Attributes:
-        problem: the problem.
-        filter: name of the filter.
-        states: the order of its states.
-        dt: sample time, s; 0 where it is continuous.
-        quantities: what is exported besides the parameters, given the solution.
-        single: the same solution run in single precision.
-        meanings: of the parameters, a short sentence by name.
+        name: the row's name, "exp2.order_S_phi"; with a * where the function returns a row for each
+            of several things: "*.q_over_r".
+        rows: from the study's case and the solutions to its row or rows.
+        needs: names of the problems, with * and ?, whose solutions it asks for.
     """
 
-    problem: "Problem"
-    filter: str
-    states: tuple[str, ...]
-    dt: float
-    quantities: "Callable[[Solution], tuple[Quantity, ...]]"
-    single: "Callable[[Solution], tuple[SinglePrecision, ...]]"
-    meanings: Mapping[str, str] = field(default_factory=dict)
+    name: str
+    rows: "Callable[[Any, Solutions], Comparison | Iterable[Comparison]]"
+    needs: tuple[str, ...] = ()
+
+    def compare(self, case: Any, solutions: Solutions) -> list[Comparison]:
+        """Its rows."""
+        found = self.rows(case, solutions)
+        return [found] if isinstance(found, Comparison) else list(found)
 
 
 @dataclass(frozen=True)
@@ -117,16 +77,49 @@ class Plan:
     Attributes:
         source: the data.
         tasks: what is solved.
-        targets: what is exported.
-        compare: the rows of the comparison, given all solutions.
-        figures: the figures, given all solutions.
+        exports: names of the problems whose best solution goes onto a machine.
+        case: what the claims and figures are about: the study's own data.
+        claims: what is compared, in the order of the rows.
+        figures: the figures, given the case and all solutions.
     """
 
     source: Source
     tasks: tuple[Task, ...]
-    targets: tuple[Target, ...]
-    compare: Callable[[Solutions], list[Comparison]]
-    figures: Callable[[Solutions], Iterable[Figure]]
+    exports: tuple[str, ...]
+    case: Any
+    claims: tuple[Claim, ...]
+    figures: Callable[[Any, Solutions], Iterable[Figure]]
+
+    def only(self, names: Iterable[str]) -> "Plan":
+        """What trying some claims alone takes; nothing is exported or drawn.
+
+        Raises:
+            ValueError: for a claim that there is none of, with the near ones.
+        """
+        wanted = tuple(names)
+        for name in wanted:
+            if not any(_named(claim, name) for claim in self.claims):
+                raise unknown("claim", name, [claim.name for claim in self.claims])
+        claims = tuple(c for c in self.claims if any(_named(c, name) for name in wanted))
+        needs = {need for claim in claims for need in claim.needs}
+        tasks = tuple(
+            task for task in self.tasks if any(fnmatch(task.problem.name, need) for need in needs)
+        )
+        return Plan(self.source, tasks, (), self.case, claims, lambda case, solutions: ())
+
+    def compare(self, solutions: Solutions, names: Iterable[str] = ()) -> list[Comparison]:
+        """The rows of all claims, or those of some names."""
+        rows = [row for claim in self.claims for row in claim.compare(self.case, solutions)]
+        wanted = tuple(names)
+        return [row for row in rows if not wanted or _asked(row.quantity, wanted)]
+
+
+def _named(claim: Claim, name: str) -> bool:
+    return fnmatch(name, claim.name) or fnmatch(claim.name, name)
+
+
+def _asked(quantity: str, names: tuple[str, ...]) -> bool:
+    return any(fnmatch(quantity, name) for name in names)
 
 
 @dataclass(frozen=True)
@@ -138,16 +131,16 @@ class Study:
         title: one line.
         paper: the citation.
         settings: the model of its options, a frozen pydantic model that forbids unknown names.
-        channels: what ``--map`` may name, with a description each; empty if it takes no log.
         plan: from settings, log (or None), seed and database URL to the plan.
+        channels: what ``--map`` may name, with a description each; empty if it takes no log.
     """
 
     name: str
     title: str
     paper: str
     settings: "type[BaseModel]"
-    channels: Mapping[str, str] = field(hash=False)
     plan: "Callable[[Any, Log | None, int, str], Plan]"
+    channels: Mapping[str, str] = field(default_factory=dict, hash=False)
 
 
 GROUP = "tuner.studies"
