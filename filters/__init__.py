@@ -11,7 +11,7 @@ from filters.attitude import (  # noqa: E402
     AttitudeState,
     ImuSample,
 )
-from filters.batched import Batched, shared  # noqa: E402
+from filters.batched import Batched, Lanes, shared  # noqa: E402
 from filters.bounded_motion import (  # noqa: E402
     BoundedMotionKalman,
     BoundedMotionNoise,
@@ -60,6 +60,7 @@ from filters.declared import (  # noqa: E402
     Channel,
     Param,
     assembled,
+    bare,
     channel_facts,
     inputs_of,
     optional,
@@ -157,6 +158,7 @@ __all__ = [
     "ImuSample",
     "Innovation",
     "KalmanCovariance",
+    "Lanes",
     "LinearKalman",
     "LinearModel",
     "LinearOutputs",
@@ -196,6 +198,7 @@ __all__ = [
     "accelerometer_angles",
     "accelerometer_steady",
     "assembled",
+    "bare",
     "blocks",
     "channel_facts",
     "constructed_attitude",

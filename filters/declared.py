@@ -150,12 +150,20 @@ def output(filter: Any, outputs: Any, name: str) -> Array:
     return part
 
 
+def bare(filter: Any) -> Any:
+    """The filter inside those that take its parameters as they are: Timed and Lanes."""
+    while getattr(filter, "same_params", False) and not isinstance(filter, type):
+        filter = filter.filter
+    return filter
+
+
 def declaration(filter: Any, part: str) -> Declared:
     """The tuple or mapping that a filter declares for one of its parts.
 
     Raises:
         ValueError: where it declares none, or nothing about it.
     """
+    filter = bare(filter)
     cls = filter if isinstance(filter, type) else type(filter)
     declared = getattr(filter, part, None)
     kind = Param if part == "params" else Channel

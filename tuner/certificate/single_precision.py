@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from filters import AnyFilter, run
-from filters.declared import Channel, channel_facts, output
+from filters.declared import Channel, bare, channel_facts, output
 
 HARMLESS = 0.01
 """A deviation below this share of the signal's scale is not worth a warning."""
@@ -69,7 +69,7 @@ def _half(leaf: Any) -> jax.Array:
 
 def _compared(filter: Any, outputs: Any) -> dict[str, tuple[np.ndarray, Channel | None]]:
     """The outputs by name, with what is known of them."""
-    if hasattr(filter, "outputs"):
+    if hasattr(bare(filter), "outputs"):
         facts = channel_facts(filter, "outputs")
         return {
             name: (np.asarray(output(filter, outputs, name)), fact)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from filters.declared import Param, channel_facts, parameter_facts, values_of
+from filters.declared import Param, bare, channel_facts, parameter_facts, values_of
 from tuner.certificate.solution import Solution
 from tuner.export.tuned import Quantity
 from tuner.problem.space import Space
@@ -39,6 +39,7 @@ def exported_of(filter: Any) -> Exported:
     """What a filter declares of itself: its states, and what it derives from its parameters."""
     if filter is None:
         return Exported("Design")
+    filter = bare(filter)
     states = channel_facts(filter, "states") if hasattr(filter, "states") else {}
     names = [f"{name}_{axis}" for name, c in states.items() for axis in c.axes or ("",)]
     return Exported(
@@ -57,6 +58,7 @@ def derived_of(filter: Any, params: Any) -> tuple[Quantity, ...]:
 
 def held_of(filter: Any, params: Any) -> tuple[Quantity, ...]:
     """The filter's own parameters, as it declares them."""
+    filter = bare(filter)
     if not hasattr(filter, "params"):
         return ()
     return _told(parameter_facts(filter), values_of(filter, params))
