@@ -105,6 +105,16 @@ def optional(filter: Any) -> frozenset[str]:
     return frozenset(name for name, value in defaults.items() if value is None)
 
 
+def optional_groups(filter: Any) -> tuple[frozenset[str], ...]:
+    """The parameters of tuples inside a filter's tuple that may be None: given all, or none."""
+    declared = declaration(filter, "params")
+    if isinstance(declared, Mapping):
+        return ()
+    hints = get_type_hints(declared, include_extras=True).values()
+    inner = (_tuple_in(hint) for hint in hints if NoneType in get_args(hint))
+    return tuple(frozenset(_facts(each, Param)) for each in inner if each is not None)
+
+
 def assembled(filter: Any, values: Mapping[str, Any]) -> Any:
     """What ``init`` and ``step`` take as parameters, from values by name.
 

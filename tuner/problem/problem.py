@@ -171,7 +171,7 @@ class Problem:
             raise ValueError(f"{self.name} runs no filter, so it has no outputs")
         key = solution.z.tobytes()
         if key not in self._runs:
-            self._runs[key] = _run(self.filter, self.params(solution), self.data.inputs)
+            self._runs[key] = run_filter(self.filter, self.params(solution), self.data.inputs)
         return self._runs[key]
 
     def single_precision(self, solution: Solution) -> tuple[SinglePrecision, ...]:
@@ -236,7 +236,8 @@ class Static(NamedTuple):
 
 
 @jax.jit(static_argnums=0)
-def _run(filter: AnyFilter, params: Any, inputs: Any) -> Any:
+def run_filter(filter: AnyFilter, params: Any, inputs: Any) -> Any:
+    """What a filter returns over a record, compiled; equal filters share it."""
     return run(filter, params, inputs)[1]
 
 
