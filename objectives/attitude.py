@@ -52,12 +52,13 @@ def attitude_error(estimate: Array, truth: Array) -> AttitudeError:
 
 @dataclass(frozen=True)
 class AttitudeRmse:
-    """Root mean square error of an attitude, deg: of outputs' field ``att``, or outputs themselves.
+    """Root mean square error of an attitude, deg.
 
-    Quaternions are ``(N, 4)``, sensor to earth, or have the records in between ``(N, k, 4)``, which
-    then count as one long record; :class:`Records` takes the mean of the single records instead.
-    The truth has their shape; samples where it is NaN do not count, which is how rest phases are
-    left out (:func:`masked`). It sums in the time loop, and keeps nothing.
+    It is the outputs' field ``att``, or the outputs themselves. Quaternions are ``(N, 4)``, sensor
+    to earth, or have the records in between ``(N, k, 4)``, which then count as one long record;
+    :class:`Records` takes the mean of the single records instead. The truth has their shape;
+    samples where it is NaN do not count, which is how rest phases are left out (:func:`masked`). It
+    sums in the time loop, and keeps nothing.
 
     Attributes:
         part: which error.

@@ -3,12 +3,11 @@
 import hashlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from tuner.names import unknown
+from tuner.catalogue import find, names
 from tuner.run.comparison import Comparison
 from tuner.run.figure import Figure
 
@@ -150,25 +149,19 @@ class Study:
     plan: "Callable[[Any, Log | None, int, str], Plan]"
 
 
-GROUP = "tuner.studies"
-
-
 def study_names() -> list[str]:
     """The names of all installed studies, sorted; none of them is imported."""
-    return sorted(point.name for point in entry_points(group=GROUP))
+    return names("tuner.studies")
 
 
 def find_study(name: str) -> Study:
     """Load a study by name, from whichever installed package offers it.
 
     Raises:
-        ValueError: for an unknown name, with the near ones.
+        ValueError: for an unknown name, with the near ones, and for one that cannot be imported.
 
     >>> find_study("kownacki2010").paper.split(",")[0]
     'C. Kownacki'
     """
-    for point in entry_points(group=GROUP):
-        if point.name == name:
-            study: Study = point.load()
-            return study
-    raise unknown("study", name, study_names())
+    study: Study = find("tuner.studies", name)
+    return study
