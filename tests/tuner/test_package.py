@@ -4,6 +4,7 @@ import ast
 import subprocess
 import sys
 import zipfile
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -173,3 +174,30 @@ def test_imports_go_one_way():
     assert not lower & {"tuner", "studies"}
     assert "tuner.problem.surface" in upper
     assert "studies" not in upper
+
+
+def needs(file, modules):
+    """The modules of tuner that a file imports anywhere, for type checkers alone included."""
+    for statement in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(statement, ast.ImportFrom) and statement.module:
+            for alias in statement.names:
+                within = f"{statement.module}.{alias.name}"
+                yield within if within in modules else statement.module
+
+
+def test_no_imports_go_in_a_circle():
+    root = Path(tuner.__file__).parent
+    modules = {
+        ".".join(("tuner", *file.relative_to(root).with_suffix("").parts)).removesuffix(
+            ".__init__"
+        ): file
+        for file in root.rglob("*.py")
+    }
+    graph = {name: {*needs(file, modules)} & {*modules} for name, file in modules.items()}
+    assert "tuner.convex.reading" in graph["tuner.convex.program"]
+    circle = None
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        circle = " <- ".join(error.args[1])
+    assert circle is None
