@@ -33,6 +33,7 @@ from objectives.linear_systems.steady import SteadyKalman, steady_kalman
 from objectives.linear_systems.subspaces import unobservable
 from objectives.linear_systems.variance_ratio import VarianceRatio
 from objectives.records import Records
+from objectives.rmse import ChannelRmse
 from objectives.score import (
     Data,
     Fold,
@@ -59,6 +60,7 @@ __all__ = [
     "AngleRmse",
     "AttitudeError",
     "AttitudeRmse",
+    "ChannelRmse",
     "ComplementaryLoop",
     "Crossing",
     "Data",

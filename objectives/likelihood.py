@@ -24,9 +24,10 @@ class InnovationLikelihood:
     larger for one that foretells worse, or that is surer or less sure than it may be. It is least
     where L is, and ln value moves as L does.
 
-    The outputs need ``innovation`` and ``variance``, ``(m,)``; the truth is the measurement
-    ``(m,)``, NaN where it is missing, which does not count. Source: Schweppe, IEEE Transactions on
-    Information Theory 11, 1965.
+    The outputs need ``innovation`` and ``variance``, ``(m,)``. A number counts where the truth is
+    not NaN and its variance is above 0: a filter's is 0 where nothing was measured. The truth is
+    the measurement ``(m,)``, or ``()``, which stands for all m: zeros ``(N,)`` leave it to the
+    filter what counts. Source: Schweppe, IEEE Transactions on Information Theory 11, 1965.
     """
 
     def init(self) -> Likely:
@@ -35,7 +36,7 @@ class InnovationLikelihood:
 
     def update(self, total: Likely, output: Any, truth: Array) -> tuple[Likely, None]:
         """Add one sample."""
-        seen = ~jnp.isnan(truth)
+        seen = ~jnp.isnan(truth) & (output.variance > 0)
         variance = jnp.where(seen, output.variance, 1.0)
         each = output.innovation**2 / variance + jnp.log(variance)
         added = jnp.where(seen, each, 0.0).sum()

@@ -26,12 +26,16 @@ def list_(
     what: Annotated[
         str, typer.Argument(help="studies, filters, objectives, solvers or formats")
     ] = "studies",
+    name: Annotated[
+        str | None, typer.Argument(help="A filter: its inputs, parameters, states and outputs.")
+    ] = None,
     json: Json = False,
+    md: Annotated[bool, typer.Option("--md", help="A Markdown page of filters.")] = False,
 ) -> None:
-    """List what there is."""
+    """List what there is, or what a filter takes, keeps and returns."""
     from tuner.cli.listing import show
 
-    show(what, json)
+    show(what, name, json=json, md=md)
 
 
 @app.command()

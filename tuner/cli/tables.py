@@ -35,6 +35,7 @@ def number_text(value: float | None) -> str:
 WIDE = 120
 """Columns of a terminal that hold everything; below, the explanations are left out."""
 _EXPLANATIONS = {"where", "note", "what it means", "evaluations", "s"}
+_FOLDED = _EXPLANATIONS | {"parameters", "meaning", "smaller", "larger"}
 
 
 def show_grid(title: str, lines: list[list[str]]) -> None:
@@ -50,8 +51,7 @@ def show_grid(title: str, lines: list[list[str]]) -> None:
         pad_edge=False,
     )
     for i in shown:
-        folds = lines[0][i] in _EXPLANATIONS or lines[0][i] == "parameters"
-        table.add_column(lines[0][i], overflow="fold", no_wrap=not folds)
+        table.add_column(lines[0][i], overflow="fold", no_wrap=lines[0][i] not in _FOLDED)
     for line in lines[1:]:
         table.add_row(*(Text(line[i], style=_COLOURS.get(line[i], "")) for i in shown))
     out.print(table)

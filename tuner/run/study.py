@@ -3,9 +3,9 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from fnmatch import fnmatch
-from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from tuner.catalogue import find, names
 from tuner.data.source import Source
 from tuner.names import unknown
 from tuner.run.comparison import Comparison
@@ -143,25 +143,19 @@ class Study:
     channels: Mapping[str, str] = field(default_factory=dict, hash=False)
 
 
-GROUP = "tuner.studies"
-
-
 def study_names() -> list[str]:
     """The names of all installed studies, sorted; none of them is imported."""
-    return sorted(point.name for point in entry_points(group=GROUP))
+    return names("tuner.studies")
 
 
 def find_study(name: str) -> Study:
     """Load a study by name, from whichever installed package offers it.
 
     Raises:
-        ValueError: for an unknown name, with the near ones.
+        ValueError: for an unknown name, with the near ones, and for one that cannot be imported.
 
     >>> find_study("kownacki2010").paper.split(",")[0]
     'C. Kownacki'
     """
-    for point in entry_points(group=GROUP):
-        if point.name == name:
-            study: Study = point.load()
-            return study
-    raise unknown("study", name, study_names())
+    study: Study = find("tuner.studies", name)
+    return study

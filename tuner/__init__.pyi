@@ -1,0 +1,41 @@
+"""The public names of tuner: this is their one list, read by type checkers and by the loader.
+
+Filters are imported from `filters`, objectives from `objectives`, and what writes a study, an
+export or an observer from the modules of tuner that hold it.
+"""
+
+from objectives import Data as Data
+from tuner.certificate.solution import Certificate as Certificate
+from tuner.certificate.solution import Solution as Solution
+from tuner.certificate.solution import Status as Status
+from tuner.convex import ConvexProgram as ConvexProgram
+from tuner.convex import linear_program as linear_program
+from tuner.data.logs import Log as Log
+from tuner.data.logs import parse_mapping as parse_mapping
+from tuner.data.logs import read_log as read_log
+from tuner.export import Tuned as Tuned
+from tuner.observers import LinearDesign as LinearDesign
+from tuner.observers import fastest as fastest
+from tuner.observers import quietest as quietest
+from tuner.problem.constraint import Constraint as Constraint
+from tuner.problem.parameters import Bounded as Bounded
+from tuner.problem.parameters import Covariance as Covariance
+from tuner.problem.parameters import Fixed as Fixed
+from tuner.problem.parameters import Limited as Limited
+from tuner.problem.parameters import Positive as Positive
+from tuner.problem.problem import Problem as Problem
+from tuner.problem.space import Space as Space
+from tuner.problem.surface import grid as grid
+from tuner.problem.surface import values as values
+from tuner.problem.surface import values_and_gradients as values_and_gradients
+from tuner.run.comparison import Comparison as Comparison
+from tuner.run.comparison import Verdict as Verdict
+from tuner.run.study import Study as Study
+from tuner.run.study import find_study as find_study
+from tuner.solvers import Alternating as Alternating
+from tuner.solvers import Convex as Convex
+from tuner.solvers import Gradient as Gradient
+from tuner.solvers import Ipopt as Ipopt
+from tuner.solvers import Known as Known
+from tuner.solvers import NelderMead as NelderMead
+from tuner.solvers import Sampler as Sampler
