@@ -18,11 +18,11 @@ from filters import (
     accelerometer_steady,
     gyroscope_steady,
 )
-from objectives import Crossing, Data, Reading, StepResponse, Welch
+from objectives import Crossing, Data, Reading, StepResponse, Welch, covariance
 from tuner.data.logs import Log
 from tuner.data.noise_split import NoiseSplit, split_noise
 from tuner.names import unknown
-from tuner.problem.parameters import Fixed, Positive, covariance
+from tuner.problem.parameters import Fixed, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.space import Space
 from tuner.run.settings import StudySettings
