@@ -5,6 +5,7 @@ export or an observer from the modules of tuner that hold it.
 """
 
 from objectives import Data as Data
+from objectives import LinearSystem as LinearSystem
 from tuner.certificate.solution import Certificate as Certificate
 from tuner.certificate.solution import Solution as Solution
 from tuner.certificate.solution import Status as Status
@@ -14,9 +15,8 @@ from tuner.data.logs import Log as Log
 from tuner.data.logs import parse_mapping as parse_mapping
 from tuner.data.logs import read_log as read_log
 from tuner.export import Tuned as Tuned
-from tuner.observers import LinearDesign as LinearDesign
-from tuner.observers import fastest as fastest
-from tuner.observers import quietest as quietest
+from tuner.observers import fastest_decay as fastest_decay
+from tuner.observers import minimum_variance as minimum_variance
 from tuner.problem.constraint import Constraint as Constraint
 from tuner.problem.parameters import Bounded as Bounded
 from tuner.problem.parameters import Covariance as Covariance

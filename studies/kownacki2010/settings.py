@@ -4,8 +4,8 @@ from typing import Literal
 
 from pydantic import Field, field_validator
 
+from objectives import covariance
 from tuner.names import unknown
-from tuner.problem.parameters import covariance
 from tuner.run.settings import StudySettings
 from tuner.solvers import SOLVERS
 

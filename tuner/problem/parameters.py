@@ -13,6 +13,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from objectives import covariance
+
 
 class Parameter(Protocol):
     """One named parameter: ``size`` numbers of z, and the value they stand for."""
@@ -313,36 +315,3 @@ def _number(value: np.ndarray) -> float:
     if np.size(value) != 1:
         raise ValueError(f"must be one number, got the shape {np.shape(value)}")
     return float(np.reshape(value, ()))
-
-
-def covariance(value: object, *, definite: bool = False) -> np.ndarray:
-    """Check a covariance matrix: square, symmetric and positive (semi-)definite.
-
-    Args:
-        value: nested sequences or an array, ``(n, n)``.
-        definite: whether zero eigenvalues are refused as well.
-
-    Returns:
-        The matrix as float64.
-
-    Raises:
-        ValueError: says what is wrong, with the shape or the eigenvalue.
-
-    >>> covariance([[1.0, 2.0], [2.0, 1.0]])
-    Traceback (most recent call last):
-    ValueError: must be positive semi-definite, but has the eigenvalue -1
-    """
-    matrix = np.array(value, dtype=float)
-    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.size:
-        raise ValueError(f"must be a square matrix, got the shape {matrix.shape}")
-    if not np.isfinite(matrix).all():
-        raise ValueError("must be finite")
-    if not np.allclose(matrix, matrix.T, rtol=1e-12, atol=0):
-        raise ValueError("must be symmetric")
-    eigenvalues = np.linalg.eigvalsh(matrix)
-    lowest = eigenvalues[0]
-    rounding = 1e-12 * np.abs(eigenvalues).max()
-    if lowest < -rounding or (definite and lowest <= rounding):
-        kind = "definite" if definite else "semi-definite"
-        raise ValueError(f"must be positive {kind}, but has the eigenvalue {lowest:g}")
-    return matrix

@@ -8,7 +8,7 @@ from pydantic import Field
 from filters.declared import Channel, channel_facts
 from tuner.catalogue import find
 from tuner.data.record import Record
-from tuner.run.fit import Request, pose_on, plan_fit
+from tuner.run.fit import Request, plan_fit, pose_on
 from tuner.run.posed import Wishes
 from tuner.run.settings import StudySettings
 from tuner.run.study import Plan, Study

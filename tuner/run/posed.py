@@ -274,7 +274,7 @@ def own_unit(unit: str, timeline: Timeline, cls: type[Any]) -> str:
     )
     if not own:
         return unit
-    plain = own if own.isalpha() or "^" not in own and "/" not in own else f"({own})"
+    plain = own if own.isalpha() or ("^" not in own and "/" not in own) else f"({own})"
     return _OWN_UNIT.sub(lambda m: plain + (f"^{m[1]}" if m[1] else ""), unit)
 
 
