@@ -9,7 +9,6 @@ from filters.attitude import (  # noqa: E402
     AttitudeNoise,
     AttitudeOutputs,
     AttitudeState,
-    ImuSample,
 )
 from filters.batched import Batched, shared  # noqa: E402
 from filters.bounded_motion import (  # noqa: E402
@@ -61,6 +60,7 @@ from filters.declared import (  # noqa: E402
     Param,
     assembled,
     channel_facts,
+    components,
     inputs_of,
     optional,
     output,
@@ -75,13 +75,14 @@ from filters.extended import (  # noqa: E402
 )
 from filters.fuzzy_regression import line, regression  # noqa: E402
 from filters.gps_aided import GpsAidedKalman, GpsAidedNoise, GpsAidedSample  # noqa: E402
+from filters.imu import ImuSample  # noqa: E402
 from filters.kalman import Estimate, Innovation, decorrelate, predict, update  # noqa: E402
 from filters.kownacki import (  # noqa: E402
     AccelerometerFilter,
     FixedGainFilter,
-    Gains,
+    FixedGains,
     GyroscopeFilter,
-    Noise,
+    KownackiNoise,
     SteadyState,
     accelerometer_steady,
     gyroscope_steady,
@@ -145,11 +146,11 @@ __all__ = [
     "ExtendedSample",
     "Filter",
     "FixedGainFilter",
+    "FixedGains",
     "Flow",
     "GainCovariance",
     "GainTable",
     "GainedSample",
-    "Gains",
     "GpsAidedKalman",
     "GpsAidedNoise",
     "GpsAidedSample",
@@ -157,6 +158,7 @@ __all__ = [
     "ImuSample",
     "Innovation",
     "KalmanCovariance",
+    "KownackiNoise",
     "LinearKalman",
     "LinearModel",
     "LinearOutputs",
@@ -168,7 +170,6 @@ __all__ = [
     "Mahony",
     "MahonyGains",
     "MahonyState",
-    "Noise",
     "Param",
     "PiComplementary",
     "PiGains",
@@ -198,6 +199,7 @@ __all__ = [
     "assembled",
     "blocks",
     "channel_facts",
+    "components",
     "constructed_attitude",
     "decorrelate",
     "euler_rates",

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from filters import FixedGainFilter, Gains
+from filters import FixedGainFilter, FixedGains
 from studies.kownacki2010.bench import Bench, Settings, benches, noise
 from studies.kownacki2010.figures import figures
 from studies.kownacki2010.rows import compare
@@ -88,7 +88,7 @@ def _quantities(bench: Bench, solution: Solution) -> tuple[Quantity, ...]:
 def _single(bench: Bench, solution: Solution) -> tuple[SinglePrecision, ...]:
     parameters = noise(tuned_values(solution))
     k1, k2, _ = bench.steady(solution.derived["q_over_r"])
-    fixed = FixedGainFilter(bench.dt, (2,)), Gains(np.array(k1), np.array(k2))
+    fixed = FixedGainFilter(bench.dt, (2,)), FixedGains(np.array(k1), np.array(k2))
     check = partial(single_precision, inputs=bench.signals, scale=bench.settings.step)
     return (
         check("full covariance", bench.filter, parameters),

@@ -13,7 +13,7 @@ from pydantic import Field, field_validator
 from filters import (
     AccelerometerFilter,
     GyroscopeFilter,
-    Noise,
+    KownackiNoise,
     SteadyState,
     accelerometer_steady,
     gyroscope_steady,
@@ -217,9 +217,9 @@ class Bench:
         return tuple(float(np.asarray(part)) for part in (*gains, bandwidth))
 
 
-def noise(values: dict[str, Array]) -> Noise:
+def noise(values: dict[str, Array]) -> KownackiNoise:
     """The filters' parameters from the space's."""
-    return Noise(values["R"], values["Q"], values["P0"])
+    return KownackiNoise(values["R"], values["Q"], values["P0"])
 
 
 def derived(

@@ -42,9 +42,9 @@ class Part:
         filter: the filter.
         key: which part, the name of a field or an index along the first axis.
 
-    >>> from filters import GyroscopeFilter, Noise
+    >>> from filters import GyroscopeFilter, KownackiNoise
     >>> part = Part(GyroscopeFilter(dt=0.01, shape=(2,)), 1)
-    >>> run(part, Noise.of(R=1e-4, Q=1.0), jnp.ones((500, 2)))[1].shape
+    >>> run(part, KownackiNoise.of(R=1e-4, Q=1.0), jnp.ones((500, 2)))[1].shape
     (500,)
     """
 
