@@ -9,7 +9,6 @@ from filters.attitude import (  # noqa: E402
     AttitudeNoise,
     AttitudeOutputs,
     AttitudeState,
-    ImuSample,
 )
 from filters.batched import Batched, Lanes, shared  # noqa: E402
 from filters.bounded_motion import (  # noqa: E402
@@ -62,6 +61,7 @@ from filters.declared import (  # noqa: E402
     assembled,
     bare,
     channel_facts,
+    components,
     inputs_of,
     optional,
     output,
@@ -76,13 +76,14 @@ from filters.extended import (  # noqa: E402
 )
 from filters.fuzzy_regression import line, regression  # noqa: E402
 from filters.gps_aided import GpsAidedKalman, GpsAidedNoise, GpsAidedSample  # noqa: E402
+from filters.imu import ImuSample  # noqa: E402
 from filters.kalman import Estimate, Innovation, decorrelate, predict, update  # noqa: E402
 from filters.kownacki import (  # noqa: E402
     AccelerometerFilter,
     FixedGainFilter,
-    Gains,
+    FixedGains,
     GyroscopeFilter,
-    Noise,
+    KownackiNoise,
     SteadyState,
     accelerometer_steady,
     gyroscope_steady,
@@ -146,11 +147,11 @@ __all__ = [
     "ExtendedSample",
     "Filter",
     "FixedGainFilter",
+    "FixedGains",
     "Flow",
     "GainCovariance",
     "GainTable",
     "GainedSample",
-    "Gains",
     "GpsAidedKalman",
     "GpsAidedNoise",
     "GpsAidedSample",
@@ -158,6 +159,7 @@ __all__ = [
     "ImuSample",
     "Innovation",
     "KalmanCovariance",
+    "KownackiNoise",
     "Lanes",
     "LinearKalman",
     "LinearModel",
@@ -170,7 +172,6 @@ __all__ = [
     "Mahony",
     "MahonyGains",
     "MahonyState",
-    "Noise",
     "Param",
     "PiComplementary",
     "PiGains",
@@ -201,6 +202,7 @@ __all__ = [
     "bare",
     "blocks",
     "channel_facts",
+    "components",
     "constructed_attitude",
     "decorrelate",
     "euler_rates",

@@ -14,7 +14,8 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
-from filters.kalman import matmul
+from filters.declared import Channel
+from filters.small_linalg import matmul
 
 GRAVITY_GRADIENT = 3.07e-6
 """Kgh in 1/s^2: how gravity falls with altitude, to which the channel owes its divergence."""
@@ -108,10 +109,21 @@ def loop_step(gains: LoopGains, dt: float, k_gh: ArrayLike = GRAVITY_GRADIENT) -
 class ConventionalLoop:
     """The conventional scheme as it runs: three numbers, three gains, no covariance.
 
-    Inputs are altitude differences z (inertial, uncorrected, minus given), ``()``; put out is
-    (A_B, dV, dh) as estimated for the next sample. In error coordinates, and with dt -> 0, it is
+    Inputs are altitude differences z (inertial, uncorrected, minus given), ``()``; the output is
+    (A_B, dV, dh) as estimated for the next sample. Its parameters are what :func:`loop_step` makes
+    of the gains, so it declares none. In error coordinates, and with dt -> 0, it is
     :func:`loop_error`, where e = z - dh and dV is the error of the corrected velocity.
     """
+
+    inputs = {"z": Channel("m", "inertial less given altitude")}  # noqa: RUF012
+    outputs = {  # noqa: RUF012
+        "x": Channel("", "bias, velocity error and altitude error", ("A_B", "dV", "dh"))
+    }
+    states = {  # noqa: RUF012
+        "A_B": Channel("m/s^2", "bias of the vertical acceleration"),
+        "dV": Channel("m/s", "velocity error"),
+        "dh": Channel("m", "altitude error"),
+    }
 
     def init(self, params: LoopStep) -> Array:
         """At zero."""

@@ -8,7 +8,7 @@ filter takes or returns one plain array, it is a mapping of one name to its fact
 They are facts and not decisions: what is free and within which limits stays in the space.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from types import NoneType, UnionType
 from typing import Any, Literal, NamedTuple, TypeAlias, Union, get_args, get_origin, get_type_hints
 
@@ -98,11 +98,21 @@ def channel_facts(filter: Any, part: Literal["inputs", "states", "outputs"]) -> 
     return dict(_facts(declaration(filter, part), Channel))
 
 
+def components(name: str, unit: str, meaning: str, axes: Iterable[str]) -> dict[str, Channel]:
+    """A vector among a filter's states, one by one: name_axis.
+
+    >>> list(components("bias", "rad/s", "bias of the gyroscopes", "xyz"))
+    ['bias_x', 'bias_y', 'bias_z']
+    """
+    return {f"{name}_{axis}": Channel(unit, f"{meaning}, {axis}") for axis in axes}
+
+
 def optional(filter: Any) -> frozenset[str]:
     """The inputs that a filter can do without: those of its tuple that are None by default."""
     inputs = declaration(filter, "inputs")
     defaults = getattr(inputs, "_field_defaults", {})
-    return frozenset(name for name, value in defaults.items() if value is None)
+    facts = _facts(inputs, Channel)
+    return frozenset(name for name, value in defaults.items() if value is None and name in facts)
 
 
 def optional_groups(filter: Any) -> tuple[frozenset[str], ...]:

@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from filters import AnyFilter, Noise, run
+from filters import AnyFilter, KownackiNoise, run
 from objectives import Folded, StepCost, StepResponse
 from studies.kownacki2010 import problems
 from studies.kownacki2010.data import Bench
@@ -42,12 +42,12 @@ def _sweeps(bench: Bench) -> Figure:
     R, Q = bench.noise
     ones = np.ones((2, 2))
     sweeps = {
-        "R = 1e-30, as good as 0": Noise(1e-30, Q, ones),
-        "R = 1": Noise(1.0, Q, ones),
-        "Q = 0": Noise(R, 0.0, ones),
-        "Q = 1": Noise(R, 1.0, ones),
-        "R, Q of the record": Noise(R, Q, ones),
-        "the same, P0 = 1e-6": Noise(R, Q, 1e-6 * ones),
+        "R = 1e-30, as good as 0": KownackiNoise(1e-30, Q, ones),
+        "R = 1": KownackiNoise(1.0, Q, ones),
+        "Q = 0": KownackiNoise(R, 0.0, ones),
+        "Q = 1": KownackiNoise(R, 1.0, ones),
+        "R, Q of the record": KownackiNoise(R, Q, ones),
+        "the same, P0 = 1e-6": KownackiNoise(R, Q, 1e-6 * ones),
     }
     figure = "fig5_acc" if bench.sensor is ACC else "fig6_gyro"
     title = "Step and record filtered with R, Q and P0 at their extremes"
@@ -57,8 +57,8 @@ def _sweeps(bench: Bench) -> Figure:
 def _responses(bench: Bench, ratio: float, *, published: bool = True) -> Figure:
     """Fig 9: the step response at Table 2's ratio and at the optimum of this record."""
     table, ones = bench.sensor.table2, np.ones((2, 2))
-    chosen = {"Table 2": Noise(table.R, table.Q, ones)} if published else {}
-    chosen[f"optimum, Q/R = {ratio:.4g}"] = Noise(bench.R, ratio * bench.R, ones)
+    chosen = {"Table 2": KownackiNoise(table.R, table.Q, ones)} if published else {}
+    chosen[f"optimum, Q/R = {ratio:.4g}"] = KownackiNoise(bench.R, ratio * bench.R, ones)
     name = f"{'fig9' if published else 'step'}_{bench.sensor.name}"
     return _chart(bench, name, "Step response with tuned Q and R", chosen, window=(0.48, 0.65))
 
@@ -67,7 +67,7 @@ def _chart(
     bench: Bench,
     name: str,
     title: str,
-    chosen: dict[str, Noise],
+    chosen: dict[str, KownackiNoise],
     window: tuple[float, float] = (0.0, 1.0),
 ) -> Chart:
     """What the filter answers to step and record, over a window of the record (from 0 to 1)."""
@@ -90,7 +90,7 @@ def _chart(
 
 
 @jax.jit(static_argnums=0)
-def _answer(filter: AnyFilter, params: Noise, signals: jax.Array) -> jax.Array:
+def _answer(filter: AnyFilter, params: KownackiNoise, signals: jax.Array) -> jax.Array:
     return jnp.sum(run(filter, params, signals)[1], axis=1)
 
 
@@ -157,7 +157,7 @@ def _parts(problem: Problem, Q: np.ndarray) -> StepCost:
         raise TypeError(f"{problem.name} is not judged by a step response")
 
     def both(q: jax.Array) -> StepCost:
-        params = Noise(fixed["R"], q, fixed["P0"])
+        params = KownackiNoise(fixed["R"], q, fixed["P0"])
         (_, total), kept = run(Folded(filter, objective), params, problem.data)
         return objective.parts(total, kept)
 

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import Noise, SteadyState
+from filters import KownackiNoise, SteadyState
 from objectives import Crossing, Data, Reading, StepResponse, Welch
 from studies.kownacki2010.data import Bench
 from tuner.problem.exported import exported_of
@@ -77,9 +77,9 @@ def _problem(bench: Bench, suffix: str, objective: StepResponse, *, free_R: bool
     )
 
 
-def noise(values: dict[str, Array]) -> Noise:
+def noise(values: dict[str, Array]) -> KownackiNoise:
     """The filters' parameters from the space's."""
-    return Noise(values["R"], values["Q"], values["P0"])
+    return KownackiNoise(values["R"], values["Q"], values["P0"])
 
 
 def derived(

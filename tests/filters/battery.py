@@ -27,10 +27,10 @@ from filters import (
     ExtendedModel,
     ExtendedSample,
     FixedGainFilter,
+    FixedGains,
     Flow,
     GainCovariance,
     GainedSample,
-    Gains,
     GainTable,
     GpsAidedKalman,
     GpsAidedNoise,
@@ -38,6 +38,7 @@ from filters import (
     GyroscopeFilter,
     ImuSample,
     KalmanCovariance,
+    KownackiNoise,
     LinearKalman,
     LinearModel,
     LoopGains,
@@ -46,11 +47,9 @@ from filters import (
     MadgwickGain,
     Mahony,
     MahonyGains,
-    Noise,
     PiComplementary,
     PiGains,
     PiSample,
-    ResidualNoise,
     RestRule,
     RiccatiCovariance,
     Sample,
@@ -59,6 +58,8 @@ from filters import (
     TiltKalman,
     TiltNoise,
     TiltSample,
+    Timed,
+    TimedSample,
     Transition,
     VelocityNoise,
     loop_step,
@@ -90,11 +91,11 @@ class Case:
 
 def _noise(point):
     R, Q, p = jnp.exp(point)
-    return Noise(R=R, Q=Q, P0=p * jnp.ones((2, 2)))
+    return KownackiNoise(R=R, Q=Q, P0=p * jnp.ones((2, 2)))
 
 
 def _gains(point):
-    return Gains(*jnp.exp(point))
+    return FixedGains(*jnp.exp(point))
 
 
 _RNG = np.random.default_rng(20100907)
@@ -180,7 +181,7 @@ def swung(p, x, u):
 
 def shaken(p, x, u):
     """More noise the further it is from rest, so that Q has a derivative by the state."""
-    return p[1] * (1 + x[0] ** 2) * jnp.array([[1e-3, 1e-2], [1e-2, 0.2]])
+    return p[1] * (1 + x[0] ** 2) * jnp.array([[1e-3, 1e-2], [1e-2, 0.2]], x.dtype)
 
 
 def seen_from_the_side(p, x, u):
@@ -207,8 +208,9 @@ def _tilt(point):
         alpha2,
         jnp.asarray(0.05),
         r_big,
+        jnp.ones(()),
         jnp.array([0.2, -0.3, 0.1, 0.2, -0.1]),
-        0.1 * jnp.eye(5),
+        jnp.asarray(0.1),
     )
 
 
@@ -252,10 +254,15 @@ def _aided(z):
 
 def _euler(point):
     Q, bias, angle = jnp.exp(point)
-    diagonal = jnp.repeat(jnp.stack([Q, bias]), np.array([4, 3]), 0)
-    process = ResidualNoise(diagonal, jnp.asarray(0.0), jnp.ones(7), jnp.asarray(0.0))
-    x0 = jnp.zeros(7).at[:4].set(_TURNED)
-    return GpsAidedNoise(jnp.full(3, angle), process, x0, 0.01 * jnp.eye(7))
+    zero, small = jnp.zeros(()), jnp.asarray(0.01)
+    start = _TURNED, jnp.zeros(3), small, small
+    return GpsAidedNoise(angle, angle, angle, Q, bias, zero, zero, zero, jnp.ones(7), *start)
+
+
+def _dead_reckoning(point):
+    small = jnp.asarray(0.01)
+    x0 = jnp.array([0.1, -0.2, 0.3])
+    return DeadReckoningNoise(*jnp.exp(point), small, small, x0, jnp.ones(()))
 
 
 def _imu(z):
@@ -406,9 +413,7 @@ CASES = [
     Case(
         "position by speed and attitude",
         DeadReckoningKalman(0.2),
-        lambda point: DeadReckoningNoise(
-            jnp.exp(point), 0.01 * jnp.eye(4), jnp.array([0.1, -0.2, 0.3]), jnp.eye(3)
-        ),
+        _dead_reckoning,
         _POINT,
         _FORCES,
         lambda z: DeadReckoningSample(2.0 + _PUSH[:, 0], _RATES, jnp.asarray(z)),
@@ -427,5 +432,13 @@ CASES = [
         lambda point: shared(_noise(point), 2),
         _POINT,
         _TWO,
+    ),
+    Case(
+        "varying sample times",
+        Timed(GyroscopeFilter(0.1)),
+        _noise,
+        _POINT,
+        _ONE,
+        lambda z: TimedSample(jnp.asarray(_DT), jnp.asarray(z)),
     ),
 ]

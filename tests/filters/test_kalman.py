@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from filters import Estimate, decorrelate, predict, update
-from filters.kalman import matmul
+from filters.small_linalg import matmul
 from tests.oracles import exact_update, kalman_predict, kalman_update
 from tests.strategies import covariance, seeds
 

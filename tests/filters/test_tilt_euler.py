@@ -13,6 +13,7 @@ import scipy.linalg
 from hypothesis import given
 
 from filters import TiltKalman, TiltNoise, TiltSample, run, tilt_disturbance, tilt_transition
+from filters.tilt_euler import TO_PAPER
 from objectives import angle_errors
 from tests import oracles_suh2004 as suh
 from tests.strategies import seeds
@@ -39,13 +40,15 @@ def noise(**settings):
     chosen = suh.DEFAULTS | settings
     names = ("q1", "r_nom", "r3", "alpha1", "alpha2", "delta", "r_big")
     values = (jnp.asarray(chosen[name], float) for name in names)
-    return TiltNoise(*values, jnp.asarray(chosen["x0"], float), jnp.zeros((5, 5)))
+    in_g, x0 = jnp.ones(()), jnp.asarray(chosen["x0"], float)
+    return TiltNoise(*values, in_g, x0, jnp.zeros(()))
 
 
 def sampled(acc, gyr):
     pad = N - len(acc)
     parts = (np.concatenate([part, np.repeat(part[-1:], pad, axis=0)]) for part in (acc, gyr))
-    return TiltSample(*(jnp.asarray(part) for part in parts))
+    acc, gyr = parts
+    return TiltSample(jnp.asarray(acc), jnp.asarray(gyr * TO_PAPER))
 
 
 # Without the compiler's optimisation, which changes no formula and takes most of the time.

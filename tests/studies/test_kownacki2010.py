@@ -6,10 +6,10 @@ from pathlib import Path
 import jax.numpy as jnp
 import numpy as np
 import pytest
-
-from filters import AccelerometerFilter, Noise, run
 from studies.kownacki2010.bench import ACC, GYRO, Settings, benches, synthetic
 from studies.kownacki2010.rows import compare
+
+from filters import AccelerometerFilter, KownackiNoise, run
 from tuner.cli import invoke
 from tuner.run.comparison import Verdict
 from tuner.run.study import find_study
@@ -91,7 +91,7 @@ def test_record_has_table_1s_variance_and_depends_on_the_seed_alone():
 def test_table_1_is_too_slow():
     """Notes: the accelerometer's noise-free answer has come to .1001 of .2 after 5 s."""
     step = jnp.where(jnp.arange(100_001) >= 50_000, 0.2, 0.0)
-    _, output = run(AccelerometerFilter(dt=1e-4), Noise.of(*ACC.table1), step)
+    _, output = run(AccelerometerFilter(dt=1e-4), KownackiNoise.of(*ACC.table1), step)
     assert float(output[-1]) == pytest.approx(0.1001, abs=5e-5)
 
 

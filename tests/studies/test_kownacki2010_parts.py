@@ -5,11 +5,11 @@ from functools import cache
 
 import numpy as np
 import pytest
+from studies.kownacki2010.bench import ACC, GYRO, Settings, benches
+from studies.kownacki2010.rows import compare
 
 from studies.kownacki2010 import plan
-from studies.kownacki2010.bench import ACC, GYRO, Settings, benches
 from studies.kownacki2010.figures import figures
-from studies.kownacki2010.rows import compare
 from tuner.data.logs import parse_mapping, read_log
 from tuner.run.comparison import Verdict
 from tuner.run.figure import Chart, Map

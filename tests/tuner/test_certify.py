@@ -7,9 +7,9 @@ from functools import cache
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from studies.kownacki2010.bench import GYRO, Settings, benches
 
 import tuner.certificate.certify as judged
-from studies.kownacki2010.bench import GYRO, Settings, benches
 from tests.tuner.helpers import (
     ANY,
     SQUARE,

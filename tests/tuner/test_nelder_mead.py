@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.optimize import minimize, rosen
-
 from studies.kownacki2010.bench import ACC, GYRO, Settings, benches
+
 from tuner.solvers import fminsearch, nelder_mead
 
 

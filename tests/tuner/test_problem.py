@@ -8,10 +8,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.signal import get_window, welch
-
-from filters import AccelerometerFilter, GyroscopeFilter, Noise
-from objectives import Crossing, Data, Reading, StepResponse, Welch
 from studies.kownacki2010.bench import ACC, GYRO, Settings, benches
+
+from filters import AccelerometerFilter, GyroscopeFilter, KownackiNoise
+from objectives import Crossing, Data, Reading, StepResponse, Welch
 from tests.oracles import central_difference, lag_below, lag_to_first_crossing
 from tests.tuner.helpers import ANY, SQUARE, Echo, bowl, hollow, logarithms, problem, ratio
 from tuner.problem.parameters import Covariance, Fixed, Positive
@@ -286,7 +286,7 @@ def test_new_numbers_in_the_data_need_no_new_compilation():
 
 
 def unit_noise(values):
-    return Noise(1.0, values["Q"], jnp.ones((2, 2)))
+    return KownackiNoise(1.0, values["Q"], jnp.ones((2, 2)))
 
 
 def test_a_problem_is_frozen():

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from filters import FixedGainFilter, Gains, GyroscopeFilter, Noise, gyroscope_steady
+from filters import FixedGainFilter, FixedGains, GyroscopeFilter, KownackiNoise, gyroscope_steady
 from tuner.certificate.single_precision import HARMLESS, single_precision
 
 DT, N = 1e-4, 20001
@@ -75,7 +75,7 @@ def test_slow_gains_lose_more_than_fast_ones():
     """In the covariance recursion the loss is largest where Q/R is small."""
 
     def share(q_over_r):
-        noise = Noise.of(R=1e-6, Q=1e-6 * q_over_r)
+        noise = KownackiNoise.of(R=1e-6, Q=1e-6 * q_over_r)
         return single_precision("full", GyroscopeFilter(DT), noise, RECORD, scale=0.2).share
 
     slow, fast = share(1e-3), share(1e3)
@@ -86,7 +86,7 @@ def test_slow_gains_lose_more_than_fast_ones():
 
 def test_fixed_gains_survive():
     gains = gyroscope_steady(1027.47, DT).gains
-    fixed = Gains(np.array(gains.K1), np.array(gains.K2))
+    fixed = FixedGains(np.array(gains.K1), np.array(gains.K2))
     check = single_precision("fixed gain", FixedGainFilter(DT), fixed, RECORD, scale=0.2)
     assert check.share < 1e-4  # 2^-24 over the gain K1 = 3e-3 is 2e-5
     assert check.warning == ""
@@ -132,7 +132,7 @@ def test_a_filter_that_upcasts_is_refused():
 
 def test_several_signals():
     both = np.stack([RECORD, 10 * RECORD], axis=1)
-    gains = Gains(np.array(0.1), np.array(0.0))
+    gains = FixedGains(np.array(0.1), np.array(0.0))
     check = single_precision("fixed gain", FixedGainFilter(DT, (2,)), gains, both, scale=0.2)
     alone = single_precision("fixed gain", FixedGainFilter(DT), gains, 10 * RECORD, scale=0.2)
     assert 0 <= check.sample < N

@@ -5,10 +5,10 @@ from functools import cache
 
 import numpy as np
 import pytest
+from studies.kownacki2010.bench import ACC, GYRO, Settings, benches
 
 import tuner.problem.surface
 from objectives import kept_bytes
-from studies.kownacki2010.bench import ACC, GYRO, Settings, benches
 from tests.tuner.helpers import bowl, crater, problem
 from tuner.problem.parameters import Fixed, Positive
 from tuner.problem.space import Space

@@ -64,7 +64,11 @@ def _innovations(posed: Posed, tuned: dict[str, np.ndarray]) -> Chart:
     lines = []
     for i, column in enumerate(first.T):
         seen = np.flatnonzero(np.isfinite(column))
-        shown = seen[np.unique(np.linspace(0, len(seen) - 1, POINTS).astype(int))] if len(seen) else seen
+        shown = (
+            seen[np.unique(np.linspace(0, len(seen) - 1, POINTS).astype(int))]
+            if len(seen)
+            else seen
+        )
         lines.append(Line(f"innovation {i + 1}", t[shown], column[shown]))
     ends = t[[0, -1]]
     lines += [Line(f"{sign:+.0f} deviations", ends, np.full(2, sign)) for sign in (2.0, -2.0)]

@@ -203,9 +203,7 @@ def _needs(name: str, objective: str, outputs: Mapping[str, Channel]) -> None:
         )
 
 
-def _by_what_there_is(
-    name: str, cls: type[Any], truth: Channel | None, timeline: Timeline
-) -> str:
+def _by_what_there_is(name: str, cls: type[Any], truth: Channel | None, timeline: Timeline) -> str:
     """With a truth its error; without one the likelihood of the innovations, or their size."""
     if truth is not None:
         free_heading = truth.kind == "attitude" and "mag" in channel_facts(cls, "inputs")
