@@ -106,11 +106,13 @@ class AlphaBeta:
     dt: float
 
     params, inputs, outputs = AlphaBetaGains, _Z, AlphaBetaOutputs
-    states = {"position": _POSITION, "velocity": _VELOCITY}
-    derived = {
-        "K": Channel("1, 1/s", "gains on position and velocity, (2,)"),
-        "tracking_index": _INDEX,
-    }
+    states, derived = (
+        {"position": _POSITION, "velocity": _VELOCITY},
+        {
+            "K": Channel("1, 1/s", "gains on position and velocity, (2,)"),
+            "tracking_index": _INDEX,
+        },
+    )
 
     def __post_init__(self) -> None:
         check_setup(self)
@@ -163,8 +165,10 @@ class AlphaBetaGamma:
     dt: float
 
     params, inputs, outputs = AlphaBetaGammaGains, _Z, AlphaBetaGammaOutputs
-    states = {"position": _POSITION, "velocity": _VELOCITY, "acceleration": _ACCELERATION}
-    derived = {"K": Channel("1, 1/s, 1/s^2", "gains on position and its derivatives, (3,)")}
+    states, derived = (
+        {"position": _POSITION, "velocity": _VELOCITY, "acceleration": _ACCELERATION},
+        {"K": Channel("1, 1/s, 1/s^2", "gains on position and its derivatives, (3,)")},
+    )
 
     def __post_init__(self) -> None:
         check_setup(self)

@@ -1,8 +1,7 @@
 """A quantity and its derivatives, one integrating the next, from measurements of the quantity.
 
 The Kalman filter of constant velocity, constant acceleration and the vertical channel, written out
-in scalars so that XLA compiles it into the time loop. Each number may be an array: then every entry
-is a filter of its own.
+in scalars, which XLA fuses into one piece of the time loop.
 
 The start is diffuse and exact. While j numbers are known, the start leaves directions W in which
 the error may have any size; the next measurement is taken with the gain that removes one of them,
@@ -25,7 +24,7 @@ Upper: TypeAlias = tuple[tuple[ArrayLike, ...], ...]
 
 
 class Chain(NamedTuple):
-    """What the filter knows; all arrays have one shape.
+    """What the filter knows; every number is ``()``.
 
     Attributes:
         x: the quantity and its derivatives, n numbers.
@@ -52,7 +51,7 @@ def begin(still: Array, P: Upper, diffuse: int) -> Chain:
     """Before the first measurement.
 
     Args:
-        still: zeros of the shape and kind of every number.
+        still: zero, of the kind of every number.
         P: covariance of the start over R where it is known.
         diffuse: how many of the n numbers may have any value, from the first on.
     """
@@ -148,7 +147,7 @@ def measure(chain: Chain, z: Array, sigma: ArrayLike, diffuse: int) -> tuple[Cha
     seen = ~jnp.isnan(z) & (jnp.asarray(sigma) > 0)
     r = jnp.where(seen, sigma, 1.0) ** 2
     s = P[0][0] + r
-    K: list[Array] = [p / s for p in P[0]]
+    K = [jnp.asarray(p / s) for p in P[0]]
     starts = known < min(diffuse, 1)
     K = [jnp.where(starts, float(i == 0), k) for i, k in enumerate(K)]
     for j, w in enumerate(W, start=1):

@@ -5,6 +5,7 @@ from typing import Annotated, Literal, NamedTuple, TypeAlias
 
 import jax.numpy as jnp
 from jax import Array
+from jax.typing import ArrayLike
 
 from filters.declared import Channel, Param
 from filters.integrators import Chain, Upper, add, begin, full, measure, move, steady_gain
@@ -25,7 +26,7 @@ class VerticalNoise(NamedTuple):
         Array,
         Param(
             "m^2/s^3",
-            "spectral density of the acceleration's white noise; times the sample rate its variance",
+            "spectral density of the acceleration's white noise: its variance times dt",
             typical=0.01,
             low=1e-8,
             high=1e3,
@@ -58,11 +59,11 @@ class VerticalNoise(NamedTuple):
         ),
     ]
     climb0: Annotated[
-        Array, Param("m/s", "deviation of the climb at the start, from 0", typical=1.0)
-    ] = jnp.array(1.0)
+        ArrayLike, Param("m/s", "deviation of the climb at the start, from 0", typical=1.0)
+    ] = 1.0
     bias0: Annotated[
-        Array, Param("m/s^2", "deviation of the offset at the start, from 0", typical=1.0)
-    ] = jnp.array(1.0)
+        ArrayLike, Param("m/s^2", "deviation of the offset at the start, from 0", typical=1.0)
+    ] = 1.0
 
 
 class VerticalSample(NamedTuple):
@@ -110,20 +111,22 @@ class Vertical:
     >>> from filters import run
     >>> noise = VerticalNoise(*map(jnp.array, (0.01, 1e-4, 0.1)))
     >>> record = VerticalSample(acc=jnp.array([0.5, jnp.nan]), baro=jnp.array([300.0, jnp.nan]))
-    >>> outputs = run(Vertical(dt=0.1), noise, record)[1]
-    >>> outputs.height.round(6).tolist(), outputs.climb.round(6).tolist()
-    ([300.0, 300.0025], [0.0, 0.05])
+    >>> outputs = run(Vertical(dt=0.5), noise, record)[1]
+    >>> outputs.height.tolist(), outputs.climb.tolist()
+    ([300.0, 300.0625], [0.0, 0.25])
     """
 
     dt: float
     gravity: Gravity = "removed"
 
     params, inputs, outputs = VerticalNoise, VerticalSample, VerticalOutputs
-    states = {"height": _HEIGHT, "climb": _CLIMB, "bias": _BIAS}
-    derived = {
-        "Q": Channel("m^2 .. m^2/s^4", "covariance that enters in a sample, (3, 3)"),
-        "K": Channel("1, 1/s, 1/s^2", "steady gains, a height with every sample, (3,)"),
-    }
+    states, derived = (
+        {"height": _HEIGHT, "climb": _CLIMB, "bias": _BIAS},
+        {
+            "Q": Channel("m^2 .. m^2/s^4", "covariance that enters in a sample, (3, 3)"),
+            "K": Channel("1, 1/s, 1/s^2", "steady gains, a height with every sample, (3,)"),
+        },
+    )
 
     def __post_init__(self) -> None:
         check_setup(self)

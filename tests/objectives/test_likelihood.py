@@ -49,6 +49,25 @@ def test_missing_numbers_do_not_count_whatever_their_variance():
     assert np.isnan(folded(y, s, np.full((2, 2), np.nan)))
 
 
+def test_a_variance_of_zero_does_not_count():
+    """The filter has no number there, or has used it up; one zero a sample is a truth for all."""
+    y, s = np.array([[0.3, 5.0], [-0.3, 0.0]]), np.array([[0.09, 0.0], [0.09, 0.0]])
+    assert folded(y, s, np.zeros(2)) == pytest.approx(0.3, rel=1e-12)
+    assert np.isnan(folded(y, 0 * s, np.zeros(2)))
+
+
+def test_a_variance_of_zero_leaves_the_gradient_finite():
+    def value(scale):
+        fold = InnovationLikelihood()
+        total = fold.init()
+        for variance in (0.0, 0.09):
+            total, _ = fold.update(total, Outputs(np.array([0.3]), variance * scale[None]), 0.0)
+        return fold.value(total, None)
+
+    # L = y^2 / (s c) + ln(s c) is least where s c = y^2, which is at c = 1.
+    assert float(jax.grad(value)(np.array(1.0))) == pytest.approx(0.0, abs=1e-12)
+
+
 def test_it_is_least_near_the_noise_that_made_the_data():
     rng = np.random.default_rng(2)
     walk = np.cumsum(0.1 * rng.standard_normal(2000))
