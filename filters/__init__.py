@@ -4,6 +4,14 @@ from filters.backend import LoopOption, loop_option
 
 loop_option()  # before anything below starts JAX's backend
 
+from filters.alpha_beta import (  # noqa: E402
+    AlphaBeta,
+    AlphaBetaGains,
+    AlphaBetaGamma,
+    AlphaBetaGammaGains,
+    AlphaBetaGammaOutputs,
+    AlphaBetaOutputs,
+)
 from filters.attitude import (  # noqa: E402
     AttitudeKalman,
     AttitudeNoise,
@@ -28,6 +36,15 @@ from filters.complementary import (  # noqa: E402
     Mahony,
     MahonyGains,
     MahonyState,
+)
+from filters.constant_velocity import (  # noqa: E402
+    ConstantAcceleration,
+    ConstantAccelerationNoise,
+    ConstantAccelerationOutputs,
+    ConstantVelocity,
+    ConstantVelocityNoise,
+    ConstantVelocityOutputs,
+    PositionSample,
 )
 from filters.conventional_loop import (  # noqa: E402
     GRAVITY_GRADIENT,
@@ -97,6 +114,12 @@ from filters.linear import (  # noqa: E402
     StoredGains,
     Transition,
 )
+from filters.local_level import (  # noqa: E402
+    LevelSample,
+    LocalLevel,
+    LocalLevelNoise,
+    LocalLevelOutputs,
+)
 from filters.pi_complementary import (  # noqa: E402
     PiComplementary,
     PiGains,
@@ -119,10 +142,22 @@ from filters.tilt_euler import (  # noqa: E402
     tilt_transition,
 )
 from filters.timed import Timed, TimedSample  # noqa: E402
+from filters.vertical import (  # noqa: E402
+    Vertical,
+    VerticalNoise,
+    VerticalOutputs,
+    VerticalSample,
+)
 
 __all__ = [
     "GRAVITY_GRADIENT",
     "AccelerometerFilter",
+    "AlphaBeta",
+    "AlphaBetaGains",
+    "AlphaBetaGamma",
+    "AlphaBetaGammaGains",
+    "AlphaBetaGammaOutputs",
+    "AlphaBetaOutputs",
     "AngleSample",
     "AnyFilter",
     "AttitudeKalman",
@@ -137,6 +172,12 @@ __all__ = [
     "Channel",
     "Complementary",
     "ComplementaryGain",
+    "ConstantAcceleration",
+    "ConstantAccelerationNoise",
+    "ConstantAccelerationOutputs",
+    "ConstantVelocity",
+    "ConstantVelocityNoise",
+    "ConstantVelocityOutputs",
     "ConventionalLoop",
     "DeadReckoningKalman",
     "DeadReckoningNoise",
@@ -161,9 +202,13 @@ __all__ = [
     "KalmanCovariance",
     "KownackiNoise",
     "Lanes",
+    "LevelSample",
     "LinearKalman",
     "LinearModel",
     "LinearOutputs",
+    "LocalLevel",
+    "LocalLevelNoise",
+    "LocalLevelOutputs",
     "LoopGains",
     "LoopOption",
     "LoopStep",
@@ -179,6 +224,7 @@ __all__ = [
     "PiSample",
     "PiState",
     "Plant",
+    "PositionSample",
     "ResidualNoise",
     "RestRule",
     "RiccatiCovariance",
@@ -196,6 +242,10 @@ __all__ = [
     "Transition",
     "Uncertainty",
     "VelocityNoise",
+    "Vertical",
+    "VerticalNoise",
+    "VerticalOutputs",
+    "VerticalSample",
     "accelerometer_angles",
     "accelerometer_steady",
     "assembled",

@@ -8,7 +8,7 @@ from jax import Array
 
 
 class Likely(NamedTuple):
-    """Sum of y^2 / s + ln s over the measured numbers so far, and how many there were."""
+    """Sum of y^2 / s + ln s over the numbers that count so far, and how many there were."""
 
     total: Array
     numbers: Array
@@ -43,5 +43,5 @@ class InnovationLikelihood:
         return Likely(total.total + added, total.numbers + seen.sum()), None
 
     def value(self, total: Likely, kept: None) -> Array:
-        """The deviation, ``()``; NaN where nothing was measured."""
+        """The deviation, ``()``; NaN where nothing counts."""
         return jnp.exp((total.total / total.numbers - 1) / 2)

@@ -10,6 +10,10 @@ import numpy as np
 
 from filters import (
     AccelerometerFilter,
+    AlphaBeta,
+    AlphaBetaGains,
+    AlphaBetaGamma,
+    AlphaBetaGammaGains,
     AngleSample,
     AnyFilter,
     AttitudeKalman,
@@ -19,6 +23,10 @@ from filters import (
     BoundedMotionNoise,
     Complementary,
     ComplementaryGain,
+    ConstantAcceleration,
+    ConstantAccelerationNoise,
+    ConstantVelocity,
+    ConstantVelocityNoise,
     ConventionalLoop,
     DeadReckoningKalman,
     DeadReckoningNoise,
@@ -39,8 +47,11 @@ from filters import (
     ImuSample,
     KalmanCovariance,
     KownackiNoise,
+    LevelSample,
     LinearKalman,
     LinearModel,
+    LocalLevel,
+    LocalLevelNoise,
     LoopGains,
     LoopStep,
     Madgwick,
@@ -50,6 +61,7 @@ from filters import (
     PiComplementary,
     PiGains,
     PiSample,
+    PositionSample,
     RestRule,
     RiccatiCovariance,
     Sample,
@@ -62,6 +74,9 @@ from filters import (
     TimedSample,
     Transition,
     VelocityNoise,
+    Vertical,
+    VerticalNoise,
+    VerticalSample,
     loop_step,
     riccati_flow,
     shared,
@@ -302,6 +317,7 @@ def _compass(z):
 
 _POINT = np.log([0.3, 2.0, 1.5])
 _COUNTED = np.zeros(N)
+_DEVIATIONS = jnp.asarray(np.random.default_rng(1960).uniform(0.5, 2.0, N))
 _GAINS = jnp.asarray(0.3 * np.random.default_rng(1981).normal(size=(N, 2, 2)))
 
 _TWO_RATES = 0.4 * np.random.default_rng(1970).normal(size=(N, 2))
@@ -440,5 +456,51 @@ CASES = [
         _POINT,
         _ONE,
         lambda z: TimedSample(jnp.asarray(_DT), jnp.asarray(z)),
+    ),
+    Case(
+        "local level, deviations",
+        LocalLevel(0.1),
+        lambda point: LocalLevelNoise(*jnp.exp(point)),
+        _POINT[:2],
+        _ONE,
+        lambda z: LevelSample(jnp.asarray(z), _DEVIATIONS),
+    ),
+    Case(
+        "constant velocity, two axes",
+        ConstantVelocity(0.3, "xy"),
+        lambda point: ConstantVelocityNoise(*jnp.exp(point)),
+        _POINT[:2],
+        _TWO,
+        lambda z: PositionSample(jnp.asarray(z)[:, 0], jnp.asarray(z)[:, 1], sigma=_DEVIATIONS),
+    ),
+    Case(
+        "constant acceleration",
+        ConstantAcceleration(0.4),
+        lambda point: ConstantAccelerationNoise(*jnp.exp(point)),
+        _POINT[:2],
+        _ONE,
+        lambda z: PositionSample(jnp.asarray(z)),
+    ),
+    Case(
+        "alpha-beta",
+        AlphaBeta(0.2),
+        lambda point: AlphaBetaGains(*point),
+        np.array([0.5, 0.2]),
+        _ONE,
+    ),
+    Case(
+        "alpha-beta-gamma",
+        AlphaBetaGamma(0.2),
+        lambda point: AlphaBetaGammaGains(*point),
+        np.array([0.5, 0.2, 0.1]),
+        _ONE,
+    ),
+    Case(
+        "vertical",
+        Vertical(0.2, "included"),
+        lambda point: VerticalNoise(*jnp.exp(point), climb0=0.7),
+        np.log([0.1, 0.01, 0.5]),
+        _ONE,
+        lambda z: VerticalSample(9.8 + _PUSH[:, 0], jnp.asarray(z)),
     ),
 ]
