@@ -45,6 +45,7 @@ def to_dict(log: Log | Findings) -> dict[str, Any]:
     plain = dataclasses.asdict(log)
     plain["gaps"] = [list(gap) for gap in log.gaps]
     plain["channels"] = list(plain["channels"])
+    plain["notes"] = list(log.notes)
     return plain
 
 
@@ -89,9 +90,11 @@ def _gaps(findings: Findings) -> str:
 
 
 def _notes(findings: Findings) -> list[str]:
-    return [
+    saturated = [
         f"{channel.name}: {channel.saturated} samples rest at the end of the range; "
         "the sensor may have been saturated"
         for channel in findings.channels
         if channel.saturated
     ]
+    told = [f"{channel.name}: {channel.note}" for channel in findings.channels if channel.note]
+    return [*findings.notes, *told, *saturated]
