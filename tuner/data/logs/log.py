@@ -94,10 +94,20 @@ def read_log(
     return Log(path.name, sha256_of(path), timing.rate_hz, channels, units, findings)
 
 
+def check_rate(rate_hz: float) -> None:
+    """Refuse what is no rate.
+
+    Raises:
+        LogError: where it is not positive and finite.
+    """
+    if not (math.isfinite(rate_hz) and rate_hz > 0):
+        raise LogError(f"--rate is {rate_hz:g} Hz; it must be positive and finite")
+
+
 def _check_request(mappings: Sequence[Mapping], rate_hz: float | None, limit: int | None) -> None:
     """Refuse what is wrong whatever the file holds."""
-    if rate_hz is not None and not (math.isfinite(rate_hz) and rate_hz > 0):
-        raise LogError(f"--rate is {rate_hz:g} Hz; it must be positive and finite")
+    if rate_hz is not None:
+        check_rate(rate_hz)
     if limit is not None and limit < 2:
         raise LogError(f"the limit is {counted(limit, 'sample')}; a log needs at least 2")
     counts = Counter(mapping.channel for mapping in mappings)

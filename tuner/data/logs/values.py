@@ -1,9 +1,10 @@
 """From raw columns to channels: one checked float64 array per mapping."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tuner.data.logs.error import LogError, counted, suggest
 from tuner.data.logs.mapping import Mapping
@@ -39,6 +40,16 @@ class Columns:
         return LogError(
             f"{self.table.file}: column {mapping.source!r} (mapped to {mapping.channel}) {rest}"
         )
+
+    def rows(self, rows: NDArray[np.intp], samples: int) -> "Columns":
+        """Some rows of the columns that have so many samples; the others stay."""
+        raw = {
+            name: array[rows] if array.ndim and len(array) == samples else array
+            for name, array in self.raw.items()
+        }
+        place = self.table.place
+        table = replace(self.table, place=lambda row: place(int(rows[row])))
+        return Columns(table, raw)
 
 
 def load_columns(table: Table, mappings: Iterable[Mapping], extra: Iterable[str]) -> Columns:
