@@ -44,7 +44,11 @@ def open_csv(path: Path, limit: int | None = None) -> Table:
     def place(row: int) -> str:
         return f"line {_line_number(layout, row)}"
 
-    return Table(path.name, layout.names, load, place, numbered=True, texts=layout.texts)
+    def labels(name: str) -> Raw:
+        with _damage_told(path):
+            return _words(layout, layout.names.index(name), limit)
+
+    return Table(path.name, layout.names, load, place, True, layout.texts, labels)
 
 
 @contextmanager
@@ -93,6 +97,14 @@ def _careful(layout: Layout, columns: list[int], limit: int | None) -> list[Floa
                 part.append(_numbers(layout, start, [row[column] for row in block], column))
             start += len(block)
     return [np.concatenate(part) for part in parts]
+
+
+def _words(layout: Layout, column: int, limit: int | None) -> Raw:
+    """One column as it is written."""
+    with open_text(layout.path) as stream:
+        lines = islice(filter(is_content, stream), int(layout.header), None)
+        rows = islice(split(lines, layout.delimiter), limit)
+        return np.array([row[column].strip() for row in rows if len(row) > column])
 
 
 def _check_widths(layout: Layout, start: int, block: list[list[str]]) -> None:
