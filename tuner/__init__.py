@@ -98,7 +98,8 @@ _HOMES = {
     "tuner.problem.parameters": ("Bounded", "Covariance", "Fixed", "Limited", "Positive"),
     "tuner.problem.space": ("Space",),
     "tuner.data.noise_split": ("split_noise",),
-    "tuner.run.study": ("Plan", "Source", "Study", "Target", "Task", "find_study"),
+    "tuner.data.source": ("Source",),
+    "tuner.run.study": ("Claim", "Plan", "Study", "Task", "find_study"),
     "tuner.problem.surface": ("grid", "values", "values_and_gradients"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
