@@ -1,14 +1,15 @@
 """What the paper says of both sensors, and what it comes to: one function a claim."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 
 from studies.kownacki2010 import problems
 from studies.kownacki2010.data import Bench
-from studies.kownacki2010.paper import ACC
+from studies.kownacki2010.paper import ACC, GYRO, Sensor
 from tuner.run.comparison import Comparison, Verdict, claim, number
 from tuner.run.study import Claim, Solutions, best
 from tuner.solvers import fminsearch
@@ -26,35 +27,66 @@ WHY_LITERAL = (
 )
 
 
-def _ratio(bench: Bench, solutions: Solutions) -> Iterator[Comparison]:
-    """Q/R, and the gain and bandwidth that follow from it."""
-    name = bench.sensor.name
-    published = bench.sensor.table2.Q / bench.sensor.table2.R
-    ratio = best(name, solutions).derived["q_over_r"]
-    (k1, _, bandwidth), (our_k1, _, our_bandwidth) = bench.steady(published), bench.steady(ratio)
-    row = partial(number, tolerance=TOLERANCE, note=WHY_ACC if bench.sensor is ACC else "")
-    yield row(f"{name}.q_over_r", "Table 2", published, ratio, unit="1/s^2")
-    yield row(f"{name}.k1", "Table 2, steady gain", k1, our_k1)
-    yield row(f"{name}.bandwidth_hz", "Table 2, -3 dB", bandwidth, our_bandwidth, unit="Hz")
+def _of_table_2(bench: Bench, solutions: Solutions) -> tuple[float, float]:
+    """Q/R on paper, and that of the optimum."""
+    table = bench.sensor.table2
+    return table.Q / table.R, best(bench.sensor.name, solutions).derived["q_over_r"]
 
 
-def _one_by_one(bench: Bench, solutions: Solutions) -> Iterator[Comparison]:
-    """R and Q by themselves, by the certificate of the two-parameter problem (as printed)."""
+def _why(bench: Bench) -> str:
+    return WHY_ACC if bench.sensor is ACC else ""
+
+
+def _ratio(bench: Bench, solutions: Solutions) -> Comparison:
+    """Q/R."""
+    return number(
+        f"{bench.sensor.name}.q_over_r",
+        "Table 2",
+        *_of_table_2(bench, solutions),
+        tolerance=TOLERANCE,
+        unit="1/s^2",
+        note=_why(bench),
+    )
+
+
+def _gain(bench: Bench, solutions: Solutions) -> Comparison:
+    """The steady gain that follows from it."""
+    published, ours = (bench.steady(ratio)[0] for ratio in _of_table_2(bench, solutions))
+    name = f"{bench.sensor.name}.k1"
+    where = "Table 2, steady gain"
+    return number(name, where, published, ours, tolerance=TOLERANCE, note=_why(bench))
+
+
+def _bandwidth(bench: Bench, solutions: Solutions) -> Comparison:
+    """The bandwidth that follows from it."""
+    published, ours = (bench.steady(ratio)[2] for ratio in _of_table_2(bench, solutions))
+    return number(
+        f"{bench.sensor.name}.bandwidth_hz",
+        "Table 2, -3 dB",
+        published,
+        ours,
+        tolerance=TOLERANCE,
+        unit="Hz",
+        note=_why(bench),
+    )
+
+
+def _one_by_one(bench: Bench, solutions: Solutions, *, letter: str) -> Comparison:
+    """R or Q by itself, by the certificate of the two-parameter problem (as printed)."""
     both = best(f"{bench.sensor.name}.paper", solutions)
-    for letter, published in bench.sensor.table2._asdict().items():
-        tuned = both.parameters[letter]
-        row = number(
-            f"{bench.sensor.name}.{letter}",
-            "Table 2",
-            published,
-            float(tuned.value),
-            tolerance=TOLERANCE,
-            unit=tuned.unit,
-        )
-        if tuned.interval is None:
-            words = "; ".join(both.certificate.flat_directions) or both.message
-            row = replace(row, verdict=Verdict.NOT_IDENTIFIABLE, tolerance=None, note=words)
-        yield row
+    tuned = both.parameters[letter]
+    row = number(
+        f"{bench.sensor.name}.{letter}",
+        "Table 2",
+        getattr(bench.sensor.table2, letter),
+        float(tuned.value),
+        tolerance=TOLERANCE,
+        unit=tuned.unit,
+    )
+    if tuned.interval is not None:
+        return row
+    words = "; ".join(both.certificate.flat_directions) or both.message
+    return replace(row, verdict=Verdict.NOT_IDENTIFIABLE, tolerance=None, note=words)
 
 
 def _cost_at_paper(bench: Bench, solutions: Solutions) -> Comparison:
@@ -100,14 +132,22 @@ def _R_stronger(bench: Bench, solutions: Solutions) -> Comparison:
     )
 
 
-def _table1(bench: Bench, solutions: Solutions) -> Iterator[Comparison]:
-    """R and Q of the record by Table 1's procedure."""
-    name, table, noise = bench.sensor.name, bench.sensor.table1, bench.noise
+def _table1_R(bench: Bench, solutions: Solutions) -> Comparison:
+    """R of the record by Table 1's procedure."""
+    return _table1(bench, "R", bench.sensor.table1.R, bench.noise.R)
+
+
+def _table1_Q(bench: Bench, solutions: Solutions) -> Comparison:
+    """Q of the record by Table 1's procedure."""
+    table = bench.sensor.table1
     white = table.R * 2 * bench.settings.cutoff_hz * bench.dt
     why = f"white noise of Table 1's R has {white:.3g} below the cutoff: the paper's was not white"
-    row = partial(number, tolerance=TOLERANCE, unit=f"({bench.unit})^2")
-    yield row(f"{name}.table1_R", "Table 1", table.R, noise.R)
-    yield row(f"{name}.table1_Q", "Table 1", table.Q, noise.Q, note=why)
+    return _table1(bench, "Q", table.Q, bench.noise.Q, why)
+
+
+def _table1(bench: Bench, letter: str, paper: float, ours: float, note: str = "") -> Comparison:
+    name, unit = f"{bench.sensor.name}.table1_{letter}", f"({bench.unit})^2"
+    return number(name, "Table 1", paper, ours, tolerance=TOLERANCE, unit=unit, note=note)
 
 
 def _fminsearch(bench: Bench, solutions: Solutions) -> Comparison:
@@ -145,28 +185,32 @@ def _fminsearch_in_logarithms(bench: Bench, solutions: Solutions) -> Comparison:
     )
 
 
-OfSensor = Callable[[Bench, Solutions], Comparison | Iterable[Comparison]]
+OfSensor: TypeAlias = Callable[[Bench, Solutions], Comparison]
 
 
-def _of_each(rows: OfSensor) -> Callable[[list[Bench], Solutions], Iterator[Comparison]]:
-    """The rows of both sensors."""
+def _claims(sensor: Sensor) -> Iterator[Claim]:
+    """What is said of one sensor, in the order of the rows."""
+    posed, both, literal = ((f"{sensor.name}{of}",) for of in ("", ".paper", ".literal"))
+    rows: tuple[tuple[str, OfSensor, tuple[str, ...]], ...] = (
+        ("q_over_r", _ratio, posed),
+        ("k1", _gain, posed),
+        ("bandwidth_hz", _bandwidth, posed),
+        ("R", partial(_one_by_one, letter="R"), both),
+        ("Q", partial(_one_by_one, letter="Q"), both),
+        ("cost_at_paper_over_optimum", _cost_at_paper, posed),
+        ("q_over_r_literal", _literal, literal),
+        ("R_stronger_than_Q", _R_stronger, posed),
+        ("table1_R", _table1_R, ()),
+        ("table1_Q", _table1_Q, ()),
+        ("nelder_mead_linear_evaluations", _fminsearch, posed),
+        ("nelder_mead_log10_evaluations", _fminsearch_in_logarithms, posed),
+    )
+    for name, of_sensor, needs in rows:
+        yield Claim(f"{sensor.name}.{name}", partial(_of, sensor, of_sensor), needs)
 
-    def of_each(benches: list[Bench], solutions: Solutions) -> Iterator[Comparison]:
-        for bench in benches:
-            found = rows(bench, solutions)
-            yield from [found] if isinstance(found, Comparison) else found
 
-    return of_each
+def _of(sensor: Sensor, rows: OfSensor, benches: list[Bench], solutions: Solutions) -> Comparison:
+    return rows(next(bench for bench in benches if bench.sensor is sensor), solutions)
 
 
-SENSORS = ("gyro", "acc")
-CLAIMS = (
-    Claim("*.q_over_r", _of_each(_ratio), SENSORS),
-    Claim("*.[RQ]", _of_each(_one_by_one), ("*.paper",)),
-    Claim("*.cost_at_paper_over_optimum", _of_each(_cost_at_paper), SENSORS),
-    Claim("*.q_over_r_literal", _of_each(_literal), ("*.literal",)),
-    Claim("*.R_stronger_than_Q", _of_each(_R_stronger), SENSORS),
-    Claim("*.table1_[RQ]", _of_each(_table1)),
-    Claim("*.nelder_mead_linear_evaluations", _of_each(_fminsearch), SENSORS),
-    Claim("*.nelder_mead_log10_evaluations", _of_each(_fminsearch_in_logarithms), SENSORS),
-)
+CLAIMS = (*_claims(GYRO), *_claims(ACC))

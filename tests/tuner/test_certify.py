@@ -7,9 +7,12 @@ from functools import cache
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from studies.kownacki2010.bench import GYRO, Settings, benches
 
 import tuner.certificate.certify as judged
+from studies.kownacki2010 import problems
+from studies.kownacki2010.data import benches
+from studies.kownacki2010.paper import GYRO
+from studies.kownacki2010.settings import Settings
 from tests.tuner.helpers import (
     ANY,
     SQUARE,
@@ -45,7 +48,7 @@ def estimates(posed, z):
 def gyro(free):
     """The paper's gyroscope on a short record, at its best point: problem and solution."""
     made = next(b for b in benches(Settings(seconds=2.0, rate_hz=1e3), None, 0) if b.sensor is GYRO)
-    posed = made.paper() if free == "R and Q" else made.problem()
+    posed = problems.paper(made) if free == "R and Q" else problems.problem(made)
     return posed, Gradient("l-bfgs-b", seed=0, starts=1)(posed)
 
 

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from tests.tuner.helpers import snapshot, toy_study
+from tests.tuner.helpers import Solved, snapshot, toy_study
 from tuner.cli import invoke
 from tuner.run.result import read_result
 from tuner.solvers import Sampler
@@ -152,7 +152,7 @@ def test_an_error_while_solving_is_told_in_one_line(cli, here, offer):
         def solve(problem):
             raise ValueError("this cannot\nbe solved")
 
-        return solve
+        return Solved(name, solve)
 
     offer(toy_study(solver=failing))
     assert cli("run", "toy") == (2, "", "tuner: this cannot be solved\n")

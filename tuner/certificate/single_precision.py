@@ -22,8 +22,8 @@ class SinglePrecision:
         form: which form of the filter was run, "full" or "steady".
         output: which output strays most, "" where the filter has but one.
         largest: largest deviation of it, in its unit.
-        share: the same over the scale of that output: how far it goes up and down over the record;
-            1 for an attitude.
+        share: the same over the scale of that output: how far it goes up and down over the record,
+            its size where it never moves; 1 for an attitude.
         sample: where it occurs.
         rms: root mean square of the deviation.
         warning: a sentence where it matters, otherwise "".
@@ -68,14 +68,15 @@ def _half(leaf: Any) -> jax.Array:
 
 
 def _compared(filter: Any, outputs: Any) -> dict[str, tuple[np.ndarray, Channel | None]]:
-    """The outputs by name, with what is known of them."""
+    """The outputs by name, with what is known of them; whole numbers and truth values left out."""
     if hasattr(bare(filter), "outputs"):
         facts = channel_facts(filter, "outputs")
-        return {
+        declared: dict[str, tuple[np.ndarray, Channel | None]] = {
             name: (np.asarray(output(filter, outputs, name)), fact)
             for name, fact in facts.items()
             if fact.kind != "detail"
         }
+        return {name: pair for name, pair in declared.items() if pair[0].dtype.kind == "f"}
     leaves = jax.tree_util.tree_leaves_with_path(outputs)
     arrays = {jax.tree_util.keystr(path): np.asarray(leaf) for path, leaf in leaves}
     return {name: (array, None) for name, array in arrays.items() if array.dtype.kind == "f"}
@@ -90,8 +91,11 @@ def _strays(
     (right, fact), (near, _) = exact, rounded
     if near.dtype != np.float32:
         raise TypeError(f"the output {name!r} is {near.dtype} for float32 inputs")
-    deviation = np.abs(_difference(near.astype(float), right, fact))
+    with np.errstate(invalid="ignore"):  # infinity minus infinity: equal, as is missing to missing
+        deviation = np.abs(_difference(near.astype(float), right, fact))
+    alike = (near == right) | (np.isnan(near) & np.isnan(right))
     deviation[np.isnan(deviation)] = np.inf
+    deviation[alike] = 0.0
     sample = int(np.unravel_index(np.argmax(deviation), deviation.shape)[0])
     largest, scale = float(deviation.max()), _scale(right, fact)
     share = largest / scale if largest else 0.0
@@ -109,8 +113,8 @@ def _strays(
 def _difference(near: np.ndarray, right: np.ndarray, fact: Channel | None) -> np.ndarray:
     """What is between them: of angles within half a turn, of quaternions whatever their sign."""
     if fact is not None and fact.kind == "attitude":
-        either: np.ndarray = np.minimum(np.abs(near - right), np.abs(near + right))
-        return either
+        turned = np.sum(near * right, axis=-1, keepdims=True) < 0
+        near = np.where(turned, -near, near)
     apart: np.ndarray = near - right
     if fact is not None and fact.kind == "angle":
         apart = apart - 2 * np.pi * np.round(apart / (2 * np.pi))
@@ -120,7 +124,10 @@ def _difference(near: np.ndarray, right: np.ndarray, fact: Channel | None) -> np
 def _scale(right: np.ndarray, fact: Channel | None) -> float:
     if fact is not None and fact.kind == "attitude":
         return 1.0
-    return float(np.ptp(right)) or 1.0
+    finite = right[np.isfinite(right)]
+    if not finite.size:
+        return 1.0
+    return float(np.ptp(finite)) or float(np.abs(finite[0])) or 1.0
 
 
 @jax.jit(static_argnums=0)

@@ -14,8 +14,8 @@ def write(run: Path, to: str, output: str | None, *, problem: str | None, force:
     """Write a tuned filter of a run, read it back and compare it with what the run found.
 
     Raises:
-        ValueError: for an unknown problem or format, a solution that did not converge, or a file
-            that is there already.
+        ValueError: for an unknown problem or format, a run that exports nothing, a solution that
+            did not converge, a file that is there already, or one that was written wrong.
     """
     result = read_result(run)
     tuned = _choose(result, problem)
@@ -30,7 +30,7 @@ def write(run: Path, to: str, output: str | None, *, problem: str | None, force:
         return
     path = Path(output) if output else Path(f"{tuned.name}{export.suffix(to)}")
     export.write(tuned, path, to, overwrite=force)
-    _check(tuned, export.load(path.read_bytes(), to), path)
+    export.read_back(tuned, path, to)
     print(f"wrote {path}: {len(tuned.quantities)} quantities, read back equal", file=sys.stderr)
 
 
@@ -38,6 +38,10 @@ def _choose(result: Result, problem: str | None) -> Tuned:
     tuned = [export.load(json.dumps(one).encode(), "json") for one in result.tuned]
     if problem is None and len(tuned) == 1:
         return tuned[0]
+    if not tuned:
+        raise ValueError(
+            f"the run of {result.study} tuned no filter that is exported; run it without --claim"
+        )
     names = [one.name for one in tuned]
     if problem is None:
         raise ValueError(
@@ -46,9 +50,3 @@ def _choose(result: Result, problem: str | None) -> Tuned:
     if problem not in names:
         raise unknown("problem", problem, names)
     return tuned[names.index(problem)]
-
-
-def _check(written: Tuned, read_back: Tuned, path: Path) -> None:
-    """Refuse a file whose numbers are not those of the run, to the bit."""
-    if read_back != written:
-        raise ValueError(f"{path} does not hold the numbers of the run; the disk may be damaged")

@@ -27,18 +27,20 @@ class LogEntries(_Entries):
 
 
 class Recipe(_Entries):
-    """A study with its settings, seed and log."""
+    """A study with its settings, seed and log, and the claims that are tried alone; none: all."""
 
     study: str
     seed: int = Field(0, ge=0, le=LARGEST_SEED)
     settings: dict[str, Any] = {}
+    claims: list[str] = []
     log: LogEntries | None = None
 
     def to_toml(self) -> bytes:
         """The text of a study.toml."""
         import tomli_w
 
-        return tomli_w.dumps(self.model_dump(exclude_none=True)).encode()
+        left_out = set() if self.claims else {"claims"}
+        return tomli_w.dumps(self.model_dump(exclude_none=True, exclude=left_out)).encode()
 
 
 def read_recipe(path: Path) -> Recipe:

@@ -103,6 +103,7 @@ def from_toml(request: Request) -> tuple[Request, dict[str, Any]]:
         request,
         study=recipe.study,
         seed=recipe.seed if request.seed is None else request.seed,
+        claims=request.claims or tuple(recipe.claims),
     )
     if recipe.log is not None:
         filled = replace(
@@ -148,7 +149,13 @@ def _recipe(study: Study, request: Request, settings: dict[str, Any], plan: Plan
             time=request.time,
         )
     given = {key: value for key, value in settings.items() if value is not None}
-    return Recipe(study=study.name, seed=request.seed or 0, settings=given, log=log)
+    return Recipe(
+        study=study.name,
+        seed=request.seed or 0,
+        settings=given,
+        claims=list(request.claims),
+        log=log,
+    )
 
 
 def _finished(folder: RunFolder, recipe: Recipe) -> dict[tuple[str, str], Solution]:
@@ -159,8 +166,8 @@ def _finished(folder: RunFolder, recipe: Recipe) -> dict[tuple[str, str], Soluti
     """
     if (folder.path / "study.toml").read_bytes() != recipe.to_toml():
         raise ValueError(
-            f"--resume: {folder.path / 'study.toml'} has other settings, another seed or log; "
-            "run that file, or start anew in another folder"
+            f"--resume: {folder.path / 'study.toml'} has other settings or claims, another seed or "
+            "log; run that file, or start anew in another folder"
         )
     progress = folder.path / "progress.json"
     # A run that was interrupted as it began has written none.
@@ -193,6 +200,8 @@ def _say_plan(study: Study, plan: Plan) -> None:
         if isinstance(task.problem, Problem):
             free = f" over {', '.join(task.problem.space.coordinates)}"
         print(f"would solve {task.problem.name}{free} by {task.solver.name}")
+    if plan.claims:
+        print(f"would try {', '.join(claim.name for claim in plan.claims)}")
 
 
 @contextmanager

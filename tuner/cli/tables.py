@@ -71,15 +71,17 @@ def show_result(result: Result, folder: Path) -> None:
         "s",
         "what it means",
     ]
-    show_grid("Solutions", [head, *(_solution(solution) for solution in result.solutions)])
+    if result.solutions:
+        show_grid("Solutions", [head, *(_solution(solution) for solution in result.solutions)])
     rows = [
         [r.quantity, r.where, number_text(r.paper), number_text(r.ours), r.verdict.value, r.note]
         for r in result.comparisons
     ]
-    show_grid(
-        "Comparison",
-        [["quantity", "where", "paper", "ours", "verdict", "note"], *rows],
-    )
+    if rows:
+        show_grid(
+            "Comparison",
+            [["quantity", "where", "paper", "ours", "verdict", "note"], *rows],
+        )
     out = console()
     for export in result.exports:
         if abs(export.relative_change or 0.0) > 1e-12:
@@ -88,11 +90,16 @@ def show_result(result: Result, folder: Path) -> None:
         out.print(f"{len(result.exports)} exports, each read back and scored again")
     for check in result.single_precision:
         share = "without bound" if check.share is None else f"by {100 * check.share:.2g} %"
-        told = f"in single precision the {check.form} form strays {share} of the signal"
+        told = f"in single precision the {check.form} form strays {share}{_of(check.output)}"
         out.print(
             f"{check.problem}: {check.warning or told}", style="yellow" if check.warning else ""
         )
-    out.print(f"{result.seconds:.1f} s; results, exports and figures in {folder}", soft_wrap=True)
+    out.print(f"{result.seconds:.1f} s; all files are in {folder}", soft_wrap=True)
+
+
+def _of(output: str) -> str:
+    """Of which output."""
+    return f" of the output {output!r}" if output else " of the signal"
 
 
 def _solution(solution: SolutionRecord) -> list[str]:

@@ -36,7 +36,7 @@ class Source:
         >>> Source.simulated("two steps", [np.zeros((500, 2, 3))], 100.0).samples
         1000
         """
-        digest = hashlib.sha256(b"".join(array.tobytes() for array in made)).hexdigest()
+        digest = _digest((rate_hz, *made))
         return cls(name, digest, int(np.prod(made[0].shape[:2])), rate_hz)
 
     @classmethod
@@ -48,11 +48,35 @@ class Source:
         10
         """
         known = tuple(parts)
-        digest = hashlib.sha256("".join(part.sha256 for part in known).encode()).hexdigest()
+        digest = _digest((part.sha256, part.samples, part.rate_hz) for part in known)
         return cls(name, digest, sum(part.samples for part in known), known[0].rate_hz)
 
     @classmethod
     def model(cls, name: str, numbers: Iterable[object], rate_hz: float = 0.0) -> "Source":
-        """A model without data, by the text of its numbers."""
-        text = "".join(map(repr, numbers))
-        return cls(name, hashlib.sha256(text.encode()).hexdigest(), 0, rate_hz)
+        """A model without data, by its numbers: arrays and whatever has a text that tells all.
+
+        >>> one, other = (Source.model("gain", [np.array([1.0 + e])]) for e in (0.0, 1e-12))
+        >>> one.sha256 == other.sha256
+        False
+        """
+        return cls(name, _digest(numbers), 0, rate_hz)
+
+
+def _digest(parts: Iterable[object]) -> str:
+    """A digest that differs where anything differs: numbers to the bit, shapes, what is where."""
+    digest = hashlib.sha256()
+    for part in parts:
+        digest.update(_bytes(part))
+    return digest.hexdigest()
+
+
+def _bytes(part: object) -> bytes:
+    """Bytes with their kind and length before them, so that 1, 23 is not 12, 3."""
+    if isinstance(part, list | tuple):
+        kind, own = "list", b"".join(map(_bytes, part))
+    elif hasattr(part, "__array__") and np.ndim(part):
+        array = np.asarray(part)
+        kind, own = f"{array.dtype.str}{array.shape}", array.tobytes()
+    else:
+        kind, own = "text", repr(part.item() if hasattr(part, "item") else part).encode()
+    return f"{kind}:{len(own)}:".encode() + own

@@ -1,7 +1,7 @@
 """What is written down of a tuned filter beside its tuned parameters."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -32,7 +32,7 @@ class Exported:
     filter: str
     states: tuple[str, ...] = ()
     dt: float = 0.0
-    derived: Callable[[Any], tuple[Quantity, ...]] = lambda _: ()
+    derived: Callable[[Any], tuple[Quantity, ...]] = no_more
 
 
 def exported_of(filter: Any) -> Exported:
@@ -81,3 +81,16 @@ def quantities_of(space: Space, solution: Solution) -> tuple[Quantity, ...]:
         Quantity(name, p.value, p.unit, meanings.get(name, ""))
         for name, p in solution.parameters.items()
     )
+
+
+def once(told: Iterable[Quantity]) -> tuple[Quantity, ...]:
+    """Every name once; where names are alike but for capitals, the later one is renamed."""
+    found: dict[str, Quantity] = {}
+    for quantity in told:
+        first = found.get(quantity.name.lower())
+        if first is None:
+            found[quantity.name.lower()] = quantity
+        elif first.name != quantity.name:
+            name = f"{quantity.name}_derived"
+            found.setdefault(name.lower(), replace(quantity, name=name))
+    return tuple(found.values())

@@ -16,7 +16,7 @@ from tuner.certificate.solution import Solution
 from tuner.data.source import Source
 from tuner.export.tuned import Quantity
 from tuner.problem.constraint import Constraint
-from tuner.problem.exported import Exported, exported_of, held_of, quantities_of
+from tuner.problem.exported import Exported, exported_of, held_of, once, quantities_of
 from tuner.problem.space import Space
 
 Build: TypeAlias = Callable[[dict[str, Array]], Any]
@@ -169,7 +169,7 @@ class Problem:
         """
         if self.filter is None:
             raise ValueError(f"{self.name} runs no filter, so it has no outputs")
-        key = solution.z.tobytes()
+        key = b"".join(p.value.tobytes() for p in solution.parameters.values())
         if key not in self._runs:
             self._runs[key] = run_filter(self.filter, self.params(solution), self.data.inputs)
         return self._runs[key]
@@ -195,14 +195,19 @@ class Problem:
         return exported_of(self.filter) if self.exported is None else self.exported
 
     def quantities(self, solution: Solution) -> tuple[Quantity, ...]:
-        """What is exported for a solution: parameters with unit and meaning, and what follows."""
+        """What is exported for a solution: its parameters, the filter's own, and what follows.
+
+        No name is there twice: what comes first stays. Names that differ in capitals alone cannot
+        stand in one C header; the later one, such as the variance a sample Q beside the density q,
+        is called ``Q_derived``.
+        """
         params = self.params(solution)
         told = (
             *quantities_of(self.space, solution),
             *held_of(self.filter, params),
             *self.what_is_exported().derived(params),
         )
-        return tuple({quantity.name: quantity for quantity in reversed(told)}.values())[::-1]
+        return once(told)
 
     @property
     def static(self) -> "Static":

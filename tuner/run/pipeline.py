@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from tuner import export
+from tuner.certificate.single_precision import SinglePrecision
 from tuner.certificate.solution import Solution
 from tuner.export.tuned import Provenance, Tuned
 from tuner.problem.problem import Problem
@@ -98,8 +99,7 @@ class Run:
             if solution.status.trusted:
                 exports += [self._export(problem, solution, what, f) for f in formats]
             self.progress(f"single precision {what.name}", 2, 4)
-            checks = problem.single_precision(solution)
-            singles += [SingleRecord(problem=what.name, **asdict(check)) for check in checks]
+            singles += _in_single_precision(problem, solution)
         artifacts += [record.file for record in exports]
         for figure in self.plan.figures(self.plan.case, solutions):
             self.progress(f"drawing {figure.name}", 3, 4)
@@ -152,8 +152,18 @@ class Run:
     ) -> ExportRecord:
         name = f"exports/{tuned.name}{export.suffix(form)}"
         self.folder.write(name, export.dump(tuned, form))
-        read_back = export.load((self.folder.path / name).read_bytes(), form)
+        read_back = export.read_back(tuned, self.folder.path / name, form)
         return score_export(problem, solution.value, read_back, form, name)
+
+
+def _in_single_precision(problem: Problem, solution: Solution) -> list[SingleRecord]:
+    """The checks, or why there are none: a filter that cannot be checked ends no run."""
+    try:
+        checks = problem.single_precision(solution)
+    except TypeError as error:
+        said = f"single precision was not checked: {error}"
+        checks = (SinglePrecision("full", "", np.inf, np.inf, 0, np.inf, said),)
+    return [SingleRecord(problem=problem.name, **asdict(check)) for check in checks]
 
 
 def score_export(

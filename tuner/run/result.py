@@ -110,7 +110,7 @@ class ComparisonRecord(_Record):
 
 
 class LogRecord(_Record):
-    """The data of a run; see :class:`tuner.run.study.Source`."""
+    """The data of a run; see :class:`tuner.data.source.Source`."""
 
     name: str
     sha256: str

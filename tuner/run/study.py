@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from fnmatch import fnmatch
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from tuner.catalogue import find, names
@@ -54,8 +53,8 @@ class Claim:
     """One claim or number of a paper, and the function that tries it.
 
     Attributes:
-        name: the row's name, "exp2.order_S_phi"; with a * where the function returns a row for each
-            of several things: "*.q_over_r".
+        name: the row's name, "exp2.order_S_phi"; with * or ? where the function returns a row for
+            each of several things: "*.q_over_r".
         rows: from the study's case and the solutions to its row or rows.
         needs: names of the problems, with * and ?, whose solutions it asks for.
     """
@@ -65,9 +64,17 @@ class Claim:
     needs: tuple[str, ...] = ()
 
     def compare(self, case: Any, solutions: Solutions) -> list[Comparison]:
-        """Its rows."""
+        """Its rows.
+
+        Raises:
+            ValueError: for a row that the claim's name does not cover: nobody could ask for it.
+        """
         found = self.rows(case, solutions)
-        return [found] if isinstance(found, Comparison) else list(found)
+        rows = [found] if isinstance(found, Comparison) else list(found)
+        for row in rows:
+            if not _meet(row.quantity, self.name):
+                raise ValueError(f"the claim {self.name} returned the row {row.quantity!r}")
+        return rows
 
 
 @dataclass(frozen=True)
@@ -77,10 +84,13 @@ class Plan:
     Attributes:
         source: the data.
         tasks: what is solved.
-        exports: names of the problems whose best solution goes onto a machine.
+        exports: names of the problems, of those solved, whose best solution goes onto a machine.
         case: what the claims and figures are about: the study's own data.
         claims: what is compared, in the order of the rows.
         figures: the figures, given the case and all solutions.
+
+    Raises:
+        ValueError: where a problem is to be exported that nobody solves.
     """
 
     source: Source
@@ -90,36 +100,62 @@ class Plan:
     claims: tuple[Claim, ...]
     figures: Callable[[Any, Solutions], Iterable[Figure]]
 
+    def __post_init__(self) -> None:
+        solved = {task.problem.name for task in self.tasks}
+        for name in self.exports:
+            if name not in solved:
+                raise unknown("problem", name, solved)
+
     def only(self, names: Iterable[str]) -> "Plan":
         """What trying some claims alone takes; nothing is exported or drawn.
+
+        Args:
+            names: of claims or of their rows, with * and ?.
 
         Raises:
             ValueError: for a claim that there is none of, with the near ones.
         """
         wanted = tuple(names)
         for name in wanted:
-            if not any(_named(claim, name) for claim in self.claims):
+            if not any(_meet(claim.name, name) for claim in self.claims):
                 raise unknown("claim", name, [claim.name for claim in self.claims])
-        claims = tuple(c for c in self.claims if any(_named(c, name) for name in wanted))
-        needs = {need for claim in claims for need in claim.needs}
-        tasks = tuple(
-            task for task in self.tasks if any(fnmatch(task.problem.name, need) for need in needs)
-        )
-        return Plan(self.source, tasks, (), self.case, claims, lambda case, solutions: ())
+        claims = tuple(claim for claim in self.claims if _among(claim.name, wanted))
+        needs = tuple(need for claim in claims for need in claim.needs)
+        tasks = tuple(task for task in self.tasks if _among(task.problem.name, needs))
+        return Plan(self.source, tasks, (), self.case, claims, no_figures)
 
     def compare(self, solutions: Solutions, names: Iterable[str] = ()) -> list[Comparison]:
-        """The rows of all claims, or those of some names."""
+        """The rows of all claims, or those of some names, with * and ?.
+
+        Raises:
+            ValueError: for a name that no row has, with the near ones.
+        """
         rows = [row for claim in self.claims for row in claim.compare(self.case, solutions)]
         wanted = tuple(names)
-        return [row for row in rows if not wanted or _asked(row.quantity, wanted)]
+        for name in wanted:
+            if not any(_meet(row.quantity, name) for row in rows):
+                raise unknown("claim", name, [row.quantity for row in rows])
+        return [row for row in rows if not wanted or _among(row.quantity, wanted)]
 
 
-def _named(claim: Claim, name: str) -> bool:
-    return fnmatch(name, claim.name) or fnmatch(claim.name, name)
+def no_figures(case: Any, solutions: Solutions) -> tuple[Figure, ...]:
+    """Nothing is drawn."""
+    return ()
 
 
-def _asked(quantity: str, names: tuple[str, ...]) -> bool:
-    return any(fnmatch(quantity, name) for name in names)
+def _among(name: str, others: tuple[str, ...]) -> bool:
+    return any(_meet(name, other) for other in others)
+
+
+def _meet(one: str, other: str) -> bool:
+    """Whether there is a name that fits both; in either, * stands for any text, ? for a letter."""
+    if not one or not other:
+        return not one.strip("*") and not other.strip("*")
+    if one[0] == "*":
+        return _meet(one[1:], other) or _meet(one, other[1:])
+    if other[0] == "*":
+        return _meet(other, one)
+    return (one[0] == other[0] or "?" in (one[0], other[0])) and _meet(one[1:], other[1:])
 
 
 @dataclass(frozen=True)
