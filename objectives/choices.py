@@ -28,7 +28,8 @@ def rmse(output: str, channel: Channel | None) -> Objective:
     known = _with_truth("rmse", channel)
     if known.kind == "attitude":
         return AttitudeRmse("total")
-    return ChannelRmse(output, "angle" if known.kind == "angle" else "number")
+    kind: Literal["angle", "number"] = "angle" if known.kind == "angle" else "number"
+    return ChannelRmse(output, kind, max(len(known.axes), 1))
 
 
 def inclination(output: str, channel: Channel | None) -> Objective:

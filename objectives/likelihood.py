@@ -25,7 +25,7 @@ class InnovationLikelihood:
     where L is, and ln value moves as L does.
 
     The outputs need ``innovation`` and ``variance``, ``(m,)``. A number counts where the truth is
-    not NaN and its variance is above 0: a filter's is 0 where nothing was measured. The truth is
+    not NaN and its variance is not 0, which a filter's is where nothing was measured. The truth is
     the measurement ``(m,)``, or ``()``, which stands for all m: zeros ``(N,)`` leave it to the
     filter what counts. Source: Schweppe, IEEE Transactions on Information Theory 11, 1965.
     """
@@ -36,7 +36,7 @@ class InnovationLikelihood:
 
     def update(self, total: Likely, output: Any, truth: Array) -> tuple[Likely, None]:
         """Add one sample."""
-        seen = ~jnp.isnan(truth) & (output.variance > 0)
+        seen = ~jnp.isnan(truth) & (output.variance != 0)
         variance = jnp.where(seen, output.variance, 1.0)
         each = output.innovation**2 / variance + jnp.log(variance)
         added = jnp.where(seen, each, 0.0).sum()

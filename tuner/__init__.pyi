@@ -11,9 +11,9 @@ from tuner.certificate.solution import Solution as Solution
 from tuner.certificate.solution import Status as Status
 from tuner.convex import ConvexProgram as ConvexProgram
 from tuner.convex import linear_program as linear_program
-from tuner.data.logs import Log as Log
-from tuner.data.logs import parse_mapping as parse_mapping
-from tuner.data.logs import read_log as read_log
+from tuner.data.reading import read_record as read_record
+from tuner.data.reading import read_records as read_records
+from tuner.data.record import Record as Record
 from tuner.export import Tuned as Tuned
 from tuner.observers import fastest_decay as fastest_decay
 from tuner.observers import minimum_variance as minimum_variance
@@ -30,6 +30,8 @@ from tuner.problem.surface import values as values
 from tuner.problem.surface import values_and_gradients as values_and_gradients
 from tuner.run.comparison import Comparison as Comparison
 from tuner.run.comparison import Verdict as Verdict
+from tuner.run.fit import Fit as Fit
+from tuner.run.fit import fit as fit
 from tuner.run.study import Study as Study
 from tuner.run.study import find_study as find_study
 from tuner.solvers import Alternating as Alternating

@@ -7,29 +7,29 @@ from studies.kownacki2010 import problems
 from studies.kownacki2010.claims import CLAIMS
 from studies.kownacki2010.data import benches
 from studies.kownacki2010.figures import figures, own_figures
-from studies.kownacki2010.paper import CHANNELS
+from studies.kownacki2010.paper import channels
 from studies.kownacki2010.settings import Settings
-from tuner.data.logs import Log
+from tuner.data.record import Record
 from tuner.run.study import Plan, Study, Task
 from tuner.solvers import NelderMead, make_solver
 
 
-def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
+def plan(settings: Settings, records: tuple[Record, ...], seed: int, storage: str) -> Plan:
     """The paper's procedure on both built-in records, or on the channels of a log.
 
     Each sensor gives three problems: Q with R as measured, which is well posed; Q and R together,
     as the paper has it ("NAME.paper"); and Q under the literal reading of (10) ("NAME.literal").
     A log gives the first one alone, and is not compared with the paper's sensors.
     """
-    tested = benches(settings, log, seed)
+    tested = benches(settings, records, seed)
     solvers = [
         make_solver(name, seed=seed, starts=settings.starts, storage=storage)
         for name in settings.solvers
     ]
     posed = [problems.problem(bench) for bench in tested]
-    papers = [problems.paper(bench) for bench in tested] if log is None else []
+    papers = [problems.paper(bench) for bench in tested] if not records else []
     tasks = [Task(problem, solver) for problem in posed + papers for solver in solvers]
-    if log is None:  # the literal cost has jumps, which no gradient sees
+    if not records:  # the literal cost has jumps, which no gradient sees
         simplex = NelderMead(seed=seed, starts=settings.starts)
         tasks += [Task(problems.literal(bench), simplex) for bench in tested]
     return Plan(
@@ -37,8 +37,8 @@ def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
         tasks=tuple(tasks),
         exports=tuple(problem.name for problem in posed),
         case=tested,
-        claims=CLAIMS if log is None else (),
-        figures=figures if log is None else own_figures,
+        claims=CLAIMS if not records else (),
+        figures=figures if not records else own_figures,
     )
 
 
@@ -50,5 +50,5 @@ STUDY = Study(
     "Digital Signal Processing, 2010",
     settings=Settings,
     plan=plan,
-    channels=CHANNELS,
+    channels=channels,
 )

@@ -1,6 +1,6 @@
 """Motionless records, made up or measured, ready for the step test."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -8,8 +8,9 @@ from filters import AccelerometerFilter, GyroscopeFilter
 from objectives import Welch
 from studies.kownacki2010.paper import ACC, GYRO, Sensor
 from studies.kownacki2010.settings import Settings
-from tuner.data.logs import Log
+from tuner.data.merge import Timeline, timeline
 from tuner.data.noise_split import NoiseSplit, split_noise
+from tuner.data.record import Record
 from tuner.data.source import Source
 
 
@@ -74,24 +75,45 @@ def synthetic(sensor: Sensor, settings: Settings, seed: int) -> np.ndarray:
     return np.asarray(np.sqrt(sensor.table1.R) * draw.standard_normal(samples))
 
 
-def benches(settings: Settings, log: Log | None, seed: int) -> list[Bench]:
-    """The sensors to be tuned: both on made-up records, or those that a log maps."""
-    if log is None:
+def benches(settings: Settings, records: tuple[Record, ...], seed: int) -> list[Bench]:
+    """The sensors to be tuned: both on made-up records, or those that a recording has.
+
+    Raises:
+        ValueError: for several recordings, and one without an even clock or with missing samples.
+    """
+    if not records:
         return [_made_up(sensor, settings, seed) for sensor in (GYRO, ACC)]
-    mapped = [sensor for sensor in (GYRO, ACC) if sensor.channel in log.channels]
-    if not mapped:
-        raise ValueError("the log has neither channel: map one with --map omega=COLUMN or a=COLUMN")
-    source = Source(log.name, log.sha256, log.findings.samples, log.rate_hz)
-    return [
-        _bench(
-            sensor,
-            log.units[sensor.channel] or sensor.unit,
-            log.channels[sensor.channel],
-            source,
-            settings,
+    if len(records) > 1:
+        raise ValueError(f"this study takes one recording, and there are {len(records)}")
+    line, source = timeline(records[0]), records[0].sources[0]
+    if line.rate_hz is None:
+        raise ValueError(
+            f"{source.name} has gaps or an uneven clock, and the step response needs even samples; "
+            "cut out a piece without gaps"
         )
-        for sensor in mapped
+    source = replace(source, samples=len(line.times), rate_hz=line.rate_hz)
+    return [
+        _bench(sensor, line.units[sensor.channel], _whole(source, sensor, line), source, settings)
+        for sensor in (GYRO, ACC)
+        if sensor.channel in line.channels
     ]
+
+
+def _whole(source: Source, sensor: Sensor, line: Timeline) -> np.ndarray:
+    """A channel without missing samples, which no spectrum takes, and that changes."""
+    values = np.asarray(line.channels[sensor.channel])
+    missing = int(np.isnan(values).sum())
+    if missing:
+        raise ValueError(
+            f"{sensor.channel} of {source.name} misses {missing} samples, and a spectrum needs "
+            "all; cut them out or interpolate first"
+        )
+    if np.ptp(values) == 0:
+        raise ValueError(
+            f"{sensor.channel} of {source.name} is constant, {values[0]:g} in every sample; map a "
+            "column that changes"
+        )
+    return values
 
 
 def _made_up(sensor: Sensor, settings: Settings, seed: int) -> Bench:

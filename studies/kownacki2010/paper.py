@@ -7,6 +7,7 @@ from jax import Array
 
 from filters import (
     AccelerometerFilter,
+    Channel,
     GyroscopeFilter,
     SteadyState,
     accelerometer_steady,
@@ -60,4 +61,11 @@ ACC = Sensor(
     NoiseSplit(1.8472e-4, 1.1859e-8),
     NoiseSplit(5.8631e-13, 1.3458e-11),
 )
-CHANNELS = {"omega": "gyroscope: angular rate", "a": "accelerometer: acceleration"}
+
+
+def channels(settings: object) -> dict[str, Channel]:
+    """What ``--map`` may name: a record of either sensor at rest."""
+    return {
+        "omega": Channel("rad/s", "gyroscope: angular rate"),
+        "a": Channel("m/s^2", "accelerometer: acceleration"),
+    }

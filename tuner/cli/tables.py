@@ -95,6 +95,8 @@ def show_result(result: Result, folder: Path) -> None:
             f"{check.problem}: {check.warning or told}", style="yellow" if check.warning else ""
         )
     out.print(f"{result.seconds:.1f} s; all files are in {folder}", soft_wrap=True)
+    for line in () if result.fit is None else result.fit.lines:
+        out.print(line.replace(" RUN ", f" {folder} "), soft_wrap=True, highlight=False)
 
 
 def _of(output: str) -> str:

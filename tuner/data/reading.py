@@ -19,7 +19,8 @@ from tuner.data.logs.table import Table
 from tuner.data.logs.timename import is_time
 from tuner.data.logs.timing import timing_names
 from tuner.data.logs.values import Columns, load_columns
-from tuner.data.record import Record, Signal, Source
+from tuner.data.record import Record, Signal
+from tuner.data.source import Source
 from tuner.data.splitting import labels_of, split
 from tuner.data.wanted import Declared, Wanted, all_of, asked, shared_out
 

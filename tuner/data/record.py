@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tuner.data.logs.clock import Clock, judged
 from tuner.data.logs.error import LogError, quoted, suggest
+from tuner.data.source import Source
 from tuner.data.units import change
 
 if TYPE_CHECKING:
@@ -55,23 +56,6 @@ class Signal:
         if len(times) == len(self.times):
             return 1.0 / self.running.step
         return float((len(times) - 1) / np.ptp(times)) if len(times) > 1 else 0.0
-
-
-@dataclass(frozen=True)
-class Source:
-    """Where data came from.
-
-    Attributes:
-        name: of the file, without its folder.
-        sha256: of its bytes, hexadecimal.
-        samples: how many it holds.
-        rate_hz: samples per second.
-    """
-
-    name: str
-    sha256: str
-    samples: int
-    rate_hz: float
 
 
 @dataclass(frozen=True, eq=False)

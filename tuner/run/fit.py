@@ -9,12 +9,16 @@ import numpy as np
 
 from tuner.catalogue import find
 from tuner.certificate.solution import Solution
+from tuner.data.merge import stacked, timeline
 from tuner.data.record import Record
+from tuner.data.source import Source
 from tuner.problem.surface import values
 from tuner.run.fit_figures import figures
-from tuner.run.judged import Judged, first_part, judge
+from tuner.run.judged import Judged, filter_name, first_part, judge
 from tuner.run.posed import Posed, Wishes, pose
+from tuner.run.result import FitRecord
 from tuner.run.study import Plan, Solutions, Task, best
+from tuner.run.summary import five_lines
 from tuner.solvers import Solver, make_solver
 
 SCREENED = 64
@@ -65,9 +69,7 @@ class Fit:
         return self.posed.problem.outputs(self.solution)
 
     def summary(self) -> str:
-        """Five lines: which numbers to use, how good, why to trust them, what is open, what next."""
-        from tuner.run.summary import five_lines
-
+        """Five lines: use these numbers, how good, why trust them, what is open, what next."""
         return "\n".join(five_lines(self.posed, self.solution, self.judged))
 
     def __str__(self) -> str:
@@ -118,10 +120,25 @@ def fit(
     wishes = Wishes(start or {}, fix or {}, bound or {}, options or {}, objective)
     name = filter if isinstance(filter, str) else filter.__name__
     cls = find("tuner.filters", filter) if isinstance(filter, str) else filter
-    posed = pose(name, cls, _timeline(record), wishes)
+    records = (record,) if isinstance(record, Record) else tuple(record)
+    posed = pose_on(name, cls, records, wishes)
     plan = plan_fit(posed, Request(solver, starts, seed, "", hold_out))
     solved = {(t.problem.name, t.solver.name): t.solver(t.problem) for t in plan.tasks}
     return concluded(posed, solved)
+
+
+def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wishes) -> Posed:
+    """The problem of tuning a filter on recordings, merged each and side by side.
+
+    Raises:
+        ValueError: as :func:`tuner.run.posed.pose`, and for recordings that do not go together.
+    """
+    lines = [timeline(record) for record in records]
+    source = Source.joined(
+        " + ".join(part.name for record in records for part in record.sources),
+        [part for record in records for part in record.sources],
+    )
+    return pose(name, cls, lines[0] if len(lines) == 1 else stacked(lines), wishes, source)
 
 
 def plan_fit(posed: Posed, request: Request) -> Plan:
@@ -134,13 +151,21 @@ def plan_fit(posed: Posed, request: Request) -> Plan:
     tasks = [Task(posed.problem, solver)]
     tasks += [] if part is None else [Task(part, _quick(solver))]
     return Plan(
-        source=posed.timeline.source,
+        source=posed.source,
         tasks=tuple(tasks),
         exports=(posed.problem.name,),
         case=posed,
         claims=(),
         figures=figures,
+        report=report,
     )
+
+
+def report(posed: Posed, solutions: Solutions) -> FitRecord:
+    """What a fit is worth, for its result."""
+    found = concluded(posed, solutions)
+    lines = five_lines(posed, found.solution, found.judged)
+    return FitRecord.of(found.judged, filter_name(posed), lines)
 
 
 def concluded(posed: Posed, solutions: Solutions) -> Fit:
@@ -167,11 +192,3 @@ def _quick(solver: Solver) -> Solver:
     """The solver without a look at second derivatives, which nobody reads of the second fit."""
     known: Any = solver
     return replace(known, curvature=False) if hasattr(solver, "curvature") else solver
-
-
-def _timeline(record: Record | Iterable[Record]) -> Any:
-    from tuner.data.merge import stacked, timeline
-
-    records = [record] if isinstance(record, Record) else list(record)
-    lines = [timeline(each) for each in records]
-    return lines[0] if len(lines) == 1 else stacked(lines)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+import jax.numpy as jnp
 import numpy as np
 
 from filters.declared import output
@@ -32,8 +33,8 @@ def _error(posed: Posed, begun: dict[str, np.ndarray], tuned: dict[str, np.ndarr
     truth = _first(posed, np.asarray(posed.timeline.truth[posed.output]))
     lines = []
     for label, values in (("before", begun), ("tuned", tuned)):
-        params = problem.static.build({n: np.asarray(v, float) for n, v in values.items()})
-        whole = run_filter(problem.filter, params, problem.data.inputs)  # type: ignore[arg-type]
+        params = problem.static.build({n: jnp.asarray(v, float) for n, v in values.items()})
+        whole = run_filter(problem.filter, params, problem.data.inputs)
         found = _first(posed, np.asarray(output(problem.filter, whole, posed.output)))
         lines.append((label, found))
     lines.append(("truth", truth))
@@ -82,9 +83,7 @@ def _innovations(posed: Posed, tuned: dict[str, np.ndarray]) -> Chart:
 
 
 def _times(posed: Posed) -> np.ndarray:
-    dt = np.asarray(posed.timeline.dt)
-    dt = dt[:, 0] if dt.ndim == 2 else dt
-    return np.cumsum(dt) - dt[0]
+    return _first(posed, np.asarray(posed.timeline.times))
 
 
 def _first(posed: Posed, array: np.ndarray) -> np.ndarray:

@@ -127,7 +127,8 @@ def _counts(problem: Problem) -> np.ndarray | None:
     rows = np.flatnonzero(seen)
     if len(rows) < 50:
         return None
-    return np.arange(shape[0]) <= rows[int(SHARE * len(rows))]
+    last = int(rows[int(SHARE * len(rows))])
+    return np.asarray(np.arange(shape[0]) <= last)
 
 
 def _only(problem: Problem, mask: np.ndarray) -> Problem:

@@ -21,6 +21,7 @@ from tuner.run.folder import RunFolder
 from tuner.run.result import (
     ComparisonRecord,
     ExportRecord,
+    FitRecord,
     LogRecord,
     Result,
     SingleRecord,
@@ -119,11 +120,18 @@ class Run:
             tuned=[json.loads(export.dump(one, "json")) for one in tuned],
             artifacts=[*artifacts, "result.json"],
             seconds=time.perf_counter() - begun,
+            fit=self._report(solutions),
         )
         self.folder.write("result.json", result.to_json().encode())
         self.folder.remove("progress.json")
         self.progress("done", 4, 4)
         return result
+
+    def _report(self, solutions: Solutions) -> FitRecord | None:
+        """What a fit is worth; nothing for a published study."""
+        if self.plan.report is None:
+            return None
+        return self.plan.report(self.plan.case, solutions)
 
     def tuned(self, problem: Problem, solution: Solution) -> Tuned:
         """What is exported for a problem: its parameters, and what follows from them."""

@@ -3,8 +3,9 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any, Protocol
+from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
 
 from filters import Lanes, Timed, TimedSample
@@ -19,6 +20,7 @@ from filters.declared import (
 )
 from objectives import Data, Objective
 from tuner.catalogue import find
+from tuner.data.merge import Timeline
 from tuner.data.source import Source
 from tuner.names import unknown
 from tuner.problem.parameters import Bounded, Fixed, Parameter, Positive
@@ -27,34 +29,10 @@ from tuner.problem.space import Space
 
 _OWN_UNIT = re.compile(r"\bunit\b(?:\^(\d+))?")
 """What stands for the measurement's unit in a declared unit, and its power."""
+_PER_TIME = re.compile(r"/s(?:\^(\d+))?$")
+"""A power of time below the line, at the end of a declared unit."""
 NO_TRUTH = ("likelihood", "prediction")
 """Objectives that need no truth."""
-
-
-class Timeline(Protocol):
-    """What is tuned on: one recording on one clock, or several side by side.
-
-    Attributes:
-        dt: time since the sample before, s, ``(N,)`` or ``(N, k)``.
-        rate_hz: samples a second; None where they come at any time.
-        channels: by name, ``(N, ...)`` or ``(N, k, ...)``; NaN is missing.
-        truth: likewise, by the names of the filter's outputs.
-        units: of channels and truth, by name.
-        source: where they come from.
-    """
-
-    @property
-    def dt(self) -> np.ndarray: ...  # noqa: D102
-    @property
-    def rate_hz(self) -> float | None: ...  # noqa: D102
-    @property
-    def channels(self) -> Mapping[str, np.ndarray]: ...  # noqa: D102
-    @property
-    def truth(self) -> Mapping[str, np.ndarray]: ...  # noqa: D102
-    @property
-    def units(self) -> Mapping[str, str]: ...  # noqa: D102
-    @property
-    def source(self) -> Source: ...  # noqa: D102
 
 
 @dataclass(frozen=True)
@@ -86,6 +64,7 @@ class Posed:
         output: the output that is compared with the truth; "" without a truth.
         unit: of the objective's value.
         timeline: the data.
+        source: where they come from.
     """
 
     problem: Problem
@@ -93,9 +72,10 @@ class Posed:
     output: str
     unit: str
     timeline: Timeline
+    source: Source
 
 
-def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes) -> Posed:
+def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: Source) -> Posed:
     """The problem of tuning a filter on a recording.
 
     Args:
@@ -103,6 +83,7 @@ def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes) -> Posed
         cls: the filter's class, which declares its facts.
         timeline: the data.
         wishes: what the user decides.
+        source: where the data come from.
 
     Raises:
         ValueError: for a channel that is needed and missing, an unknown parameter, option or
@@ -110,18 +91,19 @@ def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes) -> Posed
     """
     check_channels(name, cls, timeline)
     filter = set_up(name, cls, timeline, wishes.options)
-    objective, output, judged = choose_objective(name, cls, timeline, wishes.objective)
+    objective, judged, output = choose_objective(name, cls, timeline, wishes.objective)
     unit = _unit_of(cls, timeline, objective, output)
+    outputs = channel_facts(cls, "outputs")
     problem = Problem(
         name=name.replace("-", "_"),
         space=space_of(cls, timeline, wishes),
         filter=filter,
         build=None,
         objective=judged,
-        data=Data(_inputs(cls, timeline), truth_of(timeline, output)),
-        source=timeline.source,
+        data=Data(_inputs(cls, timeline), truth_of(timeline, outputs.get(output), output)),
+        source=source,
     )
-    return Posed(problem, objective, output, unit, timeline)
+    return Posed(problem, objective, output, unit, timeline, source)
 
 
 def check_channels(name: str, cls: type[Any], timeline: Timeline) -> None:
@@ -157,6 +139,8 @@ def set_up(name: str, cls: type[Any], timeline: Timeline, options: Mapping[str, 
     dt = np.asarray(timeline.dt)
     step = {"dt": float(np.nanmedian(dt) if timeline.rate_hz is None else 1 / timeline.rate_hz)}
     filter = cls(**({} if "dt" not in known else step), **options)
+    if hasattr(filter, "given"):
+        filter = filter.given(frozenset(timeline.channels))
     if timeline.rate_hz is None:
         filter = Timed(filter)
     return Lanes(filter, dt.shape[1]) if dt.ndim == 2 else filter
@@ -164,7 +148,9 @@ def set_up(name: str, cls: type[Any], timeline: Timeline, options: Mapping[str, 
 
 def _inputs(cls: type[Any], timeline: Timeline) -> Any:
     inputs = inputs_of(cls, timeline.channels)
-    return inputs if timeline.rate_hz is not None else TimedSample(timeline.dt, inputs)
+    if timeline.rate_hz is not None:
+        return inputs
+    return TimedSample(jnp.asarray(timeline.dt), inputs)
 
 
 def choose_objective(
@@ -187,11 +173,21 @@ def choose_objective(
         )
     output = next(iter(timeline.truth), "")
     chosen = wished or _by_what_there_is(name, cls, outputs.get(output), timeline)
-    made: Objective = find("tuner.objectives", chosen)(output, outputs.get(output))
+    made: Objective = find("tuner.objectives", chosen)(output, _as_given(outputs, output, timeline))
     if chosen in NO_TRUTH:
         _needs(name, chosen, outputs)
         output = ""
     return chosen, made, output
+
+
+def _as_given(
+    outputs: Mapping[str, Channel], output: str, timeline: Timeline
+) -> Channel | None:
+    """The output's facts, with the axes that its truth has: the first of those declared."""
+    fact = outputs.get(output)
+    if fact is None or not fact.axes:
+        return fact
+    return fact._replace(axes=fact.axes[: np.shape(truth_of(timeline, fact, output))[-1]])
 
 
 def _needs(name: str, objective: str, outputs: Mapping[str, Channel]) -> None:
@@ -211,11 +207,16 @@ def _by_what_there_is(name: str, cls: type[Any], truth: Channel | None, timeline
     return "prediction" if "variance" not in channel_facts(cls, "outputs") else "likelihood"
 
 
-def truth_of(timeline: Timeline, output: str) -> np.ndarray:
-    """What outputs are held against: the truth, or zeros that say that every sample counts."""
-    if output:
-        return np.asarray(timeline.truth[output], float)
-    return np.zeros((*np.shape(timeline.dt), 1))
+def truth_of(timeline: Timeline, fact: Channel | None, output: str) -> np.ndarray:
+    """What outputs are held against: the truth, or zeros that say that every sample counts.
+
+    The truth of an output with axes has them last, also where it is one alone.
+    """
+    if not output:
+        return np.zeros((*np.shape(timeline.dt), 1))
+    truth = np.asarray(timeline.truth[output], float)
+    alone = fact is not None and fact.axes and truth.ndim == np.ndim(timeline.dt)
+    return truth[..., None] if alone else truth
 
 
 def _unit_of(cls: type[Any], timeline: Timeline, objective: str, output: str) -> str:
@@ -251,16 +252,35 @@ def space_of(cls: type[Any], timeline: Timeline, wishes: Wishes) -> Space:
     return Space(tuple(chosen.items()))
 
 
-def scale_of(cls: type[Any], timeline: Timeline) -> float:
-    """The noise of the first channel that may have any unit: of its steps; 1 without one."""
+@dataclass(frozen=True)
+class Scale:
+    """What is large in data of any unit: the noise of its steps, and a step of its clock, s."""
+
+    size: float
+    step: float
+
+    def of(self, unit: str) -> float:
+        """What 1 in a declared unit stands for; 1 for a unit in SI."""
+        own = _OWN_UNIT.search(unit)
+        if own is None:
+            return 1.0
+        per_time = _PER_TIME.search(unit)
+        power = int(per_time[1] or 1) if per_time else 0
+        return float(self.size ** int(own[1] or 1) / self.step**power)
+
+
+def scale_of(cls: type[Any], timeline: Timeline) -> Scale:
+    """Of the first channel that may have any unit; 1 without one."""
     facts = channel_facts(cls, "inputs")
-    for name, values in timeline.channels.items():
-        if _OWN_UNIT.search(facts[name].unit):
-            seen = np.asarray(values, float)
-            steps = np.diff(seen[np.isfinite(seen)] if seen.ndim == 1 else seen, axis=0)
-            size = float(np.sqrt(np.nanmedian(steps**2)) / 0.95) or float(np.nanstd(seen))
-            return size or 1.0
-    return 1.0
+    free = [name for name in timeline.channels if _OWN_UNIT.search(facts[name].unit)]
+    step = float(np.nanmedian(timeline.dt))
+    if not free:
+        return Scale(1.0, step)
+    columns = np.asarray(timeline.channels[free[0]], float).reshape(len(timeline.dt), -1).T
+    steps = np.concatenate([np.diff(column[np.isfinite(column)]) for column in columns])
+    # The median is not moved by outliers; that of squares of normal numbers is 0.455.
+    size = float(np.sqrt(np.median(steps**2) / 0.455 / 2)) if len(steps) else 0.0
+    return Scale(size or float(np.nanstd(columns)) or 1.0, step)
 
 
 def own_unit(unit: str, timeline: Timeline, cls: type[Any]) -> str:
@@ -276,11 +296,10 @@ def own_unit(unit: str, timeline: Timeline, cls: type[Any]) -> str:
     return _OWN_UNIT.sub(lambda m: plain + (f"^{m[1]}" if m[1] else ""), unit)
 
 
-def _parameter(name: str, fact: Param, scale: float, unit: str, wishes: Wishes) -> Parameter:
+def _parameter(name: str, fact: Param, scale: Scale, unit: str, wishes: Wishes) -> Parameter:
     if name in wishes.fix:
         return Fixed(wishes.fix[name], unit, meaning=fact.meaning)
-    power = _OWN_UNIT.search(fact.unit)
-    factor = scale ** int(power[1] or 1) if power else 1.0
+    factor = scale.of(fact.unit)
     if name not in wishes.bound and (fact.low is None or fact.high is None):
         held = wishes.start.get(name, fact.typical)
         return Fixed(held, unit, meaning=fact.meaning)

@@ -1,7 +1,7 @@
 """What a study is, and how studies are found."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from tuner.catalogue import find, names
@@ -14,9 +14,11 @@ if TYPE_CHECKING:
     from jax import Array
     from pydantic import BaseModel
 
+    from filters.declared import Channel
     from tuner.certificate.solution import Solution
-    from tuner.data.logs import Log
+    from tuner.data.record import Record
     from tuner.problem.problem import Problem
+    from tuner.run.result import FitRecord
     from tuner.solvers.convex import ConvexTask
     from tuner.solvers.solver import Solver
 
@@ -88,6 +90,7 @@ class Plan:
         case: what the claims and figures are about: the study's own data.
         claims: what is compared, in the order of the rows.
         figures: the figures, given the case and all solutions.
+        report: what a fit is worth; None for a published study.
 
     Raises:
         ValueError: where a problem is to be exported that nobody solves.
@@ -99,6 +102,7 @@ class Plan:
     case: Any
     claims: tuple[Claim, ...]
     figures: Callable[[Any, Solutions], Iterable[Figure]]
+    report: "Callable[[Any, Solutions], FitRecord] | None" = None
 
     def __post_init__(self) -> None:
         solved = {task.problem.name for task in self.tasks}
@@ -167,16 +171,18 @@ class Study:
         title: one line.
         paper: the citation.
         settings: the model of its options, a frozen pydantic model that forbids unknown names.
-        plan: from settings, log (or None), seed and database URL to the plan.
-        channels: what ``--map`` may name, with a description each; empty if it takes no log.
+        plan: from settings, recordings (none: its own data), seed and database URL to the plan.
+        channels: what ``--map`` may name; None if it takes no recording.
+        truths: what ``--truth`` may name.
     """
 
     name: str
     title: str
     paper: str
     settings: "type[BaseModel]"
-    plan: "Callable[[Any, Log | None, int, str], Plan]"
-    channels: Mapping[str, str] = field(default_factory=dict, hash=False)
+    plan: "Callable[[Any, tuple[Record, ...], int, str], Plan]"
+    channels: "Callable[[Any], Mapping[str, Channel]] | None" = None
+    truths: "Callable[[Any], Mapping[str, Channel]] | None" = None
 
 
 def study_names() -> list[str]:

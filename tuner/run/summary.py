@@ -18,21 +18,20 @@ WORDS = {
 }
 
 
-def five_lines(posed: Posed, solution: Solution, judged: Judged, run: str = "RUN") -> list[str]:
-    """The lines, each beginning with what it answers.
+def five_lines(posed: Posed, solution: Solution, judged: Judged) -> list[str]:
+    """The lines, each beginning with what it answers; RUN in the last stands for the run's folder.
 
     Args:
         posed: the problem.
         solution: what was found.
         judged: what it is worth.
-        run: the run's folder, for the command in the last line.
     """
     return [
         "use       " + ", ".join(_numbers(posed, solution)),
         "how good  " + "; ".join(_worth(judged)),
         "trust     " + "; ".join(_trust(solution, judged)),
         "open      " + ("; ".join(_open(posed, solution)) or "nothing: all is determined"),
-        f"next      tuner export {run} --to c -o {posed.problem.name}.h",
+        f"next      tuner export RUN --to c -o {posed.problem.name}.h",
     ]
 
 
