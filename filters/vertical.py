@@ -155,9 +155,9 @@ class Vertical:
 
     def derive(self, params: VerticalNoise) -> dict[str, Array]:
         """The covariance a sample and the steady gains, from the Riccati equation."""
-        turned = jnp.array([1.0, 1.0, -1.0])
         K = steady_gain(full(self._noise(params, params.R_baro)), self.dt)
         Q = full(self._noise(params, 1.0))
+        turned = jnp.array([1.0, 1.0, -1.0], Q.dtype)
         return {"Q": Q * jnp.outer(turned, turned), "K": K * turned}
 
     def _noise(self, params: VerticalNoise, unit: float | Array) -> Upper:

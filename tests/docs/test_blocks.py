@@ -2,6 +2,7 @@
 
 import re
 import shlex
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -22,9 +23,30 @@ def blocks(language):
     return found
 
 
-@pytest.mark.parametrize("code", blocks("python"))
-def test_python_block_runs(code, tmp_path, monkeypatch):
+FILES = {  # blocks that begin with a file's name, which other blocks may import
+    match[1]: match[2]
+    for page in PAGES
+    for match in re.finditer(
+        r"```python\n# (\w+\.py)\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL
+    )
+}
+
+
+@pytest.fixture
+def files(tmp_path, monkeypatch):
+    """A folder with the files that the pages show, on the path."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    for name, text in FILES.items():
+        Path(name).write_text(text, encoding="utf-8")
+    yield
+    for name in FILES:
+        sys.modules.pop(Path(name).stem, None)
+
+
+@pytest.mark.parametrize("code", blocks("python"))
+@pytest.mark.usefixtures("files")
+def test_python_block_runs(code):
     exec(compile(code, "block", "exec"), {"__name__": "block"})
 
 
@@ -48,7 +70,10 @@ def commands(code):
     ]
 
 
-@pytest.mark.parametrize("text", blocks("toml"))
+DESIGNS = [block for block in blocks("toml") if "[project]" not in block.values[0]]
+
+
+@pytest.mark.parametrize("text", DESIGNS)
 def test_designs_can_be_planned(text, tmp_path, capfd):
     (tmp_path / "design.toml").write_text(text)
     assert invoke(["run", str(tmp_path / "design.toml"), "--dry-run"]) == 0

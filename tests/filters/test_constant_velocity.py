@@ -120,7 +120,8 @@ def test_single_precision_stays_single_and_follows(filter):
     whole = compiled(quick, params, inputs)[1]
     single = jax.tree.map(lambda leaf: leaf.astype(np.float32), (params, inputs))
     state, half = compiled(quick, *single)
-    assert {leaf.dtype for leaf in jax.tree.leaves((state, half))} == {jnp.dtype("float32")}
+    leaves = jax.tree.leaves((state, half, quick.derive(single[0])))
+    assert {leaf.dtype for leaf in leaves} == {jnp.dtype("float32")}
     # Of numbers of order 1e-9; float32 has seven digits, of which the slow gains take three.
     np.testing.assert_allclose(half.position, whole.position, atol=1e-12)
 

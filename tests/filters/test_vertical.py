@@ -101,5 +101,6 @@ def test_single_precision_stays_single_and_follows():
     whole = compiled(Vertical(0.02), NOISE, inputs)[1]
     single = jax.tree.map(lambda leaf: leaf.astype(np.float32), (NOISE, inputs))
     state, half = compiled(Vertical(0.02), *single)
-    assert {leaf.dtype for leaf in jax.tree.leaves((state, half))} == {jnp.dtype("float32")}
+    leaves = jax.tree.leaves((state, half, Vertical(0.02).derive(single[0])))
+    assert {leaf.dtype for leaf in leaves} == {jnp.dtype("float32")}
     np.testing.assert_allclose(half.climb, whole.climb, atol=1e-3)  # 300 m has steps of 3e-5 m

@@ -132,9 +132,7 @@ def fit(
     ] = None,
     solver: Annotated[str, typer.Option(help="Of tuner list solvers.")] = "l-bfgs-b",
     starts: Annotated[int, typer.Option(min=1, help="Starts of the search.")] = 4,
-    hold_out: Annotated[
-        bool, typer.Option(help="Judge on what a second fit left out.")
-    ] = True,
+    hold_out: Annotated[bool, typer.Option(help="Judge on what a second fit left out.")] = True,
     out: Annotated[Path | None, typer.Option(help="Folder for the results.")] = None,
     seed: Annotated[
         int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all random numbers; 0.")

@@ -180,9 +180,7 @@ def choose_objective(
     return chosen, made, output
 
 
-def _as_given(
-    outputs: Mapping[str, Channel], output: str, timeline: Timeline
-) -> Channel | None:
+def _as_given(outputs: Mapping[str, Channel], output: str, timeline: Timeline) -> Channel | None:
     """The output's facts, with the axes that its truth has: the first of those declared."""
     fact = outputs.get(output)
     if fact is None or not fact.axes:
