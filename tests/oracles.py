@@ -148,3 +148,16 @@ def central_difference(function, point, step):
     """The gradient of a scalar function by central differences, one coordinate after another."""
     shifts = step * np.eye(len(point))
     return np.array([(function(point + s) - function(point - s)) / (2 * step) for s in shifts])
+
+
+def surprise(e, S):
+    """Squared length of a joint innovation in units of its covariance, and that one's ln det."""
+    return e @ np.linalg.solve(S, e) + np.linalg.slogdet(S)[1]
+
+
+def surprises(innovation, variance):
+    """The same of innovations that were taken one after another, ``(N, m)``: 0 where none was."""
+    seen = variance > 0
+    assert not innovation[~seen].any()
+    s = np.where(seen, variance, 1.0)
+    return (innovation**2 / s + np.log(s)).sum(axis=1)
