@@ -193,3 +193,16 @@ def integrated_noise(n, density, dt):
     powers = np.array([middles ** (n - 1 - i) for i in range(n)])
     powers /= np.array([[float(np.prod(np.arange(1, n - i)))] for i in range(n)])
     return density * powers @ powers.T * dt / 20000
+
+
+def surprise(e, S):
+    """Squared length of a joint innovation in units of its covariance, and that one's ln det."""
+    return e @ np.linalg.solve(S, e) + np.linalg.slogdet(S)[1]
+
+
+def surprises(innovation, variance):
+    """The same of innovations that were taken one after another, ``(N, m)``: 0 where none was."""
+    seen = variance > 0
+    assert not innovation[~seen].any()
+    s = np.where(seen, variance, 1.0)
+    return (innovation**2 / s + np.log(s)).sum(axis=1)

@@ -19,6 +19,7 @@ from filters import (
     run,
 )
 from objectives import AttitudeRmse, attitude_error
+from tests.oracles import surprise, surprises
 from tests.strategies import seeds
 from tuner.data.simulation import GRAVITY, Bursts, Sensor, Swing, measure, simulate
 
@@ -114,10 +115,11 @@ def textbook(acceleration, rate, adaptive, **settings):
             if detected:
                 r = np.maximum(r, s["accelerometer"])
         H = np.hstack([skewed(up), np.zeros((3, 3))])
-        K = P @ H.T @ np.linalg.inv(H @ P @ H.T + np.diag(r))
+        S = H @ P @ H.T + np.diag(r)
+        K = P @ H.T @ np.linalg.inv(S)
         x, P = K @ e, (np.eye(6) - K @ H) @ P
         attitude, b = attitude * Rotation.from_rotvec(x[:3]), b + x[3:]
-        rows.append((quaternion(attitude), b, r, detected))
+        rows.append((quaternion(attitude), b, r, detected, surprise(e, S)))
     return [np.array(column) for column in zip(*rows, strict=True)]
 
 
@@ -139,13 +141,16 @@ def shaken(rng, samples=100):
 def test_is_the_textbooks_error_state_filter(adaptive, seed):
     force, rate, truth = shaken(np.random.default_rng(seed))
     settings = {"q0": quaternion(truth), "b0": np.array([0.01, 0.0, -0.01]), "accelerometer": 3e-3}
-    q, b, r, detected = textbook(force, rate, adaptive, **settings)
+    q, b, r, detected, surprising = textbook(force, rate, adaptive, **settings)
     found = filtered(AttitudeKalman(DT, adaptive), force, rate, **settings)
     assert 20 < detected.sum() < 60
     np.testing.assert_array_equal(found.detected, detected)
     # a hundred samples' rounding, with one joint inverse in the textbook
     np.testing.assert_allclose(found.b, b, rtol=0, atol=1e-10)
     np.testing.assert_allclose(found.r, r, rtol=0, atol=1e-10)
+    found_surprising = surprises(found.innovation, found.variance)
+    # over variances of 3e-3
+    np.testing.assert_allclose(found_surprising, surprising, rtol=0, atol=1e-8)
     sign = np.sign((found.att * q).sum(axis=1, keepdims=True))
     np.testing.assert_allclose(found.att * sign, q, rtol=0, atol=1e-10)
 
@@ -222,6 +227,8 @@ def test_without_accelerometers_it_is_the_gyroscopes_alone():
     np.testing.assert_array_equal(found.b, np.tile(b0, (100, 1)))
     np.testing.assert_allclose(found.r, SETTINGS["accelerometer"], rtol=1e-12)
     assert not found.detected.any()
+    assert not found.innovation.any()
+    assert not found.variance.any()
 
 
 def test_one_missing_axis_leaves_the_others_in_use():
@@ -230,6 +237,8 @@ def test_one_missing_axis_leaves_the_others_in_use():
     force[:, 2] = np.nan
     found = filtered(ADAPTIVE, force, rate)
     assert apart(found.att, quaternion(truth))[2][-1] < 1e-3
+    np.testing.assert_array_equal((found.variance > 0).all(axis=0), [True, True, False])
+    assert not found.innovation[:, 2].any()
 
 
 def test_variance_grows_along_the_axis_that_contradicts_the_gyroscopes():

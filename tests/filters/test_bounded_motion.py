@@ -10,6 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from filters import BoundedMotionKalman, BoundedMotionNoise, ImuSample, RestRule, blocks, run
+from tests.oracles import surprise, surprises
 from tuner.data.simulation import GRAVITY, Sensor, Swing, measure, simulate
 
 DT, LENGTH, COUNT = 0.02, 4, 60
@@ -124,7 +125,7 @@ def textbook(force, rate, **settings):
     bias, matrix, quiet = np.zeros(3), np.zeros((3, 3)), (np.zeros(3), np.zeros(3), 0.0)
     sizes = [s["tilt0"]] * 3 + [s["bias0"]] * 3 + [0.01] * 6 + [s["matrix0"]] * 9
     P = np.diag(np.square(sizes))
-    found = SimpleNamespace(q=[], bias=[], matrix=[], rest=[], rate=[])
+    found = SimpleNamespace(q=[], bias=[], matrix=[], rest=[], rate=[], surprise=[])
     for begin in range(0, N, LENGTH):
         attitude, speed, place = nav
         axes, turned, push, square = np.zeros((3, 3)), np.zeros((3, 9)), np.zeros(3), 0.0
@@ -147,7 +148,9 @@ def textbook(force, rate, **settings):
         resting = quiet[2] > RULE.seconds
         mean = rate[begin : begin + LENGTH].mean(axis=0)
         H, z, r = measured(s, (attitude, speed, place), mean, bias, resting, span)
-        K = P @ H.T @ np.linalg.inv(H @ P @ H.T + r)
+        S = H @ P @ H.T + r
+        K = P @ H.T @ np.linalg.inv(S)
+        found.surprise.append(surprise(z, S))
         x, P = K @ z, (np.eye(21) - K @ H) @ P
         nav = (Rotation.from_rotvec(x[0:3]) * attitude, speed + x[6:9], place + x[9:12])
         bias, matrix = bias + x[3:6], matrix + x[12:21].reshape(3, 3)
@@ -184,9 +187,36 @@ def test_is_the_textbooks_navigation():
     near(found.att * sign, oracle().q)
     near(found.bias, oracle().bias)
     near(found.matrix, oracle().matrix)
+    np.testing.assert_array_equal((found.variance > 0).sum(axis=1), np.where(rest, 9, 6))
+    near(surprises(found.innovation, found.variance), oracle().surprise)
     near(state.at.speed, oracle().speed)
     near(state.at.place, oracle().place)
     near(state.P, oracle().P)
+
+
+def test_samples_one_by_one_are_blocks_of_one():
+    force, rate = (part[:LENGTH] for part in record())
+    params = BoundedMotionNoise(**{k: jnp.asarray(v, float) for k, v in NOISE.items()})
+    samples = ImuSample(jnp.asarray(force), jnp.asarray(rate), jnp.asarray(rate))
+    state, alone = compiled(ROOM, params, samples)
+    same, cut = compiled(ROOM, params, blocks(samples, 1))
+    for one, other in zip(jax.tree.leaves(state), jax.tree.leaves(same), strict=True):
+        near(one, other, atol=1e-14)
+    near(alone.att, cut.att[:, 0], atol=1e-14)
+    assert alone.att.shape == (LENGTH, 4)
+
+
+def test_a_missing_rate_is_no_turn():
+    force, rate = (np.array(part[: 2 * LENGTH]) for part in record())
+    rate[LENGTH + 3] = np.nan
+    filled = np.where(np.isnan(rate), 0.0, rate)
+    still = NOISE | {"bias0": 0.0, "bias": 0.0}  # else the bias is no longer zero, as it begins
+    params = BoundedMotionNoise(**{k: jnp.asarray(v, float) for k, v in still.items()})
+    found = [
+        compiled(ROOM, params, blocks(ImuSample(jnp.asarray(force), jnp.asarray(w)), LENGTH))[1].att
+        for w in (rate, filled)
+    ]
+    near(*found, atol=1e-14)
 
 
 def test_the_record_shows_every_part():
