@@ -138,8 +138,25 @@ def test_the_same_words_with_resume_go_on_as_well(cli, here, interrupted):
     assert solver.solved == [("side", "l-bfgs-b")]
 
 
+def test_a_run_of_a_claim_goes_on_as_one(cli, here, interrupted):
+    solver = interrupted("toy", "l-bfgs-b")
+    code, _, err = cli("run", "toy", "--claim", "toy.lowest", "--out", "out", "--jobs", 1)
+    assert code == 130
+    solver.at, solver.solved = None, []
+    assert cli(*shlex.split(err.strip().removeprefix(GO_ON)))[0] == 0
+    assert solver.solved == [("toy", "l-bfgs-b")]
+    assert [row.quantity for row in read_result(here / "out").comparisons] == ["toy.lowest"]
+
+
 @pytest.mark.parametrize(
-    "words", [("--set", "starts=4"), ("--seed", 1), ("--set", 'solvers=["tpe"]')], ids=str
+    "words",
+    [
+        ("--set", "starts=4"),
+        ("--seed", 1),
+        ("--set", 'solvers=["tpe"]'),
+        ("--claim", "toy.lowest"),
+    ],
+    ids=str,
 )
 def test_other_settings_cannot_be_mixed_into_a_run(cli, here, interrupted, words):
     solver = interrupted("side", "l-bfgs-b")

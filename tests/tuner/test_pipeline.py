@@ -17,6 +17,7 @@ from tests.tuner.helpers import (
 )
 from tuner import export
 from tuner.certificate.solution import Status
+from tuner.data.source import Source
 from tuner.export import FORMATS
 from tuner.problem.parameters import Positive
 from tuner.problem.problem import Problem
@@ -265,6 +266,63 @@ def test_a_value_of_zero_can_be_scored():
     )
     record = score_export(posed, 0.0, tuned, "csv", "toy.csv")
     assert record.relative_change == record.score == pytest.approx(1.0, rel=1e-14)
+
+
+def test_a_file_that_was_written_wrong_ends_the_run(tmp_path, monkeypatch):
+    """The score alone would not notice a gain, for it scores the parameters."""
+    run = begin(tmp_path)
+    solutions = run.solve(1, {})
+    dump = export.dump
+    monkeypatch.setattr(
+        export, "dump", lambda *given: dump(*given).replace(b"b over a", b"a over b")
+    )
+    with pytest.raises(ValueError, match=r"toy.json does not hold what was written; the disk may"):
+        finish(run, solutions)
+
+
+@dataclass(frozen=True)
+class Doubling:
+    """Echo in double precision, whatever comes in."""
+
+    def init(self, params):
+        return ()
+
+    def step(self, params, state, inputs):
+        return state, params.astype(float)
+
+
+def test_a_filter_that_cannot_be_checked_in_single_precision_ends_no_run(tmp_path):
+    run = begin(tmp_path)
+    posed = replace(run.plan.tasks[0].problem, filter=Doubling())
+    tasks = tuple(replace(task, problem=posed) for task in run.plan.tasks[:2])
+    run = replace(run, plan=replace(run.plan, tasks=tasks))
+    result = finish(run, run.solve(1, {}))
+    (check,) = result.single_precision
+    assert check.warning == (
+        "single precision was not checked: the output '' is float64 for float32 inputs"
+    )
+    assert read_result(tmp_path).single_precision[0].share is None
+    assert len(result.exports) == len(FORMATS)
+
+
+def test_an_export_names_the_data_of_its_problem(tmp_path):
+    run = begin(tmp_path)
+    posed, solutions = run.plan.tasks[0].problem, run.solve(1, {})
+    assert run.tuned(posed, best("toy", solutions)).provenance.log_name == "nothing"
+    own = Source.simulated("its own", [np.ones(3)], 10.0)
+    provenance = run.tuned(replace(posed, source=own), best("toy", solutions)).provenance
+    assert (provenance.log_name, provenance.log_sha256) == ("its own", own.sha256)
+
+
+def test_a_run_of_claims(tmp_path):
+    run = begin(tmp_path)
+    run = replace(run, plan=run.plan.only(["toy.lowest"]), claims=("toy.lowest",))
+    solutions = run.solve(1, {})
+    assert {name for name, _ in solutions} == {"toy"}
+    result = finish(run, solutions)
+    assert [row.quantity for row in result.comparisons] == ["toy.lowest"]
+    assert result.artifacts == ["study.toml", "environment.json", "result.json"]
+    assert trusted(run.plan, solutions)
 
 
 @pytest.mark.parametrize("objective", ["slope", "hollow"])

@@ -13,7 +13,8 @@ class Source:
 
     Attributes:
         name: the file's name, or what was made up instead.
-        sha256: of the file's bytes or of the made-up samples; of the model where there are none.
+        sha256: of the file's bytes, or of the made-up samples and their rate; of the model where
+            there are none.
         samples: how many samples; 0 for a design, which needs none.
         rate_hz: sample rate; 0 for a design, and where samples come at any time.
     """
@@ -33,9 +34,14 @@ class Source:
                 record may be ``(N,)``.
             rate_hz: sample rate.
 
+        Raises:
+            ValueError: where there is no record.
+
         >>> Source.simulated("two steps", [np.zeros((500, 2, 3))], 100.0).samples
         1000
         """
+        if not made:
+            raise ValueError(f"{name}: there are no records to name")
         digest = _digest((rate_hz, *made))
         return cls(name, digest, int(np.prod(made[0].shape[:2])), rate_hz)
 
@@ -43,11 +49,16 @@ class Source:
     def joined(cls, name: str, parts: Iterable["Source"]) -> "Source":
         """Several sources as one, at the rate of the first, in their order; one stays as it is.
 
+        Raises:
+            ValueError: where there is none.
+
         >>> parts = [Source.simulated(name, [np.ones(5)], 10.0) for name in "ab"]
         >>> Source.joined("both", parts).samples
         10
         """
         known = tuple(parts)
+        if not known:
+            raise ValueError(f"{name}: there are no sources to join")
         if len(known) == 1:
             return known[0]
         digest = _digest((part.sha256, part.samples, part.rate_hz) for part in known)

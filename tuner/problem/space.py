@@ -1,7 +1,7 @@
 """What is tuned: named parameters in a fixed order, as one unconstrained vector z."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, is_dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -30,18 +30,21 @@ class Space:
         return cls(tuple(parameters.items()))
 
     @classmethod
-    def of_filter(cls, filter: Any, **overrides: Parameter | float) -> "Space":
+    def of_filter(cls, filter: Any, **overrides: Parameter | float | tuple[Any, ...]) -> "Space":
         """The space of a filter's parameters, as its facts suggest it.
 
-        What has a search range is free, positive or bounded; the rest keeps its typical value.
+        What has a search range is free, positive where the range is, otherwise bounded; the rest
+        keeps its typical value.
 
         Args:
             filter: a filter that declares its parameters, or its class.
-            overrides: other decisions by name: a parameter of any kind, or a number that it is
-                fixed at. Unit and meaning come from the facts where they are left out.
+            overrides: other decisions by name: a parameter of any kind, or what it is fixed at, a
+                number or nested tuples. Unit and meaning come from the facts where they are left
+                out.
 
         Raises:
-            ValueError: for an unknown name, with the near ones, and a filter without facts.
+            ValueError: for an unknown name, with the near ones, a filter without facts, and facts
+                whose typical value lies outside their range.
 
         >>> from filters import Complementary
         >>> space = Space.of_filter(Complementary, tau=Positive(2.0, low=0.1, high=50.0))
@@ -52,9 +55,8 @@ class Space:
         for name in overrides:
             if name not in facts:
                 raise unknown("parameter", name, facts)
-        return cls(
-            tuple((name, _decided(fact, overrides.get(name))) for name, fact in facts.items())
-        )
+        decided = {name: _decided(name, fact, overrides.get(name)) for name, fact in facts.items()}
+        return cls(tuple(decided.items()))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -139,18 +141,26 @@ class Space:
         return np.vstack([self.start(), random])[:count]
 
 
-def _decided(fact: Param, own: Parameter | float | None) -> Parameter:
-    """One parameter as the facts have it, or as it was decided."""
-    if isinstance(own, int | float):
-        return Fixed(float(own), fact.unit, meaning=fact.meaning)
-    if own is not None:
-        known: Any = own  # every kind is a frozen dataclass
-        told: Parameter = replace(
-            known, unit=own.unit or fact.unit, meaning=own.meaning or fact.meaning
-        )
-        return told
+def _decided(name: str, fact: Param, own: Any) -> Parameter:
+    """One parameter as it was decided, or as the facts suggest it."""
+    if own is None:
+        return _suggested(name, fact)
+    if not is_dataclass(own):
+        value = own if isinstance(own, tuple) else float(own)
+        return Fixed(value, fact.unit, meaning=fact.meaning)
+    known: Any = own  # every kind of parameter is a frozen dataclass
+    told: Parameter = replace(
+        known, unit=known.unit or fact.unit, meaning=known.meaning or fact.meaning
+    )
+    return told
+
+
+def _suggested(name: str, fact: Param) -> Parameter:
     if fact.low is None or fact.high is None:
         return Fixed(fact.typical, fact.unit, meaning=fact.meaning)
     kind = Positive if fact.low > 0 else Bounded
-    begin = float(np.asarray(fact.typical))
-    return kind(begin, fact.low, fact.high, fact.unit, meaning=fact.meaning)
+    try:
+        begin = float(np.asarray(fact.typical))
+        return kind(begin, fact.low, fact.high, fact.unit, meaning=fact.meaning)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"the facts of {name} suggest no parameter: {error}") from None
