@@ -64,7 +64,9 @@ def timeline(record: Record) -> Timeline:
         if not _follows(signal, instants, step):
             instants = np.union1d(instants, signal.times)
             step = float(np.median(np.diff(instants)))
-    channels, truth, notes = {}, {}, []
+    channels: dict[str, Floats] = {}
+    truth: dict[str, Floats] = {}
+    notes: list[str] = []
     for (kind, name), signal in everything:
         values, note = _snapped(signal, instants, step)
         (truth if kind else channels)[name] = values
@@ -151,8 +153,8 @@ def _check_overlap(base: Signal, everything: list[tuple[tuple[str, str], Signal]
         if not ((times >= low) & (times <= high)).any():
             raise LogError(
                 f"{label} runs from {base.times[0]:.6g} to {base.times[-1]:.6g} s and "
-                f"{''.join(key)} from {times[0]:.6g} to {times[-1]:.6g} s, so they never overlap in "
-                "time; give recordings of the same time, on one clock"
+                f"{''.join(key)} from {times[0]:.6g} to {times[-1]:.6g} s, so they never overlap "
+                "in time; give recordings of the same time, on one clock"
             )
 
 
