@@ -7,7 +7,10 @@ import numpy as np
 
 from tuner.data.record import Floats
 
-_FITS = 0.95
+_FITS = 0.05  # of 1 - cos of the angle to the vertical, in the mean: 18 deg of accelerations
+_BETTER = 1.5
+_TELLING = 0.005  # 6 deg
+_NO_FRAME = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,8 +20,8 @@ class Frame:
     Attributes:
         fits: whether it is just that.
         up: where it turns the mean direction of the specific force, a unit vector or shorter.
-        meaning: what it is instead, as far as gravity shows.
-        columns: how it would be mapped, of q0 to q3; empty where nothing fits.
+        meaning: what it is instead, as far as gravity shows; empty where nothing fits.
+        columns: how it would be mapped, of q0 to q3; empty where no order and signs will do.
     """
 
     fits: bool
@@ -57,12 +60,37 @@ def frame_of(truth: Floats, acc: Floats) -> Frame | None:
         return None
     q, f = truth[rows] / size[rows, None], acc[rows] / force[rows, None]
     up = rotated(q, f).mean(axis=0)
-    if up[2] > _FITS:
-        return Frame(True, up)
-    for meaning, order, signs in _readings():
-        if rotated(q[:, order] * signs, f).mean(axis=0)[2] > _FITS:
-            return Frame(False, up, meaning, _written(order, signs))
-    return Frame(False, up)
+    miss, (meaning, order, signs) = min(
+        ((1.0 - rotated(q[:, r[1]] * r[2], f).mean(axis=0)[2], r) for r in _readings()),
+        key=lambda found: found[0],
+    )
+    ours = 1.0 - up[2]
+    if miss <= _FITS and ours > _BETTER * miss + _TELLING:
+        return Frame(False, up, meaning, _written(order, signs))
+    turn = _turned(q, f, ours) if ours > _FITS else ""
+    return Frame(ours <= _NO_FRAME and not turn, up, turn)
+
+
+def _turned(q: Floats, f: Floats, miss: float) -> str:
+    """The turn of sensor axes that makes a truth fit; empty where none does.
+
+    The best one in the sense of least squares, by the singular values (Kabsch, Acta Cryst. A32,
+    1976).
+    """
+    conjugate = q * np.array([1.0, -1.0, -1.0, -1.0])
+    vertical = rotated(conjugate, np.tile([0.0, 0.0, 1.0], (len(q), 1)))
+    left, sizes, right = np.linalg.svd(vertical.T @ f / len(f))
+    if sizes[1] < _TELLING:
+        return ""  # gravity was always along one axis
+    turn = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
+    if 1.0 - float((vertical * (f @ turn.T)).sum(axis=1).mean()) > min(_FITS, 0.5 * miss):
+        return ""
+    angle = np.degrees(np.arccos(np.clip((np.trace(turn) - 1.0) / 2.0, -1.0, 1.0)))
+    axis = np.linalg.eigh(turn + turn.T)[1][:, -1]
+    sense = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+    axis = -axis if axis @ sense < 0.0 else axis
+    told = ", ".join(f"{part + 0.0:.2f}" for part in np.round(axis, 2))
+    return f"that of axes turned by {angle:.0f} deg about ({told}) of the sensor's"
 
 
 def _readings() -> Iterator[tuple[str, list[int], Floats]]:

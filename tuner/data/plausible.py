@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from tuner.data.frames import frame_of, rotated
+from tuner.data.frames import frame_of
 from tuner.data.logs.error import LogError
 from tuner.data.merge import Timeline
 from tuner.data.record import Floats
@@ -83,12 +83,13 @@ def check_accelerometer(name: str, acc: Floats, dt: Floats) -> str:
     norm = _at_rest(acc, dt)
     if norm is None or 0.9 * _GRAVITY < norm < 1.1 * _GRAVITY:
         return ""
-    for scale in _FORCES:
-        if 0.9 * scale.factor < norm < 1.1 * scale.factor:
-            raise LogError(
-                f"{name} reads {norm:.3g} m/s^2 at rest, which looks like {scale.unit}; "
-                f"write {name}=...:{scale.unit}"
-            )
+    near = [scale for scale in _FORCES if 0.9 * scale.factor < norm < 1.1 * scale.factor]
+    if near:
+        units = " or ".join(scale.unit for scale in near)
+        raise LogError(
+            f"{name} reads {norm:.3g} m/s^2 at rest, which looks like {units}; "
+            f"write {name}=...:{near[0].unit}"
+        )
     if norm < 0.1 * _GRAVITY:
         return (
             f"{name} reads {norm:.3g} m/s^2 at rest, so gravity was taken out of it; "
@@ -167,10 +168,10 @@ def check_rate(name: str, gyr: Floats, truth_name: str, truth: Floats, dt: Float
     turns = np.abs((truth[rows[1:]] * truth[rows[:-1]]).sum(axis=1))
     sizes = np.linalg.norm(truth[rows], axis=1)
     turns = 2 * np.arccos(np.clip(turns / (sizes[1:] * sizes[:-1]), 0.0, 1.0))
-    ends = np.cumsum(dt)[rows]
-    measured = np.cumsum(np.nan_to_num(np.linalg.norm(gyr, axis=1)) * dt)[rows]
-    true, ours = float(turns.sum()), float(np.diff(measured).sum())
-    if true < np.radians(20) or true / (ends[-1] - ends[0]) < np.radians(1.0):
+    # Summed up between the truth's instants, so that shaking does not count.
+    vectors = np.cumsum(np.nan_to_num(gyr) * dt[:, None], axis=0)[rows]
+    true, ours = float(turns.sum()), float(np.linalg.norm(np.diff(vectors, axis=0), axis=1).sum())
+    if true < np.radians(20) or true < np.radians(1.0) * float(dt[rows[0] : rows[-1]].sum()):
         return  # it hardly moves: noise and bias are most of what is measured
     if 20.0 < ours / true < 200.0:
         raise LogError(
@@ -189,10 +190,13 @@ def check_frame(name: str, truth: Floats, acc: Floats) -> None:
     if frame is None or frame.fits:
         return
     up = np.array2string(frame.up, precision=2, suppress_small=True, separator=", ")
-    if frame.columns:
+    way_out = f"write {name}={frame.columns} for its columns q0 to q3"
+    if not frame.columns:
+        way_out = "give truth and sensors in the same axes"
+    if frame.meaning:
         raise LogError(
-            f"{name} turns gravity's reaction to {up}, not up; it fits as {frame.meaning}: write "
-            f"{name}={frame.columns} for its columns q0 to q3"
+            f"{name} turns gravity's reaction to {up}, not up; it fits as {frame.meaning}: "
+            f"{way_out}"
         )
     raise LogError(
         f"{name} turns gravity's reaction to {up}, not up, and neither its conjugate nor turned "
@@ -232,7 +236,7 @@ def _at_rest(acc: Floats, dt: Floats) -> float | None:
     noise = np.sqrt(blocks.var(axis=1).sum(axis=1))
     calm = int(np.argmin(noise))
     largest = float(np.median(np.linalg.norm(whole, axis=1)))
-    return float(size[calm]) if noise[calm] <= 0.05 * max(largest, 1e-300) else _not_calm(whole)
+    return float(size[calm]) if noise[calm] <= 0.05 * max(largest, 1.0) else _not_calm(whole)
 
 
 def _not_calm(whole: Floats) -> float | None:
@@ -246,15 +250,3 @@ def _blocks(values: Floats, span: int) -> Floats:
     """Means over blocks of so many samples, ``(M, 3)``."""
     count = len(values) // span
     return np.asarray(values[: count * span].reshape(count, span, 3).mean(axis=1))
-
-
-__all__ = [
-    "check_accelerometer",
-    "check_frame",
-    "check_gyroscope",
-    "check_rate",
-    "check_turning",
-    "frame_of",
-    "implausible",
-    "rotated",
-]
