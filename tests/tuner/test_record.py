@@ -339,6 +339,17 @@ def test_columns_with_brackets_in_their_names():
 
 
 @cases
+@pytest.mark.parametrize("name", ["Messung_01.csv", "Messung_utf8bom.csv"])
+def test_a_german_logger(name):
+    record = read_record(CASES / "log-german-logger" / name, ["z=Temperatur [°C]"], rate_hz=1 / 30)
+    z = record.channels["z"]
+    # As printed in the case, which has the numbers from the generator.
+    assert (len(z.values), z.unit) == (500, "°C")
+    assert z.values.mean() == pytest.approx(21.8347, abs=5e-5)
+    assert z.values.std() == pytest.approx(0.25716, abs=5e-6)
+
+
+@cases
 def test_arrays_with_truth_at_half_the_rate():
     path = CASES / "madgwick-beta" / "imu_mocap.npz"
     record = read_record(
