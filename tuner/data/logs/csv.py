@@ -64,10 +64,10 @@ def _damage_told(path: Path) -> Iterator[None]:
 
 def _fast(layout: Layout, columns: list[int], limit: int | None) -> list[Floats] | None:
     """The columns by numpy's reader; None where it cannot take the file as a whole."""
-    if layout.texts:
+    if layout.texts or layout.comma:
         return None
     with open_text(layout.path) as stream:
-        lines = islice(filter(is_content, stream), int(layout.header), None)
+        lines = islice(filter(is_content, stream), layout.above, None)
         try:
             table = np.loadtxt(
                 lines,
@@ -88,7 +88,7 @@ def _careful(layout: Layout, columns: list[int], limit: int | None) -> list[Floa
     """The columns cell by cell: slower, but able to skip text columns and to say what is wrong."""
     parts: list[list[Floats]] = [[] for _ in columns]
     with open_text(layout.path) as stream:
-        lines = islice(filter(is_content, stream), int(layout.header), None)
+        lines = islice(filter(is_content, stream), layout.above, None)
         rows = islice(split(lines, layout.delimiter), limit)
         start = 0
         while block := list(islice(rows, _BLOCK)):
@@ -102,7 +102,7 @@ def _careful(layout: Layout, columns: list[int], limit: int | None) -> list[Floa
 def _words(layout: Layout, column: int, limit: int | None) -> Raw:
     """One column as it is written."""
     with open_text(layout.path) as stream:
-        lines = islice(filter(is_content, stream), int(layout.header), None)
+        lines = islice(filter(is_content, stream), layout.above, None)
         rows = islice(split(lines, layout.delimiter), limit)
         return np.array([row[column].strip() for row in rows if len(row) > column])
 
@@ -120,6 +120,8 @@ def _check_widths(layout: Layout, start: int, block: list[list[str]]) -> None:
 
 def _numbers(layout: Layout, start: int, cells: list[str], column: int) -> Floats:
     """One block of one column; an empty cell is a missing value, NaN."""
+    if layout.comma:
+        cells = [cell.replace(",", ".") for cell in cells]
     try:
         return np.array([float(cell.strip() or "nan") for cell in cells])
     except ValueError:
@@ -145,4 +147,4 @@ def _line_number(layout: Layout, row: int) -> int:
     """The line of a row of numbers, counted from 1; read again, since only errors ask for it."""
     with open_text(layout.path) as stream:
         numbers = (number for number, line in enumerate(stream, 1) if is_content(line))
-        return next(islice(numbers, row + int(layout.header), None), row + 1)
+        return next(islice(numbers, row + layout.above, None), row + 1)

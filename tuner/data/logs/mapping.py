@@ -53,13 +53,13 @@ class Mapped:
     Attributes:
         channel: name of the channel.
         parts: one for each axis, or one that is taken whole.
-        whole: the same text as a single column, for names that hold commas.
+        text: the columns as they were written, for a name that holds commas.
         file: the file that was named before the columns, ``""`` where none was.
     """
 
     channel: str
     parts: tuple[Mapping, ...]
-    whole: Mapping
+    text: str
     file: str = ""
 
     @property
@@ -153,20 +153,16 @@ def parse_maps(
     right = right.removeprefix(f"{file}/") if file else right
     if len(names) == 1:
         parts = _parts(names[0], right)
-        return (Mapped(names[0], parts, _whole(names[0], right, parts), file),)
+        return (Mapped(names[0], parts, right, file),)
     columns = _columns(text, right, len(names))
     found = [parse_column(name, column) for name, column in zip(names, columns, strict=True)]
-    return tuple(Mapped(part.channel, (part,), part, file) for part in found)
+    return tuple(Mapped(part.channel, (part,), part.source, file) for part in found)
 
 
 def _parts(channel: str, right: str) -> tuple[Mapping, ...]:
     """One mapping for each column; the last one's unit is that of those without."""
     parts = [parse_column(channel, column) for column in right.split(",")]
     return tuple(replace(part, unit=part.unit or parts[-1].unit) for part in parts)
-
-
-def _whole(channel: str, right: str, parts: tuple[Mapping, ...]) -> Mapping:
-    return parts[0] if len(parts) == 1 else parse_column(channel, right)
 
 
 def _columns(text: str, right: str, count: int) -> list[str]:

@@ -74,8 +74,10 @@ class Table:
 
     def find_parts(self, mapped: Mapped) -> tuple[Mapping, ...] | None:
         """All columns of a channel as the file names them; None where one is not there."""
-        whole = self.find(mapped.whole)
-        if whole is not None:
-            return (whole,)
+        name, _, unit = mapped.text.rpartition(":")
+        if len(mapped.parts) > 1 and mapped.text in self.names:
+            return (Mapping(mapped.channel, mapped.text),)
+        if len(mapped.parts) > 1 and name in self.names:
+            return (Mapping(mapped.channel, name, unit=unit.strip()),)
         found = [self.find(part) for part in mapped.parts]
         return None if None in found else tuple(part for part in found if part is not None)
