@@ -8,6 +8,7 @@ filter takes or returns one plain array, it is a mapping of one name to its fact
 They are facts and not decisions: what is free and within which limits stays in the space.
 """
 
+import re
 from collections.abc import Iterable, Mapping
 from types import NoneType, UnionType
 from typing import Any, Literal, NamedTuple, TypeAlias, Union, get_args, get_origin, get_type_hints
@@ -175,6 +176,22 @@ def bare(filter: Any) -> Any:
     while getattr(filter, "same_params", False) and not isinstance(filter, type):
         filter = filter.filter
     return filter
+
+
+OWN = re.compile(r"\bunit\b(?=\^(\d+))?")
+"""What stands for the measurement's own unit in a declared one."""
+
+
+def in_unit(declared: str, own: str) -> str:
+    """A declared unit for measurements of some unit; "" leaves it as it is.
+
+    >>> in_unit("unit^2/s", "m"), in_unit("unit^2", "m/s"), in_unit("1/s", "Pa")
+    ('m^2/s', '(m/s)^2', '1/s')
+    """
+    compound = not own.isalpha()
+    return (
+        OWN.sub(lambda m: f"({own})" if compound and m[1] else own, declared) if own else declared
+    )
 
 
 def declaration(filter: Any, part: str) -> Declared:

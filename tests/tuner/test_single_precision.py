@@ -9,7 +9,14 @@ import numpy as np
 import pytest
 from jax import Array
 
-from filters import Channel, FixedGainFilter, FixedGains, GyroscopeFilter, KownackiNoise, gyroscope_steady
+from filters import (
+    Channel,
+    FixedGainFilter,
+    FixedGains,
+    GyroscopeFilter,
+    KownackiNoise,
+    gyroscope_steady,
+)
 from tuner.certificate.single_precision import HARMLESS, single_precision
 
 DT, N = 1e-4, 20001

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from filters.declared import Param, bare, channel_facts, parameter_facts, values_of
+from filters.declared import bare, channel_facts, in_unit, parameter_facts, values_of
 from tuner.certificate.solution import Solution
 from tuner.export.tuned import Quantity
 from tuner.problem.space import Space
@@ -27,15 +27,17 @@ class Exported:
         states: names of its states, in their order.
         dt: sample time, s; 0 where it is continuous.
         derived: what follows from the filter's parameters.
+        unit: of the measurement, where the filter takes it in any.
     """
 
     filter: str
     states: tuple[str, ...] = ()
     dt: float = 0.0
     derived: Callable[[Any], tuple[Quantity, ...]] = no_more
+    unit: str = ""
 
 
-def exported_of(filter: Any) -> Exported:
+def exported_of(filter: Any, unit: str = "") -> Exported:
     """What a filter declares of itself: its states, and what it derives from its parameters."""
     if filter is None:
         return Exported("Design")
@@ -46,29 +48,30 @@ def exported_of(filter: Any) -> Exported:
         type(filter).__name__,
         tuple(name.rstrip("_") for name in names),
         float(getattr(filter, "dt", 0.0)),
-        partial(derived_of, filter),
+        partial(derived_of, filter, unit=unit),
+        unit,
     )
 
 
-def derived_of(filter: Any, params: Any) -> tuple[Quantity, ...]:
+def derived_of(filter: Any, params: Any, unit: str = "") -> tuple[Quantity, ...]:
     """What follows from a filter's parameters by its own ``derive``."""
-    facts: dict[str, Param] = dict(getattr(filter, "derived", {}))
-    return _told(facts, filter.derive(params) if facts else {})
+    facts: dict[str, Any] = dict(getattr(filter, "derived", {}))
+    return _told(facts, filter.derive(params) if facts else {}, unit)
 
 
-def held_of(filter: Any, params: Any) -> tuple[Quantity, ...]:
+def held_of(filter: Any, params: Any, unit: str = "") -> tuple[Quantity, ...]:
     """The filter's own parameters, as it declares them."""
     filter = bare(filter)
     if not hasattr(filter, "params"):
         return ()
-    return _told(parameter_facts(filter), values_of(filter, params))
+    return _told(parameter_facts(filter), values_of(filter, params), unit)
 
 
-def _told(facts: Mapping[str, Param], values: Mapping[str, Any]) -> tuple[Quantity, ...]:
+def _told(facts: Mapping[str, Any], values: Mapping[str, Any], unit: str) -> tuple[Quantity, ...]:
     """Numbers with their facts; what is not finite stands for something that there is not."""
     arrays = {name: np.asarray(value, float) for name, value in values.items()}
     return tuple(
-        Quantity(name, array, facts[name].unit, facts[name].meaning)
+        Quantity(name, array, in_unit(facts[name].unit, unit), facts[name].meaning)
         for name, array in arrays.items()
         if np.isfinite(array).all()
     )

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import AnyFilter, assembled, run
+from filters import AnyFilter, assembled, bare, run
 from objectives import Data, Objective, score, score_and_gradient
 from tuner.certificate.single_precision import SinglePrecision, single_precision
 from tuner.certificate.solution import Solution
@@ -50,7 +50,8 @@ class Problem:
             lambda is compiled anew.
         objective: what is minimised.
         data: the filter's inputs and the truth, float64 throughout; NaN means missing.
-        derive: quantities of interest that follow from the parameters, by name.
+        derive: numbers of interest that follow from the parameters, by name; None: those that the
+            filter derives.
         constraints: what a solution has to keep; not every solver takes them.
         known_starts: points z ``(space.size,)`` from which a search is worth beginning, after the
             initial values and before random points.
@@ -149,10 +150,14 @@ class Problem:
 
     def derived(self, z: np.ndarray) -> dict[str, float]:
         """The derived quantities at z, by name."""
-        if self.derive is None:
+        values = self.space.constrain(jnp.asarray(z))
+        if self.derive is not None:
+            return {name: float(value) for name, value in self.derive(values).items()}
+        own = bare(self.filter)
+        if not hasattr(own, "derive"):
             return {}
-        derived = self.derive(self.space.constrain(jnp.asarray(z)))
-        return {name: float(value) for name, value in derived.items()}
+        found = own.derive(self.static.build(values))
+        return {name: float(n) for name, n in found.items() if np.ndim(n) == 0}
 
     def params(self, solution: Solution) -> Any:
         """The filter's parameters that a solution stands for."""
@@ -204,7 +209,7 @@ class Problem:
         params = self.params(solution)
         told = (
             *quantities_of(self.space, solution),
-            *held_of(self.filter, params),
+            *held_of(self.filter, params, self.what_is_exported().unit),
             *self.what_is_exported().derived(params),
         )
         return once(told)

@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from filters.declared import channel_facts
 from tuner.catalogue import find
 from tuner.certificate.solution import Solution
 from tuner.data.merge import stacked, timeline
+from tuner.data.plausible import implausible
 from tuner.data.record import Record
 from tuner.data.source import Source
 from tuner.problem.surface import values
@@ -134,6 +136,8 @@ def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wish
         ValueError: as :func:`tuner.run.posed.pose`, and for recordings that do not go together.
     """
     lines = [timeline(record) for record in records]
+    for line in lines:
+        implausible(line, channel_facts(cls, "inputs"), channel_facts(cls, "outputs"))
     source = Source.joined(
         " + ".join(part.name for record in records for part in record.sources),
         [part for record in records for part in record.sources],

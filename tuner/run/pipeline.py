@@ -1,5 +1,6 @@
 """From a study to a run's folder: solve, compare, export, read back, draw, write down."""
 
+import io
 import json
 import time
 from collections.abc import Callable, Mapping
@@ -102,6 +103,8 @@ class Run:
             self.progress(f"single precision {what.name}", 2, 4)
             singles += _in_single_precision(problem, solution)
         artifacts += [record.file for record in exports]
+        if self.plan.report is not None:
+            artifacts += [self._outputs(problem, solution) for problem, solution in found]
         for figure in self.plan.figures(self.plan.case, solutions):
             self.progress(f"drawing {figure.name}", 3, 4)
             stem = f"figures/{figure.name}"
@@ -126,6 +129,17 @@ class Run:
         self.folder.remove("progress.json")
         self.progress("done", 4, 4)
         return result
+
+    def _outputs(self, problem: Problem, solution: Solution) -> str:
+        """What the tuned filter returns over the recording, in full."""
+        from filters.declared import bare, channel_facts, output
+
+        outputs = problem.outputs(solution)
+        facts = channel_facts(bare(problem.filter), "outputs")
+        arrays = {name: np.asarray(output(problem.filter, outputs, name)) for name in facts}
+        stream = io.BytesIO()
+        np.savez_compressed(stream, allow_pickle=False, **arrays)
+        return self.folder.write("outputs.npz", stream.getvalue())
 
     def _report(self, solutions: Solutions) -> FitRecord | None:
         """What a fit is worth; nothing for a published study."""

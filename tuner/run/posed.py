@@ -10,9 +10,11 @@ import numpy as np
 
 from filters import Lanes, Timed, TimedSample
 from filters.declared import (
+    OWN,
     Channel,
     Param,
     channel_facts,
+    in_unit,
     inputs_of,
     optional,
     optional_groups,
@@ -23,12 +25,11 @@ from tuner.catalogue import find
 from tuner.data.merge import Timeline
 from tuner.data.source import Source
 from tuner.names import unknown
+from tuner.problem.exported import exported_of
 from tuner.problem.parameters import Bounded, Fixed, Parameter, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.space import Space
 
-_OWN_UNIT = re.compile(r"\bunit\b(?:\^(\d+))?")
-"""What stands for the measurement's unit in a declared unit, and its power."""
 _PER_TIME = re.compile(r"/s(?:\^(\d+))?$")
 """A power of time below the line, at the end of a declared unit."""
 NO_TRUTH = ("likelihood", "prediction")
@@ -102,6 +103,7 @@ def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: 
         objective=judged,
         data=Data(_inputs(cls, timeline), truth_of(timeline, outputs.get(output), output)),
         source=source,
+        exported=exported_of(filter, own_unit(cls, timeline)),
     )
     return Posed(problem, objective, output, unit, timeline, source)
 
@@ -223,7 +225,7 @@ def _unit_of(cls: type[Any], timeline: Timeline, objective: str, output: str) ->
     fact = channel_facts(cls, "outputs").get(output or "innovation")
     if fact is None or fact.kind == "attitude":
         return "deg" if fact is not None else ""
-    return own_unit(fact.unit, timeline, cls)
+    return in_unit(fact.unit, own_unit(cls, timeline))
 
 
 # The space.
@@ -239,11 +241,11 @@ def space_of(cls: type[Any], timeline: Timeline, wishes: Wishes) -> Space:
     for given in (*wishes.start, *wishes.fix, *wishes.bound):
         if given not in facts:
             raise unknown("parameter", given, facts)
-    scale = scale_of(cls, timeline)
+    scale, own = scale_of(cls, timeline), own_unit(cls, timeline)
     asked = wishes.start.keys() | wishes.fix.keys() | wishes.bound.keys()
     without = {name for group in optional_groups(cls) if not group & asked for name in group}
     chosen = {
-        name: _parameter(name, fact, scale, own_unit(fact.unit, timeline, cls), wishes)
+        name: _parameter(name, fact, scale, in_unit(fact.unit, own), wishes)
         for name, fact in facts.items()
         if name not in without
     }
@@ -259,7 +261,7 @@ class Scale:
 
     def of(self, unit: str) -> float:
         """What 1 in a declared unit stands for; 1 for a unit in SI."""
-        own = _OWN_UNIT.search(unit)
+        own = OWN.search(unit)
         if own is None:
             return 1.0
         per_time = _PER_TIME.search(unit)
@@ -270,7 +272,7 @@ class Scale:
 def scale_of(cls: type[Any], timeline: Timeline) -> Scale:
     """Of the first channel that may have any unit; 1 without one."""
     facts = channel_facts(cls, "inputs")
-    free = [name for name in timeline.channels if _OWN_UNIT.search(facts[name].unit)]
+    free = [name for name in timeline.channels if OWN.search(facts[name].unit)]
     step = float(np.nanmedian(timeline.dt))
     if not free:
         return Scale(1.0, step)
@@ -281,17 +283,11 @@ def scale_of(cls: type[Any], timeline: Timeline) -> Scale:
     return Scale(size or float(np.nanstd(columns)) or 1.0, step)
 
 
-def own_unit(unit: str, timeline: Timeline, cls: type[Any]) -> str:
-    """A declared unit with the data's own in it."""
+def own_unit(cls: type[Any], timeline: Timeline) -> str:
+    """Unit of the first channel that may have any; "" without one, or where nobody told."""
     facts = channel_facts(cls, "inputs")
-    own = next(
-        (timeline.units.get(n, "") for n in timeline.channels if _OWN_UNIT.search(facts[n].unit)),
-        "",
-    )
-    if not own:
-        return unit
-    plain = own if own.isalpha() or ("^" not in own and "/" not in own) else f"({own})"
-    return _OWN_UNIT.sub(lambda m: plain + (f"^{m[1]}" if m[1] else ""), unit)
+    units = (timeline.units.get(n, "") for n in timeline.channels if OWN.search(facts[n].unit))
+    return next(units, "")
 
 
 def _parameter(name: str, fact: Param, scale: Scale, unit: str, wishes: Wishes) -> Parameter:
