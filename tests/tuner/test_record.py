@@ -1,5 +1,9 @@
 import csv
+import doctest
 import hashlib
+import importlib
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -247,6 +251,31 @@ def test_records_of_arrays():
 )
 def test_bad_arrays_are_refused(channels, options, part):
     assert part in refusal(channels, reader=Record.of, **options)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "units",
+        "record",
+        "reading",
+        "merge",
+        "splitting",
+        "geodesy",
+        "plausible",
+        "frames",
+        "channels",
+    ],
+)
+def test_examples_in_docstrings(name):
+    assert doctest.testmod(importlib.import_module(f"tuner.data.{name}")).failed == 0
+
+
+def test_reading_is_light():
+    heavy = "{'jax', 'scipy', 'h5py', 'matplotlib'}"
+    modules = "tuner.data.reading, tuner.data.merge, tuner.data.plausible, tuner.data.description"
+    code = f"import sys, {modules}; sys.exit(bool({heavy} & set(sys.modules)))"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 @settings(
