@@ -66,6 +66,28 @@ def test_channels_split_in_two_merge_to_the_same(missing, jitter):
     np.testing.assert_array_equal(split.dt, both.dt)
 
 
+def test_rows_of_other_sensors_do_not_break_an_even_clock():
+    """As an outer join of two tables writes it: each row has one sensor."""
+    fast, slow = np.arange(N) / 100, np.arange(N // 20) / 5 + 0.003
+    times = np.concatenate([fast, slow])
+    gyr = np.concatenate([FAST, np.full((len(slow), 3), np.nan)])
+    baro = np.concatenate([np.full(N, np.nan), SLOW])
+    order = np.argsort(times)
+    joined = Record.of({"gyr": gyr[order], "baro": baro[order]}, times=times[order])
+    apart = Record.of({"gyr": FAST, "baro": SLOW}, times={"gyr": fast, "baro": slow})
+    one, two = timeline(joined), timeline(apart)
+    assert one.rate_hz == pytest.approx(100)
+    for name in ("gyr", "baro"):
+        np.testing.assert_array_equal(one.channels[name], two.channels[name])
+
+
+def test_missing_samples_leave_an_even_clock_as_it_is():
+    values = FAST[:, 0].copy()
+    values[RNG.random(N) < 0.2] = np.nan
+    line = timeline(Record.of({"z": values}, rate_hz=50.0))
+    assert (len(line.times), line.rate_hz) == (N, 50.0)
+
+
 def test_steps_in_turn_are_handed_on_as_they_are():
     steps = np.resize([0.005, 0.015], N)
     line = timeline(Record.of({"z": FAST[:, 0]}, times=np.cumsum(steps)))

@@ -1,5 +1,9 @@
 import csv
+import doctest
 import hashlib
+import importlib
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -195,6 +199,33 @@ def test_a_column_tells_recordings_apart(tmp_path, labels):
     )
 
 
+def test_one_recording_may_lack_a_channel_and_short_ones_are_left_out(tmp_path):
+    path = written(tmp_path, t=[0, 0, 1, 1, 2], who=list("ababc"), x=[1, None, 2, None, 3])
+    records = read_records(path, ["x=x:m"], inputs=INPUTS, by="who")
+    assert [np.isnan(record.channels["x"].values).all() for record in records] == [False, True]
+    assert records[0].notes == ("who: 1 value with one row alone left out",)
+    assert "no value of 'number' has 2 rows" in refusal(
+        written(tmp_path, "b.csv", number=[1, 2, 3], x=[1, 2, 3]),
+        ["x=x"],
+        reader=read_records,
+        rate_hz=1,
+        by="number",
+    )
+
+
+def test_description_of_a_record(tmp_path):
+    times = np.delete(np.arange(N + 5) / 10, np.s_[20:25])
+    path = written(tmp_path, t=times, gx=GYR[:, 0], gy=GYR[:, 1], gz=[0.5] * N)
+    lines = read_record(path, ["gyr=gx,gy,gz"], inputs=INPUTS).describe()
+    assert lines[0] == "log.csv: 60 samples at 10 Hz"
+    assert lines[1] == "time of gyr: even, 1 gap (rows count from 0), longest 0.6 s"
+    assert lines[3].split()[:5] == ["gyr.x", "gx", "rad/s", "10", "0"]
+    assert lines[6:] == [
+        "gyr.z: constant, 0.5 in every sample",
+        "gyr: no unit given, taken as rad/s",
+    ]
+
+
 def test_lengths_of_one_file_need_clocks_of_their_own(tmp_path):
     arrays = {"a": GYR, "b": GYR[::2, 0], "t": np.arange(N) / 10}
     sentence = refusal(saved(tmp_path, **arrays), ["gyr=a", "x=b:m"], inputs=INPUTS, rate_hz=10)
@@ -247,6 +278,31 @@ def test_records_of_arrays():
 )
 def test_bad_arrays_are_refused(channels, options, part):
     assert part in refusal(channels, reader=Record.of, **options)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "units",
+        "record",
+        "reading",
+        "merge",
+        "splitting",
+        "geodesy",
+        "plausible",
+        "frames",
+        "channels",
+    ],
+)
+def test_examples_in_docstrings(name):
+    assert doctest.testmod(importlib.import_module(f"tuner.data.{name}")).failed == 0
+
+
+def test_reading_is_light():
+    heavy = "{'jax', 'scipy', 'h5py', 'matplotlib'}"
+    modules = "tuner.data.reading, tuner.data.merge, tuner.data.plausible, tuner.data.description"
+    code = f"import sys, {modules}; sys.exit(bool({heavy} & set(sys.modules)))"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 @settings(

@@ -11,6 +11,7 @@ _FITS = 0.05  # of 1 - cos of the angle to the vertical, in the mean: 18 deg of 
 _BETTER = 1.5
 _TELLING = 0.005  # 6 deg
 _NO_FRAME = 0.3
+_CALM = 0.05  # samples that are no further from the usual force count: the others accelerate
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +59,8 @@ def frame_of(truth: Floats, acc: Floats) -> Frame | None:
     rows &= (size > 0.0) & (force > 0.0)
     if rows.sum() < 10:
         return None
+    calm = rows & (np.abs(force - np.median(force[rows])) < _CALM * np.median(force[rows]))
+    rows = calm if calm.sum() >= 10 else rows
     q, f = truth[rows] / size[rows, None], acc[rows] / force[rows, None]
     up = rotated(q, f).mean(axis=0)
     miss, (meaning, order, signs) = min(

@@ -41,7 +41,7 @@ class Timeline:
 
 
 def timeline(record: Record) -> Timeline:
-    """Put all channels on the clock of the one with the most samples.
+    """Put all channels on the clock of the one with the most samples that hold a number.
 
     A sample of another channel goes to the nearest instant of that clock, where it is within half
     a step. Where this would move samples by more than 0.1 s and the clock is less than twice as
@@ -56,9 +56,10 @@ def timeline(record: Record) -> Timeline:
     >>> merged.channels["baro"].tolist(), round(merged.rate_hz, 9)
     ([3.0, nan, nan, nan, nan, 4.0], 10.0)
     """
-    base = max(record.channels.values(), key=lambda signal: len(signal.times))
     everything = [*_labelled(record)]
-    _check_overlap(base, everything)
+    label, base = max(record.channels.items(), key=lambda item: item[1].present.sum())
+    _check_overlap(label, base, everything)
+    base = _own_clock(base)
     instants, step = base.times, base.running.step
     for _, signal in _other(record.channels, base):
         if not _follows(signal, instants, step):
@@ -143,9 +144,20 @@ def _same(times: Floats, others: Floats) -> bool:
     return times is others or (len(times) == len(others) and bool((times == others).all()))
 
 
-def _check_overlap(base: Signal, everything: list[tuple[tuple[str, str], Signal]]) -> None:
+def _own_clock(base: Signal) -> Signal:
+    """A channel without the rows in which only others were measured, where that makes it even."""
+    present = base.present
+    if present.all() or present.sum() < 3:
+        return base
+    own = Signal(base.values[present], base.times[present], base.unit, base.source)
+    better = own.running.even and own.running.jitter < base.running.jitter
+    return own if better else base
+
+
+def _check_overlap(
+    label: str, base: Signal, everything: list[tuple[tuple[str, str], Signal]]
+) -> None:
     """Refuse channels that were never measured while the base was."""
-    label = next("".join(key) for key, signal in everything if signal is base)
     half = 0.5 * base.running.step
     low, high = float(base.times[0]) - half, float(base.times[-1]) + half
     for key, signal in everything:

@@ -1,7 +1,8 @@
 """From files and mappings to records."""
 
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from os import PathLike
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 
 from tuner.data.channels import Reading, read_channels
-from tuner.data.logs.error import LogError, quoted
+from tuner.data.logs.error import LogError, counted, quoted
 from tuner.data.logs.formats import open_table
 from tuner.data.logs.log import check_rate, sha256_of
 from tuner.data.logs.mapping import Mapping as Column
@@ -178,6 +179,7 @@ def _merged(files: Sequence[_File], timed: _Timed) -> Record:
         if several and (clock_ is not None or any(map(is_time, file.table.names))):
             rate = None
         found.append((file, read_channels(columns, file.wanted, clock_, rate)))
+    _check_present(found)
     return _record(files[0].path.name if not several else _together(files), found)
 
 
@@ -189,21 +191,25 @@ def _parted(file: _File, timed: _Timed, by: str) -> list[Record]:
     """The recordings that a column of one file tells apart."""
     labels = labels_of(file.table, by)
     columns, clock = _loaded(file, timed, True, ())
-    records = []
-    for label, rows in split(labels):
-        if len(rows) < 2:
-            continue
-        readings = read_channels(columns.rows(rows, len(labels)), file.wanted, clock, timed.rate_hz)
-        records.append(_record(f"{file.path.name}: {by} {label}", [(file, readings)]))
-    if not records:
+    parts = [(label, rows) for label, rows in split(labels)]
+    long = [(label, rows) for label, rows in parts if len(rows) > 1]
+    if not long:
         raise LogError(f"{file.table.file}: no value of {by!r} has 2 rows; name another column")
+    found = [
+        (label, read_channels(columns.rows(rows, len(labels)), file.wanted, clock, timed.rate_hz))
+        for label, rows in long
+    ]
+    _check_present([(file, readings) for _, readings in found])
+    records = [_record(f"{file.path.name}: {by} {label}", [(file, r)]) for label, r in found]
+    if left := len(parts) - len(long):
+        told = f"{by}: {counted(left, 'value')} with one row alone left out"
+        records[0] = replace(records[0], notes=(*records[0].notes, told))
     return records
 
 
 def _record(name: str, found: Sequence[tuple[_File, list[Reading]]]) -> Record:
     """Channels with their times since the first of them."""
     readings = [reading for _, those in found for reading in those]
-    _check_present(found)
     origins = [r.timing.clock.origin for r in readings if r.timing.clock.origin is not None]
     start = min(origins, default=Fraction(0))
     channels: dict[str, Signal] = {}
@@ -230,15 +236,21 @@ def _source(file: _File, readings: Sequence[Reading]) -> Source:
 
 
 def _check_present(found: Sequence[tuple[_File, list[Reading]]]) -> None:
-    """Refuse a channel without a number."""
+    """Refuse a channel without a number in all of what was read of a file."""
+    filled: Counter[tuple[str, str]] = Counter()
+    rows: Counter[tuple[str, str]] = Counter()
     for file, readings in found:
         for reading in readings:
-            if np.isnan(reading.values).all():
-                mapped = reading.wanted.mapped
-                raise LogError(
-                    f"{file.table.file}: column {mapped.source!r} (mapped to {mapped.channel}) is "
-                    f"missing in all {len(reading.values)} rows; map a column that holds numbers"
-                )
+            mapped = reading.wanted.mapped
+            key = (file.table.file, f"{mapped.source!r} (mapped to {mapped.channel})")
+            rows[key] += len(reading.values)
+            filled[key] += int((~np.isnan(reading.values)).sum())
+    for (name, column), count in rows.items():
+        if not filled[name, column]:
+            raise LogError(
+                f"{name}: column {column} is missing in all {count} rows; "
+                "map a column that holds numbers"
+            )
 
 
 def _notes(found: Sequence[tuple[_File, list[Reading]]]) -> tuple[str, ...]:

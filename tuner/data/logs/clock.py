@@ -52,8 +52,8 @@ class Clock:
 
     @property
     def even(self) -> bool:
-        """Whether one step stands for all."""
-        return self.steady and not self.gaps
+        """Whether one step stands for all: none is further off than by a half."""
+        return self.steady and not self.gaps and self.jitter <= _GAP - 1.0
 
     @classmethod
     def rated(cls, samples: int, rate_hz: float, notes: tuple[str, ...] = ()) -> "Clock":
