@@ -13,7 +13,7 @@ from tuner.solvers import SOLVERS
 class Settings(StudySettings):
     """What can be set with ``--set``; the defaults are the paper's wherever it names a value."""
 
-    step: float = Field(0.2, gt=0, description="height of the step, in the record's unit")
+    step: float = Field(0.2, gt=0, description="height of the step, rad/s or m/s^2")
     reading: Literal["R1", "R2", "R6"] = Field("R6", description="what (10)'s second term means")
     crossing: Literal["hinge", "first"] = Field("hinge", description="where (10)'s first term ends")
     weight: float = Field(1.0, gt=0, description="factor on (10)'s second term")

@@ -10,9 +10,9 @@ from studies.kownacki2010 import plan, problems
 from studies.kownacki2010.claims import CLAIMS
 from studies.kownacki2010.data import benches
 from studies.kownacki2010.figures import figures, own_figures
-from studies.kownacki2010.paper import ACC, GYRO
+from studies.kownacki2010.paper import ACC, GYRO, channels
 from studies.kownacki2010.settings import Settings
-from tuner.data.logs import parse_mapping, read_log
+from tuner.data.reading import read_records
 from tuner.run.comparison import Verdict
 from tuner.run.figure import Chart, Map
 from tuner.run.study import find_study
@@ -24,7 +24,7 @@ SHORT = Settings(seconds=2.0, rate_hz=1e3, solvers=("l-bfgs-b",), starts=1, grid
 
 @cache
 def short():
-    return benches(SHORT, None, 0)
+    return benches(SHORT, (), 0)
 
 
 @cache
@@ -48,8 +48,11 @@ def compared(solutions):
 def rest(folder, *, size=1.0, rate=100.0):
     draw = np.random.default_rng(4)
     np.savez(folder / "rest.npz", w=size * draw.normal(size=900), f=draw.normal(size=900))
-    words = [parse_mapping(text, ["omega", "a"]) for text in ("omega=w:deg/s", "a=f")]
-    return folder / "rest.npz", words, rate
+    return folder / "rest.npz", ["omega=w:deg/s", "a=f"], rate
+
+
+def recorded(path, words, rate):
+    return read_records(path, words, inputs=channels(SHORT), rate_hz=rate)
 
 
 # Benches.
@@ -77,7 +80,7 @@ def test_two_sensors_with_records_of_their_own():
 
 
 def test_record_and_source_depend_on_the_seed_alone():
-    one, again, other = (plan(SHORT, None, seed, "").source for seed in (3, 3, 4))
+    one, again, other = (plan(SHORT, (), seed, "").source for seed in (3, 3, 4))
     assert one == again
     assert one.sha256 != other.sha256
     assert (one.samples, one.rate_hz) == (2001, 1000.0)
@@ -86,25 +89,25 @@ def test_record_and_source_depend_on_the_seed_alone():
 
 def test_channels_of_a_log(tmp_path):
     path, words, rate = rest(tmp_path)
-    both = read_log(path, words, rate_hz=rate)
+    both = recorded(path, words, rate)
     assert [b.sensor.name for b in benches(SHORT, both, 0)] == ["gyro", "acc"]
-    only = read_log(path, words[1:], rate_hz=rate)
+    only = recorded(path, words[1:], rate)
     (acc,) = benches(SHORT, only, 0)
     assert (acc.sensor.name, acc.dt, len(acc.record)) == ("acc", 0.01, 900)
     source = plan(SHORT, only, 0, "").source
-    assert (source.name, source.sha256, source.samples) == ("rest.npz", only.sha256, 900)
+    assert (source.name, source.sha256, source.samples) == ("rest.npz", only[0].digest, 900)
     units = {
         p.name: dict(p.space.parameters)
         for p in (problems.problem(b) for b in benches(SHORT, both, 0))
     }
-    assert units["gyro"]["R"].unit == "(deg/s)^2"
+    assert units["gyro"]["R"].unit == "(rad/s)^2"
     assert units["acc"]["Q"].unit == "(m/s^2)^2/s^2"
 
 
 @pytest.mark.parametrize("size", [1e-7, 1.0, 3.0, 1e3, 1e5])
 def test_records_in_any_unit_can_be_posed(tmp_path, size):
     path, words, rate = rest(tmp_path, size=size)
-    (bench,) = benches(SHORT, read_log(path, words[:1], rate_hz=rate), 0)
+    (bench,) = benches(SHORT, recorded(path, words[:1], rate), 0)
     for problem in (problems.problem(bench), problems.paper(bench), problems.literal(bench)):
         low, high = problem.space.box()
         start = problem.space.start()
@@ -124,7 +127,7 @@ def test_the_built_in_search_box_is_the_notes_one():
 
 
 def test_given_R_and_Q_take_the_place_of_the_records():
-    bench = benches(SHORT.model_copy(update={"R": 1e-3, "Q": 2e-3}), None, 0)[0]
+    bench = benches(SHORT.model_copy(update={"R": 1e-3, "Q": 2e-3}), (), 0)[0]
     assert problems.problem(bench).parameters(problems.problem(bench).space.start())["R"] == 1e-3
     assert float(np.exp(problems.problem(bench).space.start()[0])) == pytest.approx(2e-3)
     np.testing.assert_allclose(np.exp(problems.paper(bench).space.start()), [1e-3, 2e-3])
@@ -132,7 +135,7 @@ def test_given_R_and_Q_take_the_place_of_the_records():
 
 @pytest.mark.parametrize("solver", ["nelder-mead", "tpe"])
 def test_tasks_of_the_plan(solver):
-    made = plan(SHORT.model_copy(update={"solvers": (solver,)}), None, 0, "")
+    made = plan(SHORT.model_copy(update={"solvers": (solver,)}), (), 0, "")
     tasks = [(task.problem.name, task.solver.name) for task in made.tasks]
     posed = [(name, solver) for name in ("gyro", "acc", "gyro.paper", "acc.paper")]
     literal = [(name, "nelder-mead") for name in ("gyro.literal", "acc.literal")]
@@ -191,7 +194,7 @@ def test_R_is_not_stronger_than_Q():
 
 def test_claims_are_rows_by_name():
     assert [claim.name for claim in CLAIMS] == list(rows())
-    made = plan(SHORT, None, 0, "")
+    made = plan(SHORT, (), 0, "")
     for name, needed in (
         ("gyro.k1", ["gyro"]),
         ("acc.[RQ]", None),
@@ -211,7 +214,7 @@ def test_claims_are_rows_by_name():
 
 def test_a_log_is_not_compared_with_the_paper(tmp_path):
     path, words, rate = rest(tmp_path)
-    made = plan(SHORT, read_log(path, words, rate_hz=rate), 0, "")
+    made = plan(SHORT, recorded(path, words, rate), 0, "")
     assert [task.problem.name for task in made.tasks] == ["gyro", "acc"]
     assert made.exports == ("gyro", "acc")
     assert made.claims == ()
