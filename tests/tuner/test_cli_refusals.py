@@ -70,7 +70,7 @@ def test_what_is_read_with_a_note(cli, here):
     code, _, err = cli("run", "kownacki2010", *words)
     assert code == 0
     assert "omega: float32, widened" in err
-    assert "time 't': 1 repeated time spread" in err
+    assert "time 't': 1 repeated time spread over" in err
 
 
 class Bomb:
