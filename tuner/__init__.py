@@ -48,7 +48,6 @@ _HOMES = {
         "Transition",
         "accelerometer_steady",
         "gyroscope_steady",
-        "run",
         "transitions",
         "van_loan",
         "vertical_channel",
