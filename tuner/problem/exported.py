@@ -3,10 +3,11 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from filters import AnyFilter
 from filters.declared import Param, bare, channel_facts, parameter_facts, values_of
 from tuner.certificate.solution import Solution
 from tuner.export.tuned import Quantity
@@ -18,6 +19,20 @@ def no_more(params: Any) -> tuple[Quantity, ...]:
     return ()
 
 
+class Trial(NamedTuple):
+    """A filter as it runs on the machine, and what it is tried on.
+
+    Attributes:
+        filter: the filter.
+        params: its parameters.
+        inputs: its inputs, time first.
+    """
+
+    filter: AnyFilter
+    params: Any
+    inputs: Any
+
+
 @dataclass(frozen=True)
 class Exported:
     """What an export says beside the parameters.
@@ -27,12 +42,15 @@ class Exported:
         states: names of its states, in their order.
         dt: sample time, s; 0 where it is continuous.
         derived: what follows from the filter's parameters.
+        runs: what runs on the machine where it is not the problem's own filter, as with a design:
+            from the same parameters to forms by name, to be tried in single precision.
     """
 
     filter: str
     states: tuple[str, ...] = ()
     dt: float = 0.0
     derived: Callable[[Any], tuple[Quantity, ...]] = no_more
+    runs: Callable[[Any], Mapping[str, Trial]] | None = None
 
 
 def exported_of(filter: Any) -> Exported:
