@@ -176,8 +176,8 @@ def kalman_history(channel: Channel, Ts: float, seconds: float) -> Uncertainty:
 def riccati_history(channel: Channel, dt: float, seconds: float) -> Uncertainty:
     """The continuous filter with q_b as a spectral density; gains P H' / q_b."""
     system = channel.system(channel.q_b)
-    parts = (jnp.asarray(part) for part in (system.A, system.C, system.W, system.V))
-    flow = Flow(riccati_flow(*parts, jnp.asarray(dt)), channel.model(1.0).P0)
+    A, C, W, V = map(jnp.asarray, (system.A, system.C, system.W, system.V))
+    flow = Flow(riccati_flow(A, C, W, V, jnp.asarray(dt)), channel.model(1.0).P0)
     samples = len(times(seconds, dt))
     P = _riccati(flow, _counted(samples))[:samples]
     return Uncertainty(P, P[:, :, 2:] / channel.q_b)

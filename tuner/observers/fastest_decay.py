@@ -90,7 +90,7 @@ def _placing_most(
 
 
 def _coinciding(placement: PolePlacement, variance: Variance, bound: float) -> dict[str, float]:
-    """The fastest decay rate at which coinciding poles keep the bound, else the quietest."""
+    """The fastest decay rate at which coinciding poles keep the bound, else of least variance."""
     system = placement.system
     unit = max(float(np.abs(np.linalg.eigvals(system.A)).max()), 1e-6)
     rates = np.geomspace(1e-6, 1e6, 241) * unit
