@@ -16,7 +16,7 @@ from tuner.certificate.solution import Solution
 from tuner.data.source import Source
 from tuner.export.tuned import Quantity
 from tuner.problem.constraint import Constraint
-from tuner.problem.exported import Exported, exported_of, held_of, once, quantities_of
+from tuner.problem.exported import Exported, Trial, exported_of, held_of, once, quantities_of
 from tuner.problem.space import Space
 
 Build: TypeAlias = Callable[[dict[str, Array]], Any]
@@ -180,20 +180,23 @@ class Problem:
         return self._runs[key]
 
     def single_precision(self, solution: Solution) -> tuple[SinglePrecision, ...]:
-        """How far the tuned filter strays in float32; nothing for a design, which runs no filter.
+        """How far the tuned filter strays in float32, or what runs in its place on the machine.
 
-        The steady form of a filter that offers one (a method ``steady``) is checked as well.
+        Nothing for a design that does not say what runs. The steady form of a filter that offers
+        one (a method ``steady``) is checked as well.
         """
+        runs, params = self.what_is_exported().runs, self.params(solution)
+        trials = self._own_trials(params) if runs is None else runs(params)
+        return tuple(single_precision(form, *trial) for form, trial in trials.items())
+
+    def _own_trials(self, params: Any) -> dict[str, Trial]:
         if self.filter is None:
-            return ()
-        params = self.params(solution)
-        forms = {"full": (self.filter, params)}
+            return {}
+        trials = {"full": Trial(self.filter, params, self.data.inputs)}
         if hasattr(self.filter, "steady"):
-            forms["steady"] = self.filter.steady(params)
-        return tuple(
-            single_precision(form, *filter_and_params, self.data.inputs)
-            for form, filter_and_params in forms.items()
-        )
+            filter, steady = self.filter.steady(params)
+            trials["steady"] = Trial(filter, steady, self.data.inputs)
+        return trials
 
     def what_is_exported(self) -> Exported:
         """The filter's name, its states, its sample time and what follows from its parameters."""
