@@ -254,10 +254,11 @@ class ErrorStateIns:
         acc = jnp.where(jnp.isnan(inputs.acc), state.acc, inputs.acc)
         going = state.at.q @ state.at.q > 0
         live = going | (~jnp.isnan(inputs.acc).any() & (acc @ acc > 0))
-        first = self._first(params, jnp.where(live, acc, self._up()), inputs.mag)
+        up = self._up * jnp.array([0.0, 0.0, 1.0], gyr.dtype)
+        first = self._first(params, jnp.where(live, acc, up), inputs.mag)
         at = state.at._replace(q=jnp.where(going, state.at.q, first))
         dt = jnp.where(going, jnp.asarray(self.dt, gyr.dtype), 0.0)
-        at, growth = moved(at, gyr, acc, params.gravity * self._up(), dt)
+        at, growth = moved(at, gyr, acc, params.gravity * up, dt)
         P = spread(state.P, growth, Densities(*params[:4]), dt)
         seen = _at_once(inputs, going, live)
         begun = _placed(params, state._replace(at=at, P=P, gyr=gyr, acc=acc), seen.gps)
@@ -269,9 +270,10 @@ class ErrorStateIns:
         outputs = InsOutputs(*at, brought.innovation, brought.variance, brought.P)
         return begun._replace(at=kept, P=brought.P), outputs
 
-    def _up(self) -> Array:
-        """Upwards in earth axes, and in those of a level sensor, ``(3,)``."""
-        return jnp.array([0.0, 0.0, 1.0 if self.frame == "enu" else -1.0])
+    @property
+    def _up(self) -> float:
+        """Where upwards is along z, of the earth and of a level sensor."""
+        return 1.0 if self.frame == "enu" else -1.0
 
     def _bearing(self, compass: Array) -> Array:
         """A compass direction as the angle about earth z from earth x, rad."""
@@ -280,7 +282,7 @@ class ErrorStateIns:
     def _first(self, params: InsNoise, acc: Array, mag: Array | None) -> Array:
         """The attitude at the start, ``(4,)``."""
         z = jnp.array([0.0, 0.0, 1.0], acc.dtype)
-        q = level(acc * self._up()[2])
+        q = level(acc * self._up)
         turn = self._bearing(params.heading)
         if mag is not None:
             seen, (x, y, _) = level_part(q, mag)
@@ -297,7 +299,7 @@ class ErrorStateIns:
         return [
             *(missing if gps is None else place(level_up, at, gps)),
             *(missing if vel is None else pace(params.R_gps_vel, at, vel)),
-            None if baro is None else height(params.R_baro, at, self._up()[2] * baro),
+            None if baro is None else height(params.R_baro, at, self._up * baro),
             None if speed is None else forward_speed(params.R_speed, at, speed),
             None if mag is None else field_direction(params.R_mag, at, mag, north),
             *(missing if still is None else standstill(params.R_still, at, still)),
