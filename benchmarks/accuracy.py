@@ -9,7 +9,7 @@ from benchmarks.peers import PEERS, Prepare, statsmodels_default
 from benchmarks.table import Row
 from benchmarks.timing import Call
 from benchmarks.work import DT, STEP, Work, linear_model
-from filters import GyroscopeFilter, LinearKalman, Noise, Sample, run
+from filters import GyroscopeFilter, KownackiNoise, LinearKalman, Sample, run
 
 PART = "Largest error at R = 1e-12, as a share of the step"
 SMALL_R = 1e-12
@@ -34,7 +34,7 @@ def rows(work: Work, limit: Baseline | None) -> list[Row]:
 
 
 def _ours(work: Work) -> dict[str, Call]:
-    noise, model = Noise.of(SMALL_R, SMALL_Q), linear_model(SMALL_R, SMALL_Q)
+    noise, model = KownackiNoise.of(SMALL_R, SMALL_Q), linear_model(SMALL_R, SMALL_Q)
     gyroscope = jax.jit(lambda z: run(GyroscopeFilter(DT), noise, z)[1])
     generic = jax.jit(lambda z: run(LinearKalman(), model, Sample(z[:, None]))[1].x[:, 0])
     calls = (lambda: gyroscope(work.signal)), (lambda: generic(work.signal))

@@ -15,7 +15,8 @@ from benchmarks.table import Row, duration
 from benchmarks.timing import Call, Times, interleave
 from benchmarks.work import Work, pairs
 from objectives import Reading
-from tuner import Problem, surface, values, values_and_gradients
+from tuner import Problem, values, values_and_gradients
+from tuner.problem import surface
 
 PART = "256 pairs (R, Q) at once"
 PAIRS = 256

@@ -14,6 +14,7 @@ from benchmarks.startup import compiling
 from benchmarks.table import Row, duration
 from benchmarks.timing import Call, Times, interleave
 from filters import TiltKalman, TiltNoise, TiltSample, run
+from filters.tilt_euler import TO_PAPER
 from tuner.data.simulation import GRAVITY, Bursts, Sensor, Swing, simulate
 from tuner.data.simulation import measure as sensed
 
@@ -31,6 +32,7 @@ def rows(limit: Baseline | None) -> list[Row]:
     calls = evaluations()
     if limit is not None:
         acceleration, rate = (np.asarray(x) for x in record())
+        rate = rate * TO_PAPER
         out = np.empty((len(rate), 2))
         noise = np.array(NOISE)
         calls["C"] = lambda: limit.tilt((DT, DELTA, P0), acceleration, rate, noise, out)
@@ -52,8 +54,7 @@ def record() -> TiltSample:
         bursts=Bursts(count=20, size=3.0),
     )
     sample = sensed(motion, gyroscope=Sensor(5e-3), accelerometer=Sensor(0.1), seed=0)
-    paper = jnp.array([1.0, -1.0, -1.0])  # forward, right and down axes for the rates
-    return TiltSample(sample.acceleration / GRAVITY, sample.rate * paper)
+    return TiltSample(sample.acc / GRAVITY, sample.gyr)
 
 
 def evaluations() -> dict[str, Call]:
@@ -86,8 +87,9 @@ def _params(noise: Array) -> TiltNoise:
         alpha2=noise[5],
         delta=jnp.asarray(DELTA),
         r_big=jnp.asarray(1.0),
+        gravity=jnp.ones(()),  # accelerations are in g
         x0=jnp.zeros(5),
-        P0=P0 * jnp.eye(5),
+        P0=jnp.asarray(P0),
     )
 
 

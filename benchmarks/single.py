@@ -14,7 +14,7 @@ from benchmarks.loops import matrix_loop
 from benchmarks.table import Row, duration
 from benchmarks.timing import Call, Times, interleave
 from benchmarks.work import DT, Q, R, Work, linear_model
-from filters import GyroscopeFilter, LinearKalman, Noise, Sample, run
+from filters import GyroscopeFilter, KownackiNoise, LinearKalman, Sample, run
 from objectives import Reading, score_and_gradient
 from tuner import Problem
 
@@ -37,11 +37,11 @@ def rows(work: Work, limit: Baseline | None) -> list[Row]:
 
 def passes(work: Work) -> dict[str, Call]:
     """The filter itself, and the generic Kalman filter with the same model."""
-    noise = Noise.of(jnp.asarray(R), jnp.asarray(Q))
+    noise = KownackiNoise.of(jnp.asarray(R), jnp.asarray(Q))
     z, model = jnp.asarray(work.signal), linear_model(R, Q)
 
     @jax.jit
-    def filtered(noise: Noise, z: jax.Array) -> jax.Array:
+    def filtered(noise: KownackiNoise, z: jax.Array) -> jax.Array:
         return cast("jax.Array", run(GyroscopeFilter(DT), noise, z, unroll=4)[1])
 
     generic = jax.jit(lambda m, z: run(LinearKalman(), m, Sample(z), unroll=4)[1].x[:, 0])

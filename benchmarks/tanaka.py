@@ -6,8 +6,8 @@ import numpy as np
 
 from benchmarks.table import Row, duration
 from benchmarks.timing import interleave
-from tuner import tanaka, tanaka_program, tanaka_simplex, tanaka_windows
 from tuner.convex import solve
+from tuner.regression import tanaka, tanaka_program, tanaka_simplex, tanaka_windows
 from tuner.regression.interior import interior_point
 from tuner.regression.window import window
 

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import GyroscopeFilter, LinearModel, Noise, Transition
+from filters import GyroscopeFilter, KownackiNoise, LinearModel, Transition
 from objectives import Data, Reading, StepResponse, Welch
 from tuner import Fixed, Positive, Problem, Space
 
@@ -73,9 +73,9 @@ class Work:
         )
 
 
-def noise(values: dict[str, Array]) -> Noise:
+def noise(values: dict[str, Array]) -> KownackiNoise:
     """The filter's parameters from the space's."""
-    return Noise(values["R"], values["Q"], values["P0"])
+    return KownackiNoise(values["R"], values["Q"], values["P0"])
 
 
 def linear_model(R: float, Q: float) -> LinearModel:

@@ -4,14 +4,21 @@ from filters.backend import LoopOption, loop_option
 
 loop_option()  # before anything below starts JAX's backend
 
+from filters.alpha_beta import (  # noqa: E402
+    AlphaBeta,
+    AlphaBetaGains,
+    AlphaBetaGamma,
+    AlphaBetaGammaGains,
+    AlphaBetaGammaOutputs,
+    AlphaBetaOutputs,
+)
 from filters.attitude import (  # noqa: E402
     AttitudeKalman,
     AttitudeNoise,
     AttitudeOutputs,
     AttitudeState,
-    ImuSample,
 )
-from filters.batched import Batched, shared  # noqa: E402
+from filters.batched import Batched, Lanes, shared  # noqa: E402
 from filters.bounded_motion import (  # noqa: E402
     BoundedMotionKalman,
     BoundedMotionNoise,
@@ -30,12 +37,20 @@ from filters.complementary import (  # noqa: E402
     MahonyGains,
     MahonyState,
 )
+from filters.constant_velocity import (  # noqa: E402
+    ConstantAcceleration,
+    ConstantAccelerationNoise,
+    ConstantAccelerationOutputs,
+    ConstantVelocity,
+    ConstantVelocityNoise,
+    ConstantVelocityOutputs,
+    PositionSample,
+)
 from filters.conventional_loop import (  # noqa: E402
     GRAVITY_GRADIENT,
     ConventionalLoop,
     LoopGains,
     LoopStep,
-    Plant,
     loop_error,
     loop_step,
     vertical_channel,
@@ -60,7 +75,9 @@ from filters.declared import (  # noqa: E402
     Channel,
     Param,
     assembled,
+    bare,
     channel_facts,
+    components,
     inputs_of,
     optional,
     output,
@@ -75,13 +92,15 @@ from filters.extended import (  # noqa: E402
 )
 from filters.fuzzy_regression import line, regression  # noqa: E402
 from filters.gps_aided import GpsAidedKalman, GpsAidedNoise, GpsAidedSample  # noqa: E402
-from filters.kalman import Estimate, Innovation, decorrelate, predict, update  # noqa: E402
+from filters.imu import ImuSample  # noqa: E402
+from filters.ins import ErrorStateIns, InsNoise, InsOutputs, InsSample, InsState  # noqa: E402
+from filters.kalman import Estimate, Innovation, decorrelate, predict, update, update_entry  # noqa: E402
 from filters.kownacki import (  # noqa: E402
     AccelerometerFilter,
     FixedGainFilter,
-    Gains,
+    FixedGains,
     GyroscopeFilter,
-    Noise,
+    KownackiNoise,
     SteadyState,
     accelerometer_steady,
     gyroscope_steady,
@@ -94,6 +113,12 @@ from filters.linear import (  # noqa: E402
     Sample,
     StoredGains,
     Transition,
+)
+from filters.local_level import (  # noqa: E402
+    LevelSample,
+    LocalLevel,
+    LocalLevelNoise,
+    LocalLevelOutputs,
 )
 from filters.pi_complementary import (  # noqa: E402
     PiComplementary,
@@ -117,10 +142,22 @@ from filters.tilt_euler import (  # noqa: E402
     tilt_transition,
 )
 from filters.timed import Timed, TimedSample  # noqa: E402
+from filters.vertical import (  # noqa: E402
+    Vertical,
+    VerticalNoise,
+    VerticalOutputs,
+    VerticalSample,
+)
 
 __all__ = [
     "GRAVITY_GRADIENT",
     "AccelerometerFilter",
+    "AlphaBeta",
+    "AlphaBetaGains",
+    "AlphaBetaGamma",
+    "AlphaBetaGammaGains",
+    "AlphaBetaGammaOutputs",
+    "AlphaBetaOutputs",
     "AngleSample",
     "AnyFilter",
     "AttitudeKalman",
@@ -135,31 +172,48 @@ __all__ = [
     "Channel",
     "Complementary",
     "ComplementaryGain",
+    "ConstantAcceleration",
+    "ConstantAccelerationNoise",
+    "ConstantAccelerationOutputs",
+    "ConstantVelocity",
+    "ConstantVelocityNoise",
+    "ConstantVelocityOutputs",
     "ConventionalLoop",
     "DeadReckoningKalman",
     "DeadReckoningNoise",
     "DeadReckoningSample",
+    "ErrorStateIns",
     "Estimate",
     "ExtendedKalman",
     "ExtendedModel",
     "ExtendedSample",
     "Filter",
     "FixedGainFilter",
+    "FixedGains",
     "Flow",
     "GainCovariance",
     "GainTable",
     "GainedSample",
-    "Gains",
     "GpsAidedKalman",
     "GpsAidedNoise",
     "GpsAidedSample",
     "GyroscopeFilter",
     "ImuSample",
     "Innovation",
+    "InsNoise",
+    "InsOutputs",
+    "InsSample",
+    "InsState",
     "KalmanCovariance",
+    "KownackiNoise",
+    "Lanes",
+    "LevelSample",
     "LinearKalman",
     "LinearModel",
     "LinearOutputs",
+    "LocalLevel",
+    "LocalLevelNoise",
+    "LocalLevelOutputs",
     "LoopGains",
     "LoopOption",
     "LoopStep",
@@ -168,14 +222,13 @@ __all__ = [
     "Mahony",
     "MahonyGains",
     "MahonyState",
-    "Noise",
     "Param",
     "PiComplementary",
     "PiGains",
     "PiOutputs",
     "PiSample",
     "PiState",
-    "Plant",
+    "PositionSample",
     "ResidualNoise",
     "RestRule",
     "RiccatiCovariance",
@@ -193,11 +246,17 @@ __all__ = [
     "Transition",
     "Uncertainty",
     "VelocityNoise",
+    "Vertical",
+    "VerticalNoise",
+    "VerticalOutputs",
+    "VerticalSample",
     "accelerometer_angles",
     "accelerometer_steady",
     "assembled",
+    "bare",
     "blocks",
     "channel_facts",
+    "components",
     "constructed_attitude",
     "decorrelate",
     "euler_rates",
@@ -220,6 +279,7 @@ __all__ = [
     "tilt_transition",
     "transitions",
     "update",
+    "update_entry",
     "van_loan",
     "vertical_channel",
 ]

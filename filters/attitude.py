@@ -6,60 +6,103 @@ contradict it.
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import jax.numpy as jnp
 from jax import Array
 
+from filters.declared import Channel, Param, components
 from filters.extended import linearised
+from filters.imu import ATTITUDE, GRAVITY, LEVEL, XYZ, ImuSample
 from filters.kalman import Estimate, predict
 from filters.rotation import begun, from_rotation_vector, multiply, normalise, or_else, rotate_back
 from filters.validate import check_setup
 
 
-class ImuSample(NamedTuple):
-    """One sample of an inertial unit; stacked along time for :func:`filters.run`.
-
-    Attributes:
-        acceleration: specific force, m/s^2, ``(3,)``; +g along z where z points up at rest. NaN
-            means missing.
-        rate: angular rate, rad/s, ``(3,)``; NaN means missing, and is taken as no turn.
-        field: magnetic field in any unit, ``(3,)``, or None; NaN means missing.
-    """
-
-    acceleration: Array
-    rate: Array
-    field: Array | None = None
-
-
 class AttitudeNoise(NamedTuple):
-    """What the gravity filter takes.
+    """What the gravity filter takes: densities of white noises, and how the adaptation works.
 
-    Attributes:
-        gyroscope: density of the gyroscopes' white noise, rad^2/s.
-        bias: density of the drift of their bias, rad^2/s^3.
-        accelerometer: variance of the accelerometers in rest over g^2, ``()``.
-        memory: time constant with which their variance is forgotten, s.
-        gain: variance over g^2 that a lasting residual of 1 g adds.
-        delta: by how much abs(a)^2 / g^2 may differ from 1 before a disturbance is detected.
-        gravity: m/s^2.
-        q0: attitude at the start, sensor to earth, ``(4,)``; zeros: level by the first sample.
-        b0: bias at the start, rad/s, ``(3,)``.
-        tilt0: its deviation, rad.
-        bias0: the bias's deviation at the start, rad/s.
+    By the error of the attitude alone, gyroscope, bias, accelerometer and gain share a scale that
+    is free but for the start's deviations; the innovations' likelihood determines it.
     """
 
-    gyroscope: Array
-    bias: Array
-    accelerometer: Array
-    memory: Array
-    gain: Array
-    delta: Array
-    gravity: Array
-    q0: Array
-    b0: Array
-    tilt0: Array
-    bias0: Array
+    gyroscope: Annotated[
+        Array,
+        Param(
+            "rad^2/s",
+            "density of the gyroscopes' white noise",
+            typical=1e-6,
+            low=1e-12,
+            high=1e-1,
+            smaller="gyroscopes are trusted more",
+            larger="the attitude follows the accelerometers faster",
+        ),
+    ]
+    bias: Annotated[
+        Array,
+        Param(
+            "rad^2/s^3",
+            "density of the drift of the gyroscopes' bias",
+            typical=1e-9,
+            low=1e-15,
+            high=1e-3,
+            smaller="the bias is taken as constant",
+            larger="the bias follows faster, accelerations too",
+        ),
+    ]
+    accelerometer: Annotated[
+        Array,
+        Param(
+            "",
+            "variance of the accelerometers over g^2, usual accelerations included",
+            typical=1e-2,
+            low=1e-8,
+            high=1e4,
+            smaller="the attitude follows the accelerometers faster",
+            larger="gyroscopes are trusted longer",
+        ),
+    ]
+    memory: Annotated[
+        Array,
+        Param(
+            "s",
+            "time constant with which a grown variance is forgotten",
+            typical=0.5,
+            low=1e-2,
+            high=1e2,
+            smaller="accelerometers count again sooner after a disturbance",
+            larger="a disturbance is distrusted longer",
+        ),
+    ]
+    gain: Annotated[
+        Array,
+        Param(
+            "",
+            "variance over g^2 that a lasting residual of 1 g adds",
+            typical=5.0,
+            low=1e-4,
+            high=1e6,
+            smaller="disturbances come through",
+            larger="disturbed axes are left to the gyroscopes",
+        ),
+    ]
+    delta: Annotated[
+        Array,
+        Param(
+            "",
+            "a disturbance is detected where abs(a)^2 / g^2 differs more from 1; a threshold",
+            typical=0.05,
+            smaller="noise counts as a disturbance",
+            larger="disturbances pass unseen",
+        ),
+    ]
+    gravity: Annotated[Array, GRAVITY]
+    q0: Annotated[Array, LEVEL]
+    b0: Annotated[
+        Array, Param("rad/s", "bias of the gyroscopes at the start", typical=0.0, shape=(3,))
+    ]
+    tilt0: Annotated[Array, Param("rad", "deviation of the attitude at the start", typical=0.1)]
+    bias0: Annotated[Array, Param("rad/s", "deviation of the bias at the start", typical=0.02)]
 
 
 class AttitudeState(NamedTuple):
@@ -72,19 +115,18 @@ class AttitudeState(NamedTuple):
 
 
 class AttitudeOutputs(NamedTuple):
-    """What the filter knows after a sample.
+    """What the filter knows after a sample; the heading is the gyroscopes' alone."""
 
-    Attributes:
-        q: attitude, sensor to earth, ``(4,)``; the heading is the gyroscopes' alone.
-        b: bias of the gyroscopes, rad/s, ``(3,)``.
-        r: variances over g^2 that the accelerometers were taken with, ``(3,)``.
-        detected: whether a disturbance was, ``()`` of bool.
-    """
-
-    q: Array
-    b: Array
-    r: Array
-    detected: Array
+    att: Annotated[Array, ATTITUDE]
+    b: Annotated[Array, Channel("rad/s", "bias of the gyroscopes", XYZ)]
+    r: Annotated[
+        Array, Channel("", "variances of the accelerometers over g^2, as taken", XYZ, "detail")
+    ]
+    detected: Annotated[Array, Channel("", "whether a disturbance was detected", (), "detail")]
+    innovation: Annotated[
+        Array, Channel("", "accelerometers over g less what is foretold", XYZ, "detail")
+    ]
+    variance: Annotated[Array, Channel("", "predicted variances of these", XYZ, "detail")]
 
 
 @dataclass(frozen=True)
@@ -102,6 +144,13 @@ class AttitudeKalman:
     dt: float
     adaptive: bool = True
 
+    params, inputs, outputs = AttitudeNoise, ImuSample, AttitudeOutputs
+    states = (
+        components("q", "", "attitude, sensor to earth", "wxyz")
+        | components("bias", "rad/s", "bias of the gyroscopes", "xyz")
+        | components("r", "", "variance of the accelerometers over g^2", "xyz")
+    )
+
     def __post_init__(self) -> None:
         check_setup(self)
 
@@ -115,22 +164,24 @@ class AttitudeKalman:
         self, params: AttitudeNoise, state: AttitudeState, inputs: ImuSample
     ) -> tuple[AttitudeState, AttitudeOutputs]:
         """Turn by the gyroscopes, detect, and correct by the accelerometers."""
-        turn = from_rotation_vector((or_else(inputs.rate, state.b) - state.b) * self.dt)
-        q = multiply(begun(state.q, inputs.acceleration), turn)
+        turn = from_rotation_vector((or_else(inputs.gyr, state.b) - state.b) * self.dt)
+        q = multiply(begun(state.q, inputs.acc), turn)
         P = self._spread(params, state.P, turn)
         up = rotate_back(q, jnp.array([0.0, 0.0, 1.0], q.dtype))
-        missing = ~jnp.isfinite(inputs.acceleration)
+        missing = ~jnp.isfinite(inputs.acc)
         # Masked before it is divided: a NaN would reach the derivative by gravity.
-        a = jnp.where(missing, 0.0, inputs.acceleration) / params.gravity
+        a = jnp.where(missing, 0.0, inputs.acc) / params.gravity
         a = jnp.where(missing, jnp.nan, a)
         detected = jnp.abs(a @ a - 1) > params.delta
         r = self._adapted(params, state.r, a - up, detected) if self.adaptive else state.r
         # up' = up + up x error, for a small error of the body frame
         H = jnp.concatenate([skew(up), jnp.zeros((3, 3), q.dtype)], axis=1)
-        found, _ = linearised(Estimate(jnp.zeros(6, q.dtype), P), H, r, a, up)
+        found, taken = linearised(Estimate(jnp.zeros(6, q.dtype), P), H, r, a, up)
         q = normalise(multiply(q, from_rotation_vector(found.x[:3])))
         state = AttitudeState(q, state.b + found.x[3:], found.P, r)
-        return state, AttitudeOutputs(state.q, state.b, r, detected)
+        return state, AttitudeOutputs(
+            state.q, state.b, r, detected, taken.innovation, taken.variance
+        )
 
     def _spread(self, params: AttitudeNoise, P: Array, turn: Array) -> Array:
         one = jnp.eye(3, dtype=P.dtype)

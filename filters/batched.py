@@ -39,3 +39,37 @@ def shared(params: Any, count: int) -> Any:
     (2, 3)
     """
     return jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, (count, *jnp.shape(leaf))), params)
+
+
+@dataclass(frozen=True)
+class Lanes:
+    """A filter on k records at once, all with the same parameters.
+
+    Inputs and outputs have time first and the records second, ``(N, k, ...)``; shorter records are
+    padded with NaN.
+
+    Attributes:
+        filter: the filter.
+        count: how many records, k.
+
+    >>> from filters import Complementary, ComplementaryGain, AngleSample, run
+    >>> two = Lanes(Complementary(dt=0.1), 2)
+    >>> samples = AngleSample(jnp.zeros((5, 2)), jnp.ones((5, 2)))
+    >>> run(two, ComplementaryGain(jnp.array(0.1), jnp.array(0.0)), samples)[1][0].tolist()
+    [0.5, 0.5]
+    """
+
+    filter: AnyFilter
+    count: int
+    same_params = True
+
+    def init(self, params: Any) -> Any:
+        """The same start for every record."""
+        start = self.filter.init(params)
+        return jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, (self.count, *leaf.shape)), start)
+
+    def step(self, params: Any, state: Any, inputs: Any) -> tuple[Any, Any]:
+        """Take one sample of every record."""
+        each = jax.vmap(self.filter.step, in_axes=(None, 0, 0))
+        stepped: tuple[Any, Any] = each(params, state, inputs)
+        return stepped

@@ -6,16 +6,18 @@ loosely, weighs it accordingly, and leaves the accelerometers their say about th
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
-from filters.attitude import ImuSample, skew
+from filters.attitude import skew
+from filters.declared import Channel, Param, components
+from filters.imu import ATTITUDE, GRAVITY, LEVEL, XYZ, ImuSample
 from filters.kalman import Estimate, predict, update
 from filters.protocol import run
-from filters.rotation import begun, from_rotation_vector, multiply, normalise, rotate
+from filters.rotation import begun, from_rotation_vector, multiply, normalise, or_else, rotate
 from filters.validate import check_setup
 
 SIZE = 21
@@ -26,36 +28,105 @@ _TURN, _BIAS, _SPEED, _PLACE, _MATRIX = (
 
 
 class BoundedMotionNoise(NamedTuple):
-    """What the room filter takes; white noises as roots of their densities.
+    """What the bounded-motion filter takes; white noises as roots of their densities.
 
-    Attributes:
-        speed: of the measurement that the sensor stands still, m/s s^1/2. Larger: slower to use
-            the accelerometers.
-        place: of the measurement that it stays where it was, m s^1/2.
-        accelerometer: noise of the accelerometers, m/s s^-1/2. Larger: gyroscopes are trusted more.
-        gyroscope: noise of the gyroscopes, rad s^-1/2.
-        turning: the same in proportion to the rate, s^1/2 rad per rad: what fast turns add.
-        bias: drift of the gyroscopes' bias, rad/s s^-1/2.
-        matrix0: deviation of their scale factors and misalignments at the start.
-        bias0: deviation of their bias at the start, rad/s.
-        tilt0: deviation of the attitude at the start, rad.
-        lead: how far ahead of the last sample the attitude is wanted, s.
-        gravity: m/s^2.
-        q0: attitude at the start, sensor to earth, ``(4,)``; zeros: level by the first block.
+    By the error of the attitude alone, all noises share a scale that is free but for the start's
+    deviations; the likelihood of the innovations determines it.
     """
 
-    speed: Array
-    place: Array
-    accelerometer: Array
-    gyroscope: Array
-    turning: Array
-    bias: Array
-    matrix0: Array
-    bias0: Array
-    tilt0: Array
-    lead: Array
-    gravity: Array
-    q0: Array
+    speed: Annotated[
+        Array,
+        Param(
+            "m/s^0.5",
+            "of the measurement that the sensor stands still",
+            typical=0.3,
+            low=1e-3,
+            high=1e2,
+            smaller="accelerometers show the vertical sooner",
+            larger="movements may be faster",
+        ),
+    ]
+    place: Annotated[
+        Array,
+        Param(
+            "m s^0.5",
+            "of the measurement that it stays where it was",
+            typical=0.2,
+            low=1e-3,
+            high=1e2,
+            smaller="accelerometers show the vertical sooner",
+            larger="movements may be wider",
+        ),
+    ]
+    accelerometer: Annotated[
+        Array,
+        Param(
+            "m/s^1.5",
+            "white noise of the accelerometers",
+            typical=0.03,
+            low=1e-4,
+            high=1e1,
+            smaller="accelerometers are trusted more",
+            larger="gyroscopes are trusted more",
+        ),
+    ]
+    gyroscope: Annotated[
+        Array,
+        Param(
+            "rad/s^0.5",
+            "white noise of the gyroscopes",
+            typical=1e-4,
+            low=1e-7,
+            high=1e-1,
+            smaller="gyroscopes are trusted more",
+            larger="accelerometers are trusted more",
+        ),
+    ]
+    turning: Annotated[
+        Array,
+        Param(
+            "s^0.5",
+            "noise of the gyroscopes in proportion to the rate",
+            typical=5e-4,
+            low=1e-6,
+            high=1e-1,
+            smaller="fast turns are trusted more",
+            larger="fast turns are trusted less",
+        ),
+    ]
+    bias: Annotated[
+        Array,
+        Param(
+            "rad/s^1.5",
+            "drift of the gyroscopes' bias",
+            typical=2e-4,
+            low=1e-7,
+            high=1e-1,
+            smaller="the bias is taken as constant",
+            larger="the bias follows faster",
+        ),
+    ]
+    matrix0: Annotated[
+        Array,
+        Param(
+            "",
+            "deviation of the gyroscopes' scales and misalignments at the start",
+            typical=3e-3,
+            low=1e-5,
+            high=1e-1,
+            smaller="scales are taken as calibrated",
+            larger="scales are learnt from fast turns",
+        ),
+    ]
+    bias0: Annotated[
+        Array, Param("rad/s", "deviation of the gyroscopes' bias at the start", typical=0.02)
+    ]
+    tilt0: Annotated[Array, Param("rad", "deviation of the attitude at the start", typical=0.03)]
+    lead: Annotated[
+        Array, Param("s", "how far ahead of the last sample the attitude is wanted", typical=0.0)
+    ]
+    gravity: Annotated[Array, GRAVITY]
+    q0: Annotated[Array, LEVEL]
 
 
 class Calibration(NamedTuple):
@@ -149,31 +220,32 @@ class _Strapdown:
     ) -> tuple[Reckoned, Array]:
         noise, known, _, _ = params
         (q, speed, place), sums, quiet = state
-        free = inputs.rate - known.bias
+        inputs = inputs._replace(gyr=or_else(inputs.gyr, known.bias))
+        free = inputs.gyr - known.bias
         rate = free - (known.matrix * free).sum(axis=1)
         q = normalise(multiply(q, from_rotation_vector(rate * self.dt)))
         axes = jnp.stack([rotate(q, axis) for axis in jnp.eye(3, dtype=q.dtype)], axis=1)
         down = jnp.zeros(3, q.dtype).at[2].set(noise.gravity)
-        missing = jnp.isnan(inputs.acceleration).any()
-        a = jnp.where(missing, 0.0, inputs.acceleration)
+        missing = jnp.isnan(inputs.acc).any()
+        a = jnp.where(missing, 0.0, inputs.acc)
         force = jnp.where(missing, down, (axes * a).sum(axis=1))  # then as if nothing pushed
-        seen = inputs._replace(acceleration=jnp.where(missing, quiet.force, a))
+        seen = inputs._replace(acc=jnp.where(missing, quiet.force, a))
         speed = speed + (force - down) * self.dt
         place = place + speed * self.dt
         turned = (axes[:, :, None] * rate).reshape(3, 9)
-        grown = Sums(axes, force, turned, rate @ rate, inputs.rate)
+        grown = Sums(axes, force, turned, rate @ rate, inputs.gyr)
         sums = Sums(*(total + self.dt * part for total, part in zip(sums, grown, strict=True)))
         ahead = multiply(q, from_rotation_vector(rate * noise.lead))
         return Reckoned(Navigation(q, speed, place), sums, self._quiet(quiet, seen)), ahead
 
     def _quiet(self, quiet: Quiet, inputs: ImuSample) -> Quiet:
         rule = self.rule
-        share = -jnp.expm1(jnp.asarray(-self.dt / rule.memory, inputs.rate.dtype))
-        rate = quiet.rate + share * (inputs.rate - quiet.rate)
-        force = quiet.force + share * (inputs.acceleration - quiet.force)
+        share = -jnp.expm1(jnp.asarray(-self.dt / rule.memory, inputs.gyr.dtype))
+        rate = quiet.rate + share * (inputs.gyr - quiet.rate)
+        force = quiet.force + share * (inputs.acc - quiet.force)
         still = (
-            (((inputs.rate - rate) ** 2).sum() < rule.rate**2)
-            & (((inputs.acceleration - force) ** 2).sum() < rule.force**2)
+            (((inputs.gyr - rate) ** 2).sum() < rule.rate**2)
+            & (((inputs.acc - force) ** 2).sum() < rule.force**2)
             & (jnp.abs(rate).max() < rule.rate)
         )
         return Quiet(rate, force, jnp.where(still, quiet.seconds + self.dt, 0.0))
@@ -188,27 +260,36 @@ class BoundedMotionState(NamedTuple):
     quiet: Quiet
 
 
-class BoundedMotionOutputs(NamedTuple):
-    """What the filter knows after a block of n samples.
+_NINE = tuple(row + column for row in "xyz" for column in "xyz")
+_MEASURED = tuple(f"{what}_{axis}" for what in ("place", "speed", "bias") for axis in XYZ)
 
-    Attributes:
-        q: attitude at every sample, sensor to earth, ``(n, 4)``; it uses no later sample.
-        known: the gyroscopes' errors.
-        rest: whether the block ended at rest, ``()`` of bool.
+
+class BoundedMotionOutputs(NamedTuple):
+    """What the filter knows after a sample, or after a block of n samples: ``(n, 4)`` attitudes.
+
+    No attitude uses a later sample of its block.
     """
 
-    q: Array
-    known: Calibration
-    rest: Array
+    att: Annotated[Array, ATTITUDE]
+    bias: Annotated[Array, Channel("rad/s", "bias of the gyroscopes", XYZ)]
+    matrix: Annotated[
+        Array, Channel("", "scales and misalignments of the gyroscopes less 1", _NINE, "detail")
+    ]
+    rest: Annotated[Array, Channel("", "whether the sensor is at rest", (), "detail")]
+    innovation: Annotated[
+        Array,
+        Channel("", "what no motion, and at rest the gyroscopes, contradict", _MEASURED, "detail"),
+    ]
+    variance: Annotated[Array, Channel("", "predicted variances of these", _MEASURED, "detail")]
 
 
 @dataclass(frozen=True)
 class BoundedMotionKalman:
     """An error-state filter of strapdown navigation in a room, from six axes.
 
-    Samples come in blocks (:func:`blocks`), rates without gaps: dead reckoning takes every one; the
-    covariance and the pseudo-measurements (speed and place are zero; at rest, so is the rate) come
-    once a block, of a tenth of a second or so.
+    Samples come one by one, or faster in blocks (:func:`blocks`) of a tenth of a second or so,
+    rates without gaps: dead reckoning takes every one; the covariance and the pseudo-measurements
+    (place and speed are zero; at rest, so is the rate) come once a block.
 
     Attributes:
         dt: sample time, s.
@@ -217,6 +298,15 @@ class BoundedMotionKalman:
 
     dt: float
     rule: RestRule = RestRule()
+
+    params, inputs, outputs = BoundedMotionNoise, ImuSample, BoundedMotionOutputs
+    states = (
+        components("turn", "rad", "error of the attitude, earth axes", "xyz")
+        | components("bias", "rad/s", "error of the gyroscopes' bias", "xyz")
+        | components("speed", "m/s", "error of the speed, earth axes", "xyz")
+        | components("place", "m", "error of the place, earth axes", "xyz")
+        | components("matrix", "", "error of the gyroscopes' scales and axes", _NINE)
+    )
 
     def __post_init__(self) -> None:
         check_setup(self)
@@ -236,19 +326,21 @@ class BoundedMotionKalman:
     def step(
         self, params: BoundedMotionNoise, state: BoundedMotionState, inputs: ImuSample
     ) -> tuple[BoundedMotionState, BoundedMotionOutputs]:
-        """Reckon through a block, then correct."""
-        whole = jnp.nan_to_num(inputs.acceleration).sum(axis=0)
+        """Reckon through a sample or a block, then correct."""
+        if inputs.gyr.ndim == 1:
+            alone = ImuSample(inputs.acc[None], inputs.gyr[None])
+            state, outputs = self.step(params, state, alone)
+            return state, outputs._replace(att=outputs.att[0])
+        whole = jnp.nan_to_num(inputs.acc).sum(axis=0)
         at = state.at._replace(q=begun(state.at.q, whole))
         reckoning = params, state.known, at, state.quiet
-        (at, sums, quiet), q = run(_Strapdown(self.dt, self.rule), reckoning, inputs)
-        span = self.dt * inputs.rate.shape[0]
+        samples = ImuSample(inputs.acc, inputs.gyr)
+        (at, sums, quiet), att = run(_Strapdown(self.dt, self.rule), reckoning, samples)
+        span = jnp.maximum(self.dt * inputs.gyr.shape[0], _SHORTEST)
         P = _spread(state.P, params, sums, span)
         rest = quiet.seconds > self.rule.seconds
         seen = self._measured(params, at, sums.rate / span - state.known.bias, rest, span)
-        estimate = Estimate(jnp.zeros(SIZE, P.dtype), P)
-        for i, z, r in seen:
-            estimate, _ = update(estimate, jnp.eye(SIZE, dtype=P.dtype)[i], r, z)
-        x = estimate.x
+        (x, P), innovation, variance = _corrected(P, seen)
         at = Navigation(
             normalise(multiply(from_rotation_vector(x[_TURN]), at.q)),
             at.speed + x[_SPEED],
@@ -257,12 +349,12 @@ class BoundedMotionKalman:
         known = Calibration(
             state.known.bias + x[_BIAS], state.known.matrix + x[_MATRIX].reshape(3, 3)
         )
-        return BoundedMotionState(at, known, estimate.P, quiet), BoundedMotionOutputs(
-            q, known, rest
+        return BoundedMotionState(at, known, P, quiet), BoundedMotionOutputs(
+            att, known.bias, known.matrix, rest, innovation, variance
         )
 
     def _measured(
-        self, params: BoundedMotionNoise, at: Navigation, bias: Array, rest: Array, span: float
+        self, params: BoundedMotionNoise, at: Navigation, bias: Array, rest: Array, span: Array
     ) -> list[tuple[int, Array, Array]]:
         """Index of the error that is measured, its measurement, and the variance."""
         speed = jnp.where(rest, self.rule.speed, params.speed)
@@ -272,6 +364,18 @@ class BoundedMotionKalman:
         return found + [(3 + j, jnp.where(rest, bias[j], jnp.nan), known) for j in range(3)]
 
 
+def _corrected(P: Array, seen: list[tuple[int, Array, Array]]) -> tuple[Estimate, Array, Array]:
+    """The errors that pseudo-measurements show, with the innovations and their variances."""
+    estimate, taken = Estimate(jnp.zeros(SIZE, P.dtype), P), []
+    for i, z, r in seen:
+        estimate, one = update(estimate, jnp.eye(SIZE, dtype=P.dtype)[i], r, z)
+        taken.append(one)
+    value, variance, _ = (jnp.stack(part) for part in zip(*taken, strict=True))
+    return estimate, value, variance
+
+
+_SHORTEST = 1e-6
+"""Two samples of one time are as far apart, s: densities are divided by it."""
 _START = 0.01
 """Deviation of speed and place at the start, m/s and m."""
 
@@ -279,7 +383,7 @@ _START = 0.01
 def blocks(samples: ImuSample, length: int) -> ImuSample:
     """Samples ``(N, ...)`` in blocks ``(N // length, length, ...)``, without an unfinished one.
 
-    >>> blocks(ImuSample(jnp.zeros((10, 3)), jnp.zeros((10, 3))), 4).rate.shape
+    >>> blocks(ImuSample(jnp.zeros((10, 3)), jnp.zeros((10, 3))), 4).gyr.shape
     (2, 4, 3)
     """
     cut: ImuSample = jax.tree.map(lambda leaf: _cut(leaf, length), samples)
@@ -291,7 +395,7 @@ def _cut(leaf: Array, length: int) -> Array:
     return leaf[: count * length].reshape(count, length, *leaf.shape[1:])
 
 
-def _spread(P: Array, params: BoundedMotionNoise, sums: Sums, span: float) -> Array:
+def _spread(P: Array, params: BoundedMotionNoise, sums: Sums, span: Array) -> Array:
     """The covariance after a block, ``(21, 21)``; attitude errors are in earth axes."""
     one, push = jnp.eye(3, dtype=P.dtype), skew(sums.force)
     F = jnp.eye(SIZE, dtype=P.dtype)

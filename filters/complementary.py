@@ -1,13 +1,14 @@
 """Complementary filters with one or two gains: of first order, Mahony's and Madgwick's."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
-from filters.attitude import ImuSample
+from filters.declared import Channel, Param, components
+from filters.imu import ATTITUDE, LEVEL, ImuSample
 from filters.rotation import (
     begun,
     cross,
@@ -24,22 +25,28 @@ UP = (0.0, 0.0, 1.0)
 
 
 class ComplementaryGain(NamedTuple):
-    """The gain of a first-order complementary filter.
+    """The gain of a first-order complementary filter."""
 
-    Attributes:
-        tau: time constant, s, ``()``: rates count for what is faster, angles for what is slower.
-        angle0: the angle at the start, rad, any shape.
-    """
-
-    tau: Array
-    angle0: Array
+    tau: Annotated[
+        Array,
+        Param(
+            "s",
+            "time constant: rates count for what is faster, angles for what is slower",
+            typical=1.0,
+            low=1e-3,
+            high=1e3,
+            smaller="noise and disturbances of the angle come through",
+            larger="a bias b of the rate leaves an error of tau b",
+        ),
+    ]
+    angle0: Annotated[Array, Param("rad", "angle at the start", typical=0.0)]
 
 
 class AngleSample(NamedTuple):
-    """A rate in rad/s and an angle in rad of the same shape; NaN is missing, a rate then 0."""
+    """A rate and an angle of the same shape; NaN is missing, a rate then 0."""
 
-    rate: Array
-    angle: Array
+    rate: Annotated[Array, Channel("rad/s", "angular rate")]
+    angle: Annotated[Array, Channel("rad", "measured angle", kind="angle")]
 
 
 @dataclass(frozen=True)
@@ -55,6 +62,9 @@ class Complementary:
     """
 
     dt: float
+
+    params, inputs = ComplementaryGain, AngleSample
+    states = outputs = {"angle": Channel("rad", "estimated angle", kind="angle")}  # noqa: RUF012
 
     def __post_init__(self) -> None:
         check_setup(self)
@@ -74,17 +84,33 @@ class Complementary:
 
 
 class MahonyGains(NamedTuple):
-    """Gains of Mahony's filter.
+    """Gains of Mahony's filter."""
 
-    Attributes:
-        kp: how fast the attitude follows gravity, 1/s.
-        ki: how fast the bias follows, 1/s^2.
-        q0: attitude at the start, sensor to earth, ``(4,)``; zeros: level by the first sample.
-    """
-
-    kp: Array
-    ki: Array
-    q0: Array
+    Kp: Annotated[
+        Array,
+        Param(
+            "1/s",
+            "how fast the attitude follows gravity and field",
+            typical=0.74,
+            low=1e-3,
+            high=1e2,
+            smaller="errors of the gyroscopes last longer",
+            larger="accelerations and disturbed fields come through",
+        ),
+    ]
+    Ki: Annotated[
+        Array,
+        Param(
+            "1/s^2",
+            "how fast the bias follows",
+            typical=0.0012,
+            low=1e-7,
+            high=1e1,
+            smaller="a bias is found later",
+            larger="the bias follows accelerations, and overshoots",
+        ),
+    ]
+    q0: Annotated[Array, LEVEL]
 
 
 class MahonyState(NamedTuple):
@@ -107,6 +133,11 @@ class Mahony:
 
     dt: float
 
+    params, inputs, outputs = MahonyGains, ImuSample, {"att": ATTITUDE}
+    states = components("q", "", "attitude, sensor to earth", "wxyz") | components(
+        "push", "rad/s", "what is added to the rates against their bias", "xyz"
+    )
+
     def __post_init__(self) -> None:
         check_setup(self)
 
@@ -117,29 +148,35 @@ class Mahony:
     def step(
         self, params: MahonyGains, state: MahonyState, inputs: ImuSample
     ) -> tuple[MahonyState, Array]:
-        """Compare directions, turn, and put out the attitude ``(4,)``."""
-        q = begun(state.q, inputs.acceleration)
-        error = _apart(q, inputs.acceleration, jnp.array(UP, inputs.acceleration.dtype))
-        if inputs.field is not None:
-            level = rotate(q, _seen(inputs.field))
+        """Compare directions, turn, and output the attitude ``(4,)``."""
+        q = begun(state.q, inputs.acc)
+        error = _apart(q, inputs.acc, jnp.array(UP, inputs.acc.dtype))
+        if inputs.mag is not None:
+            level = rotate(q, _seen(inputs.mag))
             north = jnp.stack([jnp.zeros_like(level[2]), jnp.hypot(level[0], level[1]), level[2]])
-            error = error + _apart(q, inputs.field, normalise(north))
-        push = state.push + params.ki * self.dt * error
-        rate = or_else(inputs.rate, -push) + params.kp * error + push
+            error = error + _apart(q, inputs.mag, normalise(north))
+        push = state.push + params.Ki * self.dt * error
+        rate = or_else(inputs.gyr, -push) + params.Kp * error + push
         q = normalise(multiply(q, from_rotation_vector(rate * self.dt)))
         return MahonyState(q, push), q
 
 
 class MadgwickGain(NamedTuple):
-    """The gain of Madgwick's filter.
+    """The gain of Madgwick's filter."""
 
-    Attributes:
-        beta: how fast the attitude follows gravity and field, rad/s.
-        q0: attitude at the start, sensor to earth, ``(4,)``; zeros: level by the first sample.
-    """
-
-    beta: Array
-    q0: Array
+    beta: Annotated[
+        Array,
+        Param(
+            "rad/s",
+            "how fast the attitude follows gravity and field",
+            typical=0.12,
+            low=1e-4,
+            high=1e1,
+            smaller="errors of the gyroscopes last longer; below their bias the attitude drifts",
+            larger="accelerations and disturbed fields come through",
+        ),
+    ]
+    q0: Annotated[Array, LEVEL]
 
 
 @dataclass(frozen=True)
@@ -154,6 +191,9 @@ class Madgwick:
 
     dt: float
 
+    params, inputs, outputs = MadgwickGain, ImuSample, {"att": ATTITUDE}
+    states = components("q", "", "attitude, sensor to earth", "wxyz")
+
     def __post_init__(self) -> None:
         check_setup(self)
 
@@ -162,16 +202,16 @@ class Madgwick:
         return params.q0
 
     def step(self, params: MadgwickGain, state: Array, inputs: ImuSample) -> tuple[Array, Array]:
-        """Turn by the gyroscopes less the gradient step, and put out the attitude ``(4,)``."""
-        state = begun(state, inputs.acceleration)
-        slope = _slope(state, inputs.acceleration, jnp.array(UP, inputs.acceleration.dtype))
-        if inputs.field is not None:
-            level = rotate(state, _seen(inputs.field))
+        """Turn by the gyroscopes less the gradient step, and output the attitude ``(4,)``."""
+        state = begun(state, inputs.acc)
+        slope = _slope(state, inputs.acc, jnp.array(UP, inputs.acc.dtype))
+        if inputs.mag is not None:
+            level = rotate(state, _seen(inputs.mag))
             north = jnp.stack([jnp.zeros_like(level[2]), jnp.hypot(level[0], level[1]), level[2]])
-            slope = slope + _slope(state, inputs.field, normalise(north))
+            slope = slope + _slope(state, inputs.mag, normalise(north))
         length = jnp.sqrt(jnp.maximum(slope @ slope, 1e-30))
-        still = jnp.zeros_like(inputs.rate)
-        rate = jnp.concatenate([still[:1], or_else(inputs.rate, still)])
+        still = jnp.zeros_like(inputs.gyr)
+        rate = jnp.concatenate([still[:1], or_else(inputs.gyr, still)])
         moved = multiply(state, rate) / 2
         q = normalise(state + self.dt * (moved - params.beta * slope / length))
         return q, q

@@ -14,35 +14,23 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
-from filters.kalman import matmul
+from filters.declared import Channel
+from filters.small_linalg import matmul
 
 GRAVITY_GRADIENT = 3.07e-6
 """Kgh in 1/s^2: how gravity falls with altitude, to which the channel owes its divergence."""
 
 
-class Plant(NamedTuple):
-    """A continuous linear model, dx = A x dt + G dw, measured as C x.
+def vertical_channel(k_gh: ArrayLike = GRAVITY_GRADIENT) -> Array:
+    """Dynamics of model (11), ``(3, 3)``, 1/s: A_B' = 0, dV' = A_B + Kgh dh + W_a, dh' = dV.
 
-    Attributes:
-        A: dynamics, ``(n, n)``, 1/s.
-        G: where the noise enters, ``(n, p)``.
-        C: measurement matrix, ``(m, n)``.
-    """
+    The noise W_a enters the second state, and the third, dh, is measured.
 
-    A: Array
-    G: Array
-    C: Array
-
-
-def vertical_channel(k_gh: ArrayLike = GRAVITY_GRADIENT) -> Plant:
-    """Model (11): A_B' = 0, dV' = A_B + Kgh dh + W_a, dh' = dV; dh is measured.
-
-    >>> vertical_channel().A[1].tolist()
+    >>> vertical_channel()[1].tolist()
     [1.0, 0.0, 3.07e-06]
     """
     k = jnp.asarray(k_gh, dtype=float)
-    A = jnp.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).at[1, 2].set(k)
-    return Plant(A, jnp.array([[0.0], [1.0], [0.0]]), jnp.array([[0.0, 0.0, 1.0]]))
+    return jnp.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).at[1, 2].set(k)
 
 
 class LoopGains(NamedTuple):
@@ -96,10 +84,9 @@ def loop_step(gains: LoopGains, dt: float, k_gh: ArrayLike = GRAVITY_GRADIENT) -
     It is stable only where dt is short against the loop's time constants. (Holding z itself would
     be wrong by K3 V dt^2 / 12 where V is the uncorrected velocity error, which grows for ever.)
     """
-    A, _, _ = vertical_channel(k_gh)
     K1, K2, K3 = (jnp.asarray(gain, dtype=float) for gain in gains)
     L = jnp.stack([K3, K2, K1])
-    held = jnp.zeros((4, 4)).at[:3, :3].set(A).at[:3, 3].set(L)
+    held = jnp.zeros((4, 4)).at[:3, :3].set(vertical_channel(k_gh)).at[:3, 3].set(L)
     over = jax.scipy.linalg.expm(held * dt)
     return LoopStep(over[:3, :3], over[:3, 3])
 
@@ -108,10 +95,21 @@ def loop_step(gains: LoopGains, dt: float, k_gh: ArrayLike = GRAVITY_GRADIENT) -
 class ConventionalLoop:
     """The conventional scheme as it runs: three numbers, three gains, no covariance.
 
-    Inputs are altitude differences z (inertial, uncorrected, minus given), ``()``; put out is
-    (A_B, dV, dh) as estimated for the next sample. In error coordinates, and with dt -> 0, it is
+    Inputs are altitude differences z (inertial, uncorrected, minus given), ``()``; the output is
+    (A_B, dV, dh) as estimated for the next sample. Its parameters are what :func:`loop_step` makes
+    of the gains, so it declares none. In error coordinates, and with dt -> 0, it is
     :func:`loop_error`, where e = z - dh and dV is the error of the corrected velocity.
     """
+
+    inputs = {"z": Channel("m", "inertial less given altitude")}  # noqa: RUF012
+    outputs = {  # noqa: RUF012
+        "x": Channel("", "bias, velocity error and altitude error", ("A_B", "dV", "dh"))
+    }
+    states = {  # noqa: RUF012
+        "A_B": Channel("m/s^2", "bias of the vertical acceleration"),
+        "dV": Channel("m/s", "velocity error"),
+        "dh": Channel("m", "altitude error"),
+    }
 
     def init(self, params: LoopStep) -> Array:
         """At zero."""

@@ -1,7 +1,8 @@
 """The covariance of a filter's error by itself, which no measurement is needed for.
 
 A Kalman filter's gains depend on its model alone, so a design can be judged before there is any
-data: with the optimal gains, with gains of another origin, and in continuous time.
+data: with the optimal gains, with gains of another origin, and in continuous time. These filters
+are building blocks of designs: they take a model and no measurements, and declare nothing.
 """
 
 from dataclasses import dataclass
@@ -11,9 +12,9 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from filters.kalman import Estimate, decorrelate, matmul, predict, update
+from filters.kalman import Estimate, decorrelate, predict, update
 from filters.linear import LinearModel
-from filters.small_linalg import product, solve
+from filters.small_linalg import matmul, product, solve
 
 
 class Uncertainty(NamedTuple):
@@ -30,7 +31,7 @@ class Uncertainty(NamedTuple):
 
 @dataclass(frozen=True)
 class KalmanCovariance:
-    """Covariance and gains of a Kalman filter: measure, put out, predict.
+    """Covariance and gains of a Kalman filter: measure, output, predict.
 
     The first measurement is taken at once, on P0. Source: Ha, Kim and Choi 1981, (14) to (17). The
     inputs only count the samples: any array with time first.
@@ -43,11 +44,11 @@ class KalmanCovariance:
     def step(self, params: LinearModel, state: Array, inputs: Any) -> tuple[Array, Uncertainty]:
         """Take one measurement and predict to the next."""
         n, m = state.shape[0], params.H.shape[0]
-        H, variances, z = params.H, params.R, jnp.eye(m)
+        H, variances, z = params.H, params.R, jnp.eye(m, dtype=state.dtype)
         if params.R.ndim == 2:
             H, variances, z = decorrelate(H, params.R, z)
         # Unit measurements on a state of zero: what they leave in the state is the gain.
-        estimate = Estimate(jnp.zeros((n, m)), state)
+        estimate = Estimate(jnp.zeros((n, m), state.dtype), state)
         for i in range(m):
             estimate, _ = update(estimate, H[i], variances[i], z[i])
         return _predicted(params, estimate.P), Uncertainty(estimate.P, estimate.x)
@@ -55,7 +56,7 @@ class KalmanCovariance:
 
 @dataclass(frozen=True)
 class GainCovariance:
-    """Covariance of the error with gains from elsewhere: measure, put out, predict.
+    """Covariance of the error with gains from elsewhere: measure, output, predict.
 
     Source: Ha, Kim and Choi 1981, (19), which is Joseph's form: right for any gain. The inputs are
     the gains, ``(n, m)`` a sample.
@@ -68,7 +69,7 @@ class GainCovariance:
     def step(self, params: LinearModel, state: Array, inputs: Array) -> tuple[Array, Uncertainty]:
         """Take one measurement with the given gain and predict to the next."""
         R = params.R if params.R.ndim == 2 else jnp.diag(params.R)
-        rest = jnp.eye(state.shape[0]) - matmul(inputs, params.H)
+        rest = jnp.eye(state.shape[0], dtype=state.dtype) - matmul(inputs, params.H)
         P = matmul(matmul(rest, state), rest.T) + matmul(matmul(inputs, R), inputs.T)
         return _predicted(params, P), Uncertainty(P, inputs)
 
@@ -125,7 +126,7 @@ class RiccatiCovariance:
         return params.P0
 
     def step(self, params: Flow, state: Array, inputs: Any) -> tuple[Array, Array]:
-        """Put out P and follow the equation over one step."""
+        """Output P and follow the equation over one step."""
         n = state.shape[0]
         X = params.M[:n, :n] + product(params.M[:n, n:], state)
         Y = params.M[n:, :n] + product(params.M[n:, n:], state)

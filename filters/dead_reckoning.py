@@ -4,52 +4,115 @@ Axes are north, east, down, those of the body forward, right, down; a body at re
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import jax.numpy as jnp
 from jax import Array
 
-from filters.kalman import Estimate, Innovation, matmul, update
+from filters.declared import Channel, Param
+from filters.kalman import Estimate, Innovation, update
+from filters.small_linalg import matmul
 from filters.validate import check_setup
+
+NED = ("north", "east", "down")
 
 
 class DeadReckoningNoise(NamedTuple):
-    """What the position filter takes.
+    """What the position filter takes."""
 
-    Attributes:
-        R: variances of the measured position, m^2, ``(3,)``.
-        Q: density of the noise of (V, phi, theta, psi), ``(4, 4)``.
-        x0: position at the start, m, ``(3,)``.
-        P0: its covariance, ``(3, 3)``.
-    """
+    R_horizontal: Annotated[
+        Array,
+        Param(
+            "m^2",
+            "variance of the measured position, north and east",
+            typical=4.0,
+            low=1e-4,
+            high=1e4,
+            smaller="the track follows the measured positions",
+            larger="speed and attitude are trusted longer",
+        ),
+    ]
+    R_down: Annotated[
+        Array,
+        Param(
+            "m^2",
+            "variance of the measured position, down",
+            typical=9.0,
+            low=1e-4,
+            high=1e4,
+            smaller="the height follows the measured one",
+            larger="speed and attitude are trusted longer",
+        ),
+    ]
+    Q_speed: Annotated[
+        Array,
+        Param(
+            "m^2/s",
+            "density of the noise of the speed",
+            typical=0.5,
+            low=1e-6,
+            high=1e3,
+            smaller="the speed is trusted more",
+            larger="the track follows the measured positions",
+        ),
+    ]
+    Q_tilt: Annotated[
+        Array,
+        Param(
+            "rad^2 s",
+            "density of the noise of roll and pitch",
+            typical=1e-3,
+            low=1e-9,
+            high=1e1,
+            smaller="the pitch is trusted more",
+            larger="the height follows the measured one",
+        ),
+    ]
+    Q_heading: Annotated[
+        Array,
+        Param(
+            "rad^2 s",
+            "density of the noise of the heading",
+            typical=4e-3,
+            low=1e-9,
+            high=1e1,
+            smaller="the heading is trusted more",
+            larger="the track follows the measured positions",
+        ),
+    ]
+    x0: Annotated[Array, Param("m", "position at the start", typical=0.0, shape=(3,))]
+    P0: Annotated[Array, Param("m^2", "variance of each coordinate at the start", typical=100.0)]
 
-    R: Array
-    Q: Array
-    x0: Array
-    P0: Array
+    @property
+    def R(self) -> Array:
+        """Variances of the measured position, ``(3,)``."""
+        return jnp.stack([self.R_horizontal, self.R_horizontal, self.R_down])
+
+    @property
+    def Q(self) -> Array:
+        """Density of the noise of (V, phi, theta, psi), ``(4, 4)``."""
+        return jnp.diag(jnp.stack([self.Q_speed, self.Q_tilt, self.Q_tilt, self.Q_heading]))
 
 
 class DeadReckoningSample(NamedTuple):
-    """One tick's inputs; stacked along time for :func:`filters.run`.
+    """One tick's inputs; stacked along time for :func:`filters.run`; a missing position is NaN."""
 
-    Attributes:
-        speed: V along the body's forward axis, m/s, ``()``.
-        angles: (phi, theta, psi), rad, ``(3,)``.
-        z: measured position, m, ``(3,)``; NaN means missing.
-    """
-
-    speed: Array
-    angles: Array
-    z: Array
+    speed: Annotated[Array, Channel("m/s", "along the body's forward axis")]
+    angles: Annotated[
+        Array, Channel("rad", "roll, pitch and yaw", ("roll", "pitch", "yaw"), "angle")
+    ]
+    position: Annotated[Array, Channel("m", "measured position", NED)]
 
 
 class DeadReckoningOutputs(NamedTuple):
-    """Position ``(3,)``, its covariance ``(3, 3)``, and the innovations one after another."""
+    """What the filter knows after a tick; innovations are one coordinate after another."""
 
-    x: Array
-    P: Array
-    innovation: Array
-    variance: Array
+    position: Annotated[Array, Channel("m", "estimated position", NED)]
+    P: Annotated[Array, Channel("m^2", "its covariance", NED, "detail")]
+    innovation: Annotated[
+        Array, Channel("m", "measured positions less what is foretold", NED, "detail")
+    ]
+    variance: Annotated[Array, Channel("m^2", "predicted variances of these", NED, "detail")]
 
 
 @dataclass(frozen=True)
@@ -62,12 +125,15 @@ class DeadReckoningKalman:
 
     dt: float
 
+    params, inputs, outputs = DeadReckoningNoise, DeadReckoningSample, DeadReckoningOutputs
+    states = {axis: Channel("m", f"position, {axis}") for axis in NED}  # noqa: RUF012
+
     def __post_init__(self) -> None:
         check_setup(self)
 
     def init(self, params: DeadReckoningNoise) -> Estimate:
         """The start."""
-        return Estimate(params.x0, params.P0)
+        return Estimate(params.x0, params.P0 * jnp.eye(3, dtype=params.x0.dtype))
 
     def step(
         self, params: DeadReckoningNoise, state: Estimate, inputs: DeadReckoningSample
@@ -77,8 +143,9 @@ class DeadReckoningKalman:
         x = state.x + self.dt * inputs.speed * G[:, 0]
         estimate = Estimate(x, state.P + self.dt * matmul(matmul(G, params.Q), G.T))
         taken: list[Innovation] = []
+        R = params.R
         for i, axis in enumerate(jnp.eye(3, dtype=x.dtype)):
-            estimate, one = update(estimate, axis, params.R[i], inputs.z[i])
+            estimate, one = update(estimate, axis, R[i], inputs.position[i])
             taken.append(one)
         value = jnp.stack([one.value for one in taken])
         variance = jnp.stack([one.variance for one in taken])

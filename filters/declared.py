@@ -8,7 +8,8 @@ filter takes or returns one plain array, it is a mapping of one name to its fact
 They are facts and not decisions: what is free and within which limits stays in the space.
 """
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from types import NoneType, UnionType
 from typing import Any, Literal, NamedTuple, TypeAlias, Union, get_args, get_origin, get_type_hints
 
@@ -98,11 +99,31 @@ def channel_facts(filter: Any, part: Literal["inputs", "states", "outputs"]) -> 
     return dict(_facts(declaration(filter, part), Channel))
 
 
+def components(name: str, unit: str, meaning: str, axes: Iterable[str]) -> dict[str, Channel]:
+    """A vector among a filter's states, one by one: name_axis.
+
+    >>> list(components("bias", "rad/s", "bias of the gyroscopes", "xyz"))
+    ['bias_x', 'bias_y', 'bias_z']
+    """
+    return {f"{name}_{axis}": Channel(unit, f"{meaning}, {axis}") for axis in axes}
+
+
 def optional(filter: Any) -> frozenset[str]:
     """The inputs that a filter can do without: those of its tuple that are None by default."""
     inputs = declaration(filter, "inputs")
     defaults = getattr(inputs, "_field_defaults", {})
-    return frozenset(name for name, value in defaults.items() if value is None)
+    facts = _facts(inputs, Channel)
+    return frozenset(name for name, value in defaults.items() if value is None and name in facts)
+
+
+def optional_groups(filter: Any) -> tuple[frozenset[str], ...]:
+    """The parameters of tuples inside a filter's tuple that may be None: given all, or none."""
+    declared = declaration(filter, "params")
+    if isinstance(declared, Mapping):
+        return ()
+    hints = get_type_hints(declared, include_extras=True).values()
+    inner = (_tuple_in(hint) for hint in hints if NoneType in get_args(hint))
+    return tuple(frozenset(_facts(each, Param)) for each in inner if each is not None)
 
 
 def assembled(filter: Any, values: Mapping[str, Any]) -> Any:
@@ -117,6 +138,19 @@ def assembled(filter: Any, values: Mapping[str, Any]) -> Any:
         ValueError: for a missing value.
     """
     return _assembled(declaration(filter, "params"), values)
+
+
+def values_of(filter: Any, params: Any) -> dict[str, Array]:
+    """The parameters of a filter by the names it declares: the inverse of :func:`assembled`.
+
+    >>> from filters import Complementary, ComplementaryGain
+    >>> sorted(values_of(Complementary, ComplementaryGain(jnp.array(2.0), jnp.array(0.1))))
+    ['angle0', 'tau']
+    """
+    declared = declaration(filter, "params")
+    if isinstance(declared, Mapping):
+        return dict.fromkeys(declared, params)
+    return _values(declared, params)
 
 
 def inputs_of(filter: Any, channels: Mapping[str, Any]) -> Any:
@@ -137,12 +171,36 @@ def output(filter: Any, outputs: Any, name: str) -> Array:
     return part
 
 
+def bare(filter: Any) -> Any:
+    """The filter inside those that take its parameters as they are: Timed and Lanes."""
+    while getattr(filter, "same_params", False) and not isinstance(filter, type):
+        filter = filter.filter
+    return filter
+
+
+OWN = re.compile(r"\bunit\b(?=\^(\d+))?")
+"""What stands for the measurement's own unit in a declared one."""
+
+
+def in_unit(declared: str, own: str) -> str:
+    """A declared unit for measurements of some unit; "" leaves it as it is.
+
+    >>> in_unit("unit^2/s", "m"), in_unit("unit^2", "m/s"), in_unit("1/s", "Pa")
+    ('m^2/s', '(m/s)^2', '1/s')
+    """
+    compound = not own.isalpha()
+    return (
+        OWN.sub(lambda m: f"({own})" if compound and m[1] else own, declared) if own else declared
+    )
+
+
 def declaration(filter: Any, part: str) -> Declared:
     """The tuple or mapping that a filter declares for one of its parts.
 
     Raises:
         ValueError: where it declares none, or nothing about it.
     """
+    filter = bare(filter)
     cls = filter if isinstance(filter, type) else type(filter)
     declared = getattr(filter, part, None)
     kind = Param if part == "params" else Channel
@@ -194,6 +252,15 @@ def _assembled(declared: Declared, values: Mapping[str, Any]) -> Any:
         given = not may_be_none or bool(_facts(inner, Param).keys() & values.keys())
         made[name] = _assembled(inner, values) if given else None
     return declared(**made)
+
+
+def _values(declared: type[Any], params: Any) -> dict[str, Array]:
+    found: dict[str, Array] = {}
+    for name, hint in get_type_hints(declared, include_extras=True).items():
+        inner, value = _tuple_in(hint), getattr(params, name)
+        if value is not None:
+            found |= _values(inner, value) if inner is not None else {name: value}
+    return found
 
 
 def _filled(fact: Param, value: Any) -> Array:

@@ -2,12 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeAlias
+from typing import Annotated, Any, NamedTuple, TypeAlias
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
+from filters.declared import Channel
 from filters.kalman import Estimate, predict, update
 from filters.linear import LinearOutputs
 
@@ -40,7 +41,7 @@ class ExtendedSample(NamedTuple):
         u: known input of the model, any pytree, or None.
     """
 
-    z: Array
+    z: Annotated[Array, Channel("unit", "measurements")]
     u: Any = None
 
 
@@ -49,7 +50,8 @@ class ExtendedKalman:
     """The extended Kalman filter of x' = f(x, u) + w, z = h(x, u) + v.
 
     Predicts, then takes the measurements one after another, all linearised at the predicted state
-    (the textbook's update, for a diagonal R). Source: Jazwinski 1970, ch. 8; Bierman 1977, ch. 5.
+    (the textbook's update, for a diagonal R). What it estimates is its model's to say: it declares
+    neither parameters nor states. Source: Jazwinski 1970, ch. 8; Bierman 1977, ch. 5.
 
     Attributes:
         move: f: parameters, state, input to the next state; a module-level function.
@@ -68,6 +70,8 @@ class ExtendedKalman:
     move: Move
     disturb: Move
     measure: Move
+
+    inputs, outputs = ExtendedSample, LinearOutputs
 
     def init(self, params: ExtendedModel) -> Estimate:
         """The start: ``x0`` and ``P0``."""

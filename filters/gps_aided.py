@@ -5,14 +5,16 @@ from body (forward, right, down) to north, east, down, and the gyroscopes' bias 
 """
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
+from filters.declared import Channel, Param, components
 from filters.extended import linearised
-from filters.kalman import Estimate, matmul, predict
+from filters.imu import WXYZ, XYZ
+from filters.kalman import Estimate, predict
 from filters.residual_noise import (
     Law,
     ResidualNoise,
@@ -23,36 +25,123 @@ from filters.residual_noise import (
     remembered,
 )
 from filters.rotation import or_else
+from filters.small_linalg import matmul
 from filters.validate import check_setup
+
+EULER = ("roll", "pitch", "yaw")
+_STATES = (*(f"q_{axis}" for axis in WXYZ), *(f"bias_{axis}" for axis in XYZ))
 
 
 class GpsAidedNoise(NamedTuple):
-    """What the filter takes.
+    """What the filter takes; the process noise has one number for q and one for the bias."""
 
-    Attributes:
-        R: variances of the measured (phi, theta, psi), rad^2, ``(3,)``.
-        process: the process noise and its law's constants; seven states.
-        x0: the start, ``(7,)``.
-        P0: its covariance, ``(7, 7)``.
-    """
+    R_phi: Annotated[
+        Array,
+        Param(
+            "rad^2",
+            "variance of the measured roll",
+            typical=0.01,
+            low=1e-6,
+            high=10.0,
+            smaller="the roll follows the measurements",
+            larger="gyroscopes are trusted longer",
+        ),
+    ]
+    R_theta: Annotated[
+        Array,
+        Param(
+            "rad^2",
+            "variance of the measured pitch",
+            typical=0.01,
+            low=1e-6,
+            high=10.0,
+            smaller="the pitch follows the measurements",
+            larger="gyroscopes are trusted longer",
+        ),
+    ]
+    R_psi: Annotated[
+        Array,
+        Param(
+            "rad^2",
+            "variance of the measured yaw",
+            typical=0.01,
+            low=1e-6,
+            high=10.0,
+            smaller="the yaw follows the measurements",
+            larger="gyroscopes are trusted longer",
+        ),
+    ]
+    Q_quaternion: Annotated[
+        Array,
+        Param(
+            "1/s",
+            "density of the noise of each part of the quaternion: constant, or until a law has one",
+            typical=1e-6,
+            low=1e-12,
+            high=1.0,
+            smaller="gyroscopes are trusted more",
+            larger="angles follow the measurements",
+        ),
+    ]
+    Q_bias: Annotated[
+        Array,
+        Param(
+            "rad^2/s^3",
+            "density of the drift of the gyroscopes' bias: constant, or until a law has one",
+            typical=1e-8,
+            low=1e-14,
+            high=1e-1,
+            smaller="the bias is taken as constant",
+            larger="the bias follows faster",
+        ),
+    ]
+    floor_quaternion: Annotated[
+        Array, Param("1/s", "least noise that a law may set for the quaternion", typical=1e-9)
+    ]
+    floor_bias: Annotated[
+        Array, Param("rad^2/s^3", "least noise that a law may set for the bias", typical=1e-12)
+    ]
+    h: Annotated[Array, Param("", "fuzzy law: degree of membership, 0 to below 1", typical=0.0)]
+    scale: Annotated[
+        Array,
+        Param("1/s, rad/s^2", "random law: rates for a draw of 1", typical=0.0, shape=(7,)),
+    ]
+    q0: Annotated[
+        Array,
+        Param("", "attitude at the start, body to north, east, down", typical=(1.0, 0.0, 0.0, 0.0)),
+    ]
+    b0: Annotated[
+        Array, Param("rad/s", "bias of the gyroscopes at the start", typical=0.0, shape=(3,))
+    ]
+    P0_quaternion: Annotated[
+        Array,
+        Param("", "variance of each part of the quaternion at the start", typical=0.05),
+    ]
+    P0_bias: Annotated[
+        Array, Param("rad^2/s^2", "variance of each bias at the start", typical=1e-3)
+    ]
 
-    R: Array
-    process: ResidualNoise
-    x0: Array
-    P0: Array
+    @property
+    def R(self) -> Array:
+        """Variances of the measured (phi, theta, psi), ``(3,)``."""
+        return jnp.stack([self.R_phi, self.R_theta, self.R_psi], axis=-1)
+
+    @property
+    def process(self) -> ResidualNoise:
+        """What the laws take, of seven states."""
+        floor = _by_state(self.floor_quaternion, self.floor_bias)
+        return ResidualNoise(_by_state(self.Q_quaternion, self.Q_bias), floor, self.scale, self.h)
 
 
 class GpsAidedSample(NamedTuple):
     """One tick's inputs; stacked along time for :func:`filters.run`.
 
-    Attributes:
-        rate: gyroscopes, rad/s, ``(3,)``; NaN means missing, and is taken as no turn.
-        z: measured (phi, theta, psi), rad, ``(3,)``; NaN throughout where there is no measurement.
-        draw: uniform numbers of the random law, ``(7,)``; None for the others.
+    A missing rate (NaN) is taken as no turn; angles are NaN throughout where none is measured.
+    ``draw`` are uniform numbers of the random law, ``(7,)``, None for the others.
     """
 
-    rate: Array
-    z: Array
+    gyr: Annotated[Array, Channel("rad/s", "angular rate about forward, right, down axes", XYZ)]
+    angles: Annotated[Array, Channel("rad", "measured roll, pitch and yaw", EULER, "angle")]
     draw: Array | None = None
 
 
@@ -65,26 +154,21 @@ class GpsAidedState(NamedTuple):
 
 
 class GpsAidedOutputs(NamedTuple):
-    """What the filter knows after a tick.
+    """What the filter knows after a tick; of residual and innovation, 0 without a measurement.
 
-    Attributes:
-        x: the state, ``(7,)``.
-        P: its covariance, ``(7, 7)``.
-        angles: (phi, theta, psi), rad, ``(3,)``.
-        Q: the diagonal this tick was predicted with, ``(7,)``.
-        residual: K nu, ``(7,)``; 0 without a measurement.
-        innovation: one angle after another, each less what the state and the angles before it
-            foretell, rad, ``(3,)``; 0 without a measurement, phi and psi within half a turn.
-        variance: their predicted variances, rad^2, ``(3,)``.
+    Innovations are one angle after another, each less what the state and the angles before it
+    foretell; those of phi and psi lie within half a turn.
     """
 
-    x: Array
-    P: Array
-    angles: Array
-    Q: Array
-    residual: Array
-    innovation: Array
-    variance: Array
+    x: Annotated[Array, Channel("", "quaternion and bias", _STATES, "detail")]
+    P: Annotated[Array, Channel("", "covariance of the state", _STATES, "detail")]
+    angles: Annotated[Array, Channel("rad", "roll, pitch and yaw", EULER, "angle")]
+    Q: Annotated[Array, Channel("", "diagonal that the tick was predicted with", _STATES, "detail")]
+    residual: Annotated[Array, Channel("", "K nu, the correction of the state", _STATES, "detail")]
+    innovation: Annotated[
+        Array, Channel("rad", "measured angles less what is foretold", EULER, "detail")
+    ]
+    variance: Annotated[Array, Channel("rad^2", "predicted variances of these", EULER, "detail")]
 
 
 @dataclass(frozen=True)
@@ -117,24 +201,31 @@ class GpsAidedKalman:
     euler: Literal["homogeneous", "unit"] = "homogeneous"
     projected: bool = True
 
+    params, inputs, outputs = GpsAidedNoise, GpsAidedSample, GpsAidedOutputs
+    states = components("q", "", "attitude, body to north, east, down", WXYZ) | components(
+        "bias", "rad/s", "bias of the gyroscopes", XYZ
+    )
+
     def __post_init__(self) -> None:
         check_setup(self)
 
     def init(self, params: GpsAidedNoise) -> GpsAidedState:
         """The start."""
-        none = no_residuals(self.samples, len(params.x0))
-        return GpsAidedState(Estimate(params.x0, params.P0), params.process.Q, none)
+        x0 = jnp.concatenate([params.q0, params.b0])
+        P0 = jnp.diag(_by_state(params.P0_quaternion, params.P0_bias))
+        none = no_residuals(self.samples, x0)
+        return GpsAidedState(Estimate(x0, P0), params.process.Q, none)
 
     def step(
         self, params: GpsAidedNoise, state: GpsAidedState, inputs: GpsAidedSample
     ) -> tuple[GpsAidedState, GpsAidedOutputs]:
         """Predict; where there is a measurement, correct and choose the next Q."""
-        ahead = self._ahead(state, inputs.rate)
+        ahead = self._ahead(state, inputs.gyr)
         angles = self._angles(ahead.x)
         H = jax.jacfwd(self._angles)(ahead.x)
-        nu = wrapped(inputs.z - angles)
+        nu = wrapped(inputs.angles - angles)
         found, taken = linearised(ahead, H, params.R, angles + nu, angles)
-        seen = ~jnp.isnan(inputs.z).all()
+        seen = ~jnp.isnan(inputs.angles).all()
         residual = found.x - ahead.x
         after = self._normalised(found, seen)
         residuals = remembered(state.residuals, residual, seen)
@@ -191,6 +282,11 @@ class GpsAidedKalman:
         return noise.Q
 
 
+def _by_state(quaternion: Array, bias: Array) -> Array:
+    """One number for q and one for the bias, ``(7,)``."""
+    return jnp.stack([*4 * [quaternion], *3 * [bias]], axis=-1)
+
+
 def euler_angles(q: Array, *, homogeneous: bool = True) -> Array:
     """(phi, theta, psi) of a quaternion from body to north, east, down, ``(3,)``.
 
@@ -212,7 +308,8 @@ def euler_angles(q: Array, *, homogeneous: bool = True) -> Array:
 def wrapped(difference: Array) -> Array:
     """Differences of (phi, theta, psi) with those of phi and psi within half a turn, ``(3,)``."""
     turn = 2 * jnp.pi
-    return difference - jnp.array([turn, 0.0, turn]) * jnp.round(difference / turn)
+    turns = jnp.array([turn, 0.0, turn], difference.dtype)
+    return difference - turns * jnp.round(difference / turn)
 
 
 def turning(rate: Array) -> Array:

@@ -10,7 +10,8 @@ from typing import Annotated, Literal, NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
-from filters.declared import Channel, Param
+from filters.declared import Channel, Param, components
+from filters.imu import WXYZ, XYZ
 from filters.ins_aiding import (
     Aid,
     field_direction,
@@ -26,7 +27,6 @@ from filters.ins_motion import POSITION, SIZE, Densities, Motion, corrected, mov
 from filters.rotation import from_rotation_vector, level, multiply
 from filters.validate import check_setup
 
-_XYZ = ("x", "y", "z")
 _LESS_GYR = "the gyroscopes are trusted longer, the attitude follows the aiding more slowly"
 _LESS_ACC = "the accelerometers are trusted longer, the velocity follows the aiding more slowly"
 
@@ -86,20 +86,89 @@ class InsNoise(NamedTuple):
             larger="the bias follows what looks like one",
         ),
     ]
-    R_gps: Annotated[Array, Param("m^2", "variance of a GPS position, level", 4.0, 1e-6, 1e4)]
-    R_gps_up: Annotated[Array, Param("m^2", "variance of a GPS height", 9.0, 1e-6, 1e4)]
-    R_gps_vel: Annotated[
-        Array, Param("m^2/s^2", "variance of a GPS velocity, each axis", 0.04, 1e-8, 1e4)
+    R_gps: Annotated[
+        Array,
+        Param(
+            "m^2",
+            "variance of a GPS position, each level axis",
+            typical=4,
+            low=1e-06,
+            high=10000,
+            smaller="the position follows it faster, with its noise",
+            larger="the position leans more on the inertial sensors",
+        ),
     ]
-    R_baro: Annotated[Array, Param("m^2", "variance of a barometric height", 0.25, 1e-8, 1e4)]
+    R_gps_up: Annotated[
+        Array,
+        Param(
+            "m^2",
+            "variance of a GPS height",
+            typical=9,
+            low=1e-06,
+            high=10000,
+            smaller="the height follows it faster, with its noise",
+            larger="the height leans more on the inertial sensors",
+        ),
+    ]
+    R_gps_vel: Annotated[
+        Array,
+        Param(
+            "m^2/s^2",
+            "variance of a GPS velocity, each axis",
+            typical=0.04,
+            low=1e-08,
+            high=10000,
+            smaller="the velocity follows it faster, with its noise",
+            larger="the velocity leans more on the inertial sensors",
+        ),
+    ]
+    R_baro: Annotated[
+        Array,
+        Param(
+            "m^2",
+            "variance of a barometric height",
+            typical=0.25,
+            low=1e-08,
+            high=10000,
+            smaller="the height follows it faster, with its noise",
+            larger="the height leans more on the inertial sensors",
+        ),
+    ]
     R_speed: Annotated[
-        Array, Param("m^2/s^2", "variance of the speed along the body", 0.01, 1e-8, 1e4)
+        Array,
+        Param(
+            "m^2/s^2",
+            "variance of the speed along the sensor's x axis",
+            typical=0.01,
+            low=1e-08,
+            high=10000,
+            smaller="the velocity follows it faster, with its noise",
+            larger="the velocity leans more on the inertial sensors",
+        ),
     ]
     R_mag: Annotated[
-        Array, Param("rad^2", "variance of the direction of the field's level part", 0.01, 1e-8, 10)
+        Array,
+        Param(
+            "rad^2",
+            "variance of the direction of the field's level part",
+            typical=0.01,
+            low=1e-08,
+            high=10,
+            smaller="the heading follows it faster, with its noise",
+            larger="the heading leans more on the inertial sensors",
+        ),
     ]
     R_still: Annotated[
-        Array, Param("m^2/s^2", "variance of the velocity at rest, each axis", 1e-4, 1e-10, 1.0)
+        Array,
+        Param(
+            "m^2/s^2",
+            "variance of the velocity at rest, each axis",
+            typical=0.0001,
+            low=1e-10,
+            high=1,
+            smaller="the velocity follows it faster, with its noise",
+            larger="the velocity leans more on the inertial sensors",
+        ),
     ]
     tilt0: Annotated[Array, Param("rad", "deviation of roll and pitch at the start", 0.05)]
     heading0: Annotated[Array, Param("rad", "deviation of the heading at the start", 0.2)]
@@ -138,14 +207,14 @@ class InsSample(NamedTuple):
     or have no channel at all, which costs no time.
     """
 
-    gyr: Annotated[Array, Channel("rad/s", "angular rate, mean since the last sample", _XYZ)]
-    acc: Annotated[Array, Channel("m/s^2", "specific force, mean since the last sample", _XYZ)]
-    gps: Annotated[Array | None, Channel("m", "position in the earth frame", _XYZ)] = None
-    gps_vel: Annotated[Array | None, Channel("m/s", "velocity in the earth frame", _XYZ)] = None
+    gyr: Annotated[Array, Channel("rad/s", "angular rate, mean since the last sample", XYZ)]
+    acc: Annotated[Array, Channel("m/s^2", "specific force, mean since the last sample", XYZ)]
+    gps: Annotated[Array | None, Channel("m", "position in the earth frame", XYZ)] = None
+    gps_vel: Annotated[Array | None, Channel("m/s", "velocity in the earth frame", XYZ)] = None
     baro: Annotated[Array | None, Channel("m", "height over the frame's origin, up")] = None
     speed: Annotated[Array | None, Channel("m/s", "speed along the sensor's x axis")] = None
     mag: Annotated[
-        Array | None, Channel("", "magnetic field in sensor axes, any unit, calibrated", _XYZ)
+        Array | None, Channel("", "magnetic field in sensor axes, any unit, calibrated", XYZ)
     ] = None
     still: Annotated[
         Array | None, Channel("", "1 where the sensor is known to be at rest, else 0")
@@ -178,27 +247,23 @@ class InsOutputs(NamedTuple):
     where a GPS position begins the position.
     """
 
-    att: Annotated[Array, Channel("", "attitude, sensor to earth", ("w", *_XYZ), "attitude")]
-    velocity: Annotated[Array, Channel("m/s", "velocity in the earth frame", _XYZ)]
-    position: Annotated[Array, Channel("m", "position in the earth frame", _XYZ)]
-    gyr_bias: Annotated[Array, Channel("rad/s", "bias of the gyroscopes", _XYZ)]
-    acc_bias: Annotated[Array, Channel("m/s^2", "bias of the accelerometers", _XYZ)]
+    att: Annotated[Array, Channel("", "attitude, sensor to earth", WXYZ, "attitude")]
+    velocity: Annotated[Array, Channel("m/s", "velocity in the earth frame", XYZ)]
+    position: Annotated[Array, Channel("m", "position in the earth frame", XYZ)]
+    gyr_bias: Annotated[Array, Channel("rad/s", "bias of the gyroscopes", XYZ)]
+    acc_bias: Annotated[Array, Channel("m/s^2", "bias of the accelerometers", XYZ)]
     innovation: Annotated[Array, Channel("", "measured less foretold, (12,)", kind="detail")]
     variance: Annotated[Array, Channel("", "foretold variance of it, (12,)", kind="detail")]
     P: Annotated[Array, Channel("", "covariance of the errors, (15, 15)", kind="detail")]
 
 
-_STATES = {
-    f"{name}_{axis}": Channel(unit, f"error of the {meaning}, {axis} axis")
-    for name, unit, meaning in (
-        ("tilt", "rad", "attitude, a rotation in the earth frame"),
-        ("gyr_bias", "rad/s", "gyroscopes' bias"),
-        ("acc_bias", "m/s^2", "accelerometers' bias"),
-        ("velocity", "m/s", "velocity"),
-        ("position", "m", "position"),
-    )
-    for axis in _XYZ
-}
+_STATES = (
+    components("tilt", "rad", "error of the attitude, a rotation in the earth frame", XYZ)
+    | components("gyr_bias", "rad/s", "error of the gyroscopes' bias", XYZ)
+    | components("acc_bias", "m/s^2", "error of the accelerometers' bias", XYZ)
+    | components("velocity", "m/s", "error of the velocity", XYZ)
+    | components("position", "m", "error of the position", XYZ)
+)
 
 
 @dataclass(frozen=True)

@@ -111,7 +111,7 @@ def taken(P: Array, aids: Sequence[Aid | None]) -> Brought:
             found.append((none, none))
             continue
         estimate, new = _one(estimate, aid)
-        found.append((new.value, jnp.where(jnp.isnan(aid.apart), 0.0, new.variance)))
+        found.append((new.value, new.variance))
     innovation, variance = (jnp.stack(part) for part in zip(*found, strict=True))
     return Brought(estimate.x, estimate.P, innovation, variance)
 

@@ -9,30 +9,58 @@ one, P22 - K2 P12 loses up to 3e-4 of the step at R = 1e-12, and 0.2 of it in si
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
+from filters.declared import Channel, Param
 from filters.validate import check_setup
 
+MEASURED = {"z": Channel("unit", "measured quantity")}
+FILTERED = {"z": Channel("unit", "filtered quantity")}
 
-class Noise(NamedTuple):
-    """What is tuned.
 
-    Attributes:
-        R: variance of the measurement noise, unit of z squared, ``()``, positive.
-        Q: variance of the process noise w per sample, ``()``, not negative; it enters as Q T^2.
-        P0: covariance of the start, ``(2, 2)``; the paper's is all ones, of rank one.
-    """
+class KownackiNoise(NamedTuple):
+    """What is tuned; only Q/R and P0/R count, and P0 not for long."""
 
-    R: ArrayLike
-    Q: ArrayLike
-    P0: ArrayLike
+    R: Annotated[
+        ArrayLike,
+        Param(
+            "unit^2",
+            "variance of the measurement noise",
+            typical=1e-3,
+            low=1e-12,
+            high=1e3,
+            smaller="the output follows the measurements",
+            larger="the output is smoother and lags",
+        ),
+    ]
+    Q: Annotated[
+        ArrayLike,
+        Param(
+            "unit^2/s^2",
+            "variance of the process noise a sample; it enters as Q T^2",
+            typical=1.0,
+            low=1e-9,
+            high=1e9,
+            smaller="the output is smoother and lags",
+            larger="the output follows the measurements",
+        ),
+    ]
+    P0: Annotated[
+        ArrayLike,
+        Param(
+            "unit^2",
+            "covariance of the start; the paper's is all ones, of rank one",
+            typical=1.0,
+            shape=(2, 2),
+        ),
+    ]
 
     @classmethod
-    def of(cls, R: ArrayLike, Q: ArrayLike) -> "Noise":
+    def of(cls, R: ArrayLike, Q: ArrayLike) -> "KownackiNoise":
         """R and Q with the paper's P0, a matrix of ones."""
         return cls(R, Q, jnp.ones((2, 2)))
 
@@ -55,9 +83,17 @@ class RateState(NamedTuple):
     det: Array
 
 
+_DERIVED = {
+    "K1": Param("1", "steady gain on the measured quantity", 0.1),
+    "K2": Param("1/s", "steady gain on its derivative", 0.1),
+    "bandwidth": Param("Hz", "where the response has fallen by 3 dB", 1.0),
+}
+"""What follows from R and Q; a filter that is nearly none has no bandwidth."""
+
+
 @dataclass(frozen=True)
 class AccelerometerFilter:
-    """Model (8), a constant acceleration: measured and put out is a, in the unit of z.
+    """Model (8), a constant acceleration: measured and output is a, in the unit of z.
 
     The velocity of (8) is driven by a and never feeds back, so it cannot be observed and its
     variance only grows; a alone is exactly the scalar filter that is run here.
@@ -70,15 +106,21 @@ class AccelerometerFilter:
     dt: float
     shape: tuple[int, ...] = ()
 
+    derived = _DERIVED
+    params, inputs, outputs = KownackiNoise, MEASURED, FILTERED
+    states = {"a": Channel("unit", "measured quantity")}  # noqa: RUF012
+
     def __post_init__(self) -> None:
         check_setup(self)
 
-    def init(self, params: Noise) -> LevelState:
+    def init(self, params: KownackiNoise) -> LevelState:
         """At zero, with the variance P0[1, 1] of a."""
         p = jnp.asarray(params.P0)[1, 1] / params.R
         return LevelState(jnp.zeros(self.shape, p.dtype), p)
 
-    def step(self, params: Noise, state: LevelState, inputs: Array) -> tuple[LevelState, Array]:
+    def step(
+        self, params: KownackiNoise, state: LevelState, inputs: Array
+    ) -> tuple[LevelState, Array]:
         """Take one sample; NaN is a missing one."""
         missing = jnp.any(jnp.isnan(inputs))
         p = state.p + params.Q * self.dt**2 / params.R
@@ -86,10 +128,19 @@ class AccelerometerFilter:
         a = state.a + p * jnp.where(missing, 0.0, inputs - state.a)
         return LevelState(a, p), a
 
+    def steady(self, params: KownackiNoise) -> "tuple[FixedGainFilter, FixedGains]":
+        """The filter that it becomes once P0 is forgotten, and that filter's parameters."""
+        gains, _ = accelerometer_steady(jnp.asarray(params.Q) / params.R, self.dt)
+        return FixedGainFilter(self.dt, self.shape), gains
+
+    def derive(self, params: KownackiNoise) -> dict[str, Array]:
+        """Steady gains and bandwidth."""
+        return _derived(accelerometer_steady(jnp.asarray(params.Q) / params.R, self.dt))
+
 
 @dataclass(frozen=True)
 class GyroscopeFilter:
-    """Model (9), a uniformly varying rate: measured and put out is omega, in the unit of z.
+    """Model (9), a uniformly varying rate: measured and output is omega, in the unit of z.
 
     With the determinant D of the covariance over R, a measurement takes P22 to (P22 + D) / S and
     D to D / S, S = P11 + 1; the transition keeps D, and the noise adds q (P11 + P22) + q^2 to it.
@@ -102,10 +153,17 @@ class GyroscopeFilter:
     dt: float
     shape: tuple[int, ...] = ()
 
+    derived = _DERIVED
+    params, inputs, outputs = KownackiNoise, MEASURED, FILTERED
+    states = {  # noqa: RUF012
+        "omega": Channel("unit", "measured quantity"),
+        "epsilon": Channel("unit/s", "its derivative"),
+    }
+
     def __post_init__(self) -> None:
         check_setup(self)
 
-    def init(self, params: Noise) -> RateState:
+    def init(self, params: KownackiNoise) -> RateState:
         """At zero, with the covariance P0."""
         P = jnp.asarray(params.P0) / params.R
         still = jnp.zeros(self.shape, P.dtype)
@@ -113,7 +171,9 @@ class GyroscopeFilter:
         det = (p11 - p12) * p22 + p12 * (p22 - p12)  # exactly 0 where all are equal
         return RateState(still, still, p11, p12, p22, det)
 
-    def step(self, params: Noise, state: RateState, inputs: Array) -> tuple[RateState, Array]:
+    def step(
+        self, params: KownackiNoise, state: RateState, inputs: Array
+    ) -> tuple[RateState, Array]:
         """Take one sample; NaN is a missing one."""
         T = self.dt
         missing = jnp.any(jnp.isnan(inputs))
@@ -130,17 +190,43 @@ class GyroscopeFilter:
         omega, epsilon = omega + p11 * y, state.epsilon + p12 * y
         return RateState(omega, epsilon, p11, p12, p22, det), omega
 
+    def steady(self, params: KownackiNoise) -> "tuple[FixedGainFilter, FixedGains]":
+        """The filter that it becomes once P0 is forgotten, and that filter's parameters."""
+        gains, _ = gyroscope_steady(jnp.asarray(params.Q) / params.R, self.dt)
+        return FixedGainFilter(self.dt, self.shape), gains
 
-class Gains(NamedTuple):
-    """Gains that stay as they are.
+    def derive(self, params: KownackiNoise) -> dict[str, Array]:
+        """Steady gains and bandwidth."""
+        return _derived(gyroscope_steady(jnp.asarray(params.Q) / params.R, self.dt))
 
-    Attributes:
-        K1: gain on the measured quantity, 1.
-        K2: gain on its derivative, 1/s; 0 for a filter without one.
-    """
 
-    K1: ArrayLike
-    K2: ArrayLike
+class FixedGains(NamedTuple):
+    """Gains that stay as they are."""
+
+    K1: Annotated[
+        ArrayLike,
+        Param(
+            "",
+            "gain on the measured quantity",
+            typical=0.1,
+            low=1e-6,
+            high=1.0,
+            smaller="the output is smoother and lags",
+            larger="the output follows the measurements",
+        ),
+    ]
+    K2: Annotated[
+        ArrayLike,
+        Param(
+            "1/s",
+            "gain on its derivative; 0 for a filter without one",
+            typical=0.5,
+            low=1e-6,
+            high=1e3,
+            smaller="the derivative is smoother and lags",
+            larger="the derivative follows the measurements",
+        ),
+    ]
 
 
 @dataclass(frozen=True)
@@ -157,16 +243,22 @@ class FixedGainFilter:
     dt: float
     shape: tuple[int, ...] = ()
 
+    params, inputs, outputs = FixedGains, MEASURED, FILTERED
+    states = {  # noqa: RUF012
+        "level": Channel("unit", "measured quantity"),
+        "slope": Channel("unit/s", "its derivative"),
+    }
+
     def __post_init__(self) -> None:
         check_setup(self)
 
-    def init(self, params: Gains) -> tuple[Array, Array]:
+    def init(self, params: FixedGains) -> tuple[Array, Array]:
         """At zero: the measured quantity and its derivative."""
         still = jnp.zeros(self.shape, jnp.asarray(params.K1).dtype)
         return still, still
 
     def step(
-        self, params: Gains, state: tuple[Array, Array], inputs: Array
+        self, params: FixedGains, state: tuple[Array, Array], inputs: Array
     ) -> tuple[tuple[Array, Array], Array]:
         """Take one sample; NaN is a missing one."""
         level, slope = state
@@ -184,8 +276,13 @@ class SteadyState(NamedTuple):
         bandwidth_hz: frequency at which the response has fallen by 3 dB.
     """
 
-    gains: Gains
+    gains: FixedGains
     bandwidth_hz: Array
+
+
+def _derived(steady: SteadyState) -> dict[str, Array]:
+    (K1, K2), bandwidth = steady
+    return {"K1": jnp.asarray(K1), "K2": jnp.asarray(K2), "bandwidth": bandwidth}
 
 
 def accelerometer_steady(q_over_r: ArrayLike, dt: float) -> SteadyState:
@@ -203,7 +300,7 @@ def accelerometer_steady(q_over_r: ArrayLike, dt: float) -> SteadyState:
     root = jnp.sqrt(rho)
     K = 2 * root / (root + jnp.sqrt(rho + 4))
     bandwidth = jnp.where(rho <= 4, jnp.arcsin(jnp.minimum(root / 2, 1.0)) / (jnp.pi * dt), jnp.inf)
-    return SteadyState(Gains(K, jnp.zeros_like(K)), bandwidth)
+    return SteadyState(FixedGains(K, jnp.zeros_like(K)), bandwidth)
 
 
 def gyroscope_steady(q_over_r: ArrayLike, dt: float) -> SteadyState:
@@ -223,7 +320,7 @@ def gyroscope_steady(q_over_r: ArrayLike, dt: float) -> SteadyState:
     D = jnp.sqrt(rho + T * root * y)
     u = 2 / (y + D)
     K1, K2 = u * D, u * root
-    return SteadyState(Gains(K1, K2), _gyroscope_bandwidth(K1, K2, T))
+    return SteadyState(FixedGains(K1, K2), _gyroscope_bandwidth(K1, K2, T))
 
 
 def _gyroscope_bandwidth(K1: Array, K2: Array, T: float) -> Array:

@@ -1,12 +1,14 @@
 """Linear filters for any model: Kalman's, with missing samples and varying times; stored gains."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import jax.numpy as jnp
 from jax import Array
 
-from filters.kalman import Estimate, decorrelate, matmul, predict, update
+from filters.declared import Channel
+from filters.kalman import Estimate, decorrelate, predict, update
+from filters.small_linalg import matmul
 
 
 class Transition(NamedTuple):
@@ -53,8 +55,8 @@ class Sample(NamedTuple):
             (see :func:`filters.transitions` for varying sample times), or None.
     """
 
-    z: Array
-    u: Array | None = None
+    z: Annotated[Array, Channel("unit", "measurements")]
+    u: Annotated[Array | None, Channel("", "known input")] = None
     transition: Transition | None = None
 
 
@@ -64,16 +66,19 @@ class LinearOutputs(NamedTuple):
     Attributes:
         x: state estimate, ``(n,)`` or ``(n, s)``.
         P: its covariance, ``(n, n)``.
-        innovation: one per measurement, decorrelated where R is full, ``(m,)`` or ``(m, s)``.
-        variance: the innovations' predicted variances, ``(m,)``.
+        innovation: one per measurement, decorrelated where R is full, ``(m,)`` or ``(m, s)``; 0
+            where it is missing.
+        variance: the innovations' predicted variances, ``(m,)``; 0 where one is missing.
         gain: the gains of the scalar updates, ``(m, n)``.
     """
 
-    x: Array
-    P: Array
-    innovation: Array
-    variance: Array
-    gain: Array
+    x: Annotated[Array, Channel("", "state estimate")]
+    P: Annotated[Array, Channel("", "its covariance", (), "detail")]
+    innovation: Annotated[
+        Array, Channel("unit", "measurements less what is foretold", (), "detail")
+    ]
+    variance: Annotated[Array, Channel("unit^2", "predicted variances of these", (), "detail")]
+    gain: Annotated[Array, Channel("", "gains of the scalar updates", (), "detail")]
 
 
 @dataclass(frozen=True)
@@ -81,8 +86,11 @@ class LinearKalman:
     """The Kalman filter: predict, then take the m measurements one after another.
 
     Source: Kalman 1960; sequential updates as in Bierman 1977, ch. 5. A missing
-    measurement (NaN) is skipped, so a missing sample is a prediction.
+    measurement (NaN) is skipped, so a missing sample is a prediction. What it estimates is its
+    model's to say: it declares neither parameters nor states.
     """
+
+    inputs, outputs = Sample, LinearOutputs
 
     def init(self, params: LinearModel) -> Estimate:
         """The start: ``x0`` and ``P0``."""
@@ -128,11 +136,12 @@ class GainedSample(NamedTuple):
 
 @dataclass(frozen=True)
 class StoredGains:
-    """A linear filter whose gains were worked out before: measure, put out, predict.
+    """A linear filter whose gains were worked out before: measure, output, predict.
 
     The first measurement is taken at once, on x0, as by :class:`filters.KalmanCovariance`, whose
-    gains it takes; one gain for all samples makes a fixed-gain filter. Source: Ha, Kim and Choi
-    1981, (13); their (18) has the innovation's sign wrong.
+    gains it takes; one gain for all samples makes a fixed-gain filter. A building block, which
+    declares nothing. Source: Ha, Kim and Choi 1981, (13); their (18) has the innovation's sign
+    wrong.
     """
 
     def init(self, params: LinearModel) -> Array:
@@ -140,7 +149,7 @@ class StoredGains:
         return params.x0
 
     def step(self, params: LinearModel, state: Array, inputs: GainedSample) -> tuple[Array, Array]:
-        """Correct, put out x(+), and predict to the next sample."""
+        """Correct, output x(+), and predict to the next sample."""
         y = inputs.z - matmul(params.H, state)
         x = state + matmul(inputs.K, jnp.where(jnp.isnan(y), 0.0, y))
         return matmul(params.transition.F, x), x

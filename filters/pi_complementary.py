@@ -3,70 +3,96 @@
 In a turn the accelerometers show more than gravity. What they show of the turn is taken off with
 the airspeed alone, or with a body velocity that a Kalman filter estimates while the aircraft turns.
 Source: You and Lee, Korean, with its equation numbers; docs/you_lee.md tells what is misprinted.
-Body axes are forward, right, down; lengths are in any unit, the same in all arguments.
+Body axes are forward, right, down; lengths are in any unit, the same in all arguments: the facts
+say metres.
 """
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import jax.numpy as jnp
 from jax import Array
 
 from filters.attitude import skew
-from filters.kalman import Estimate, matmul, predict, update
+from filters.declared import Channel, Param
+from filters.imu import GRAVITY, XYZ
+from filters.kalman import Estimate, predict, update
+from filters.small_linalg import matmul
 from filters.validate import check_setup
 
 Aid = Literal["none", "airspeed", "velocity"]
 
 
 class VelocityNoise(NamedTuple):
-    """What the velocity filter (11), (12) takes. Q_k, R_k and P0 share a scale that is free.
+    """What the velocity filter (11), (12) takes. Q_k, R_k and P0 share a scale that is free."""
 
-    Attributes:
-        Q_k: variance that enters each component in a sample, length^2/s^2, ``()``.
-        R_k: variance of the airspeed, length^2/s^2, ``()``.
-        threshold: length of the measured rates above which it runs, rad/s, ``()``.
-        x0: velocity (u, v, w) at the start, length/s, ``(3,)``.
-        P0: variance of each of its components, length^2/s^2, ``()``.
-    """
-
-    Q_k: Array
-    R_k: Array
-    threshold: Array
-    x0: Array
-    P0: Array
+    Q_k: Annotated[
+        Array,
+        Param(
+            "m^2/s^2",
+            "variance that enters each component of the velocity in a sample",
+            typical=1e-3,
+            low=1e-9,
+            high=1e3,
+            smaller="the velocity follows the accelerometers",
+            larger="the velocity follows the airspeed",
+        ),
+    ]
+    R_k: Annotated[Array, Param("m^2/s^2", "variance of the airspeed", typical=1.0)]
+    threshold: Annotated[
+        Array, Param("rad/s", "length of the measured rates above which it runs", typical=0.05)
+    ]
+    x0: Annotated[
+        Array, Param("m/s", "forward, right, down velocity at the start", typical=0.0, shape=(3,))
+    ]
+    P0: Annotated[
+        Array, Param("m^2/s^2", "variance of each of its components at the start", typical=1.0)
+    ]
 
 
 class PiGains(NamedTuple):
-    """What the mixing filter takes.
+    """What the mixing filter takes; ``velocity`` is None where no velocity filter is asked for."""
 
-    Attributes:
-        K1: how fast the angles follow the accelerometers, 1/s, ``()``.
-        K2: K1 K2 is how fast the gyroscopes' bias is taken off, 1/s, ``()``; 0 for not at all.
-        gravity: length/s^2, ``()``.
-        angles0: (roll, pitch) at the start, rad, ``(2,)``.
-        velocity: of the velocity filter; None where none is asked for.
-    """
-
-    K1: Array
-    K2: Array
-    gravity: Array
-    angles0: Array
+    K1: Annotated[
+        Array,
+        Param(
+            "1/s",
+            "how fast the angles follow the accelerometers",
+            typical=0.1,
+            low=1e-4,
+            high=1e1,
+            smaller="errors of the gyroscopes last longer",
+            larger="accelerations come through",
+        ),
+    ]
+    K2: Annotated[
+        Array,
+        Param(
+            "1/s",
+            "K1 K2 is how fast the gyroscopes' bias is taken off; 0 for not at all",
+            typical=0.01,
+            low=1e-6,
+            high=1e1,
+            smaller="a bias is found later",
+            larger="the angles overshoot: less damping",
+        ),
+    ]
+    gravity: Annotated[Array, GRAVITY]
+    angles0: Annotated[Array, Param("rad", "roll and pitch at the start", typical=0.0, shape=(2,))]
     velocity: VelocityNoise | None = None
 
 
 class PiSample(NamedTuple):
-    """One sample, body axes forward, right, down; NaN means missing.
+    """One sample, body axes forward, right, down; NaN means missing, a rate then stays as it was.
 
-    Attributes:
-        force: specific force, length/s^2, ``(3,)``; -g along the last axis at rest.
-        rate: angular rate (p, q, r), rad/s, ``(3,)``; a missing one stays as it was.
-        airspeed: forward, length/s, ``()``.
+    Lengths may have any unit, if all have it.
     """
 
-    force: Array
-    rate: Array
-    airspeed: Array
+    acc: Annotated[
+        Array, Channel("m/s^2", "specific force, forward, right, down: -g along z at rest", XYZ)
+    ]
+    gyr: Annotated[Array, Channel("rad/s", "angular rate about the same axes", XYZ)]
+    airspeed: Annotated[Array, Channel("m/s", "airspeed, forward")]
 
 
 class PiState(NamedTuple):
@@ -79,17 +105,13 @@ class PiState(NamedTuple):
 
 
 class PiOutputs(NamedTuple):
-    """What the filter knows after a sample.
+    """What the filter knows after a sample; None of what only a velocity filter has."""
 
-    Attributes:
-        angles: (roll, pitch), rad, ``(2,)``, one sample time later.
-        velocity: (u, v, w), ``(3,)``, or None without a velocity filter.
-        running: whether the velocity filter runs, ``()`` of bool, or None.
-    """
-
-    angles: Array
-    velocity: Array | None
-    running: Array | None
+    angles: Annotated[Array, Channel("rad", "roll and pitch", ("roll", "pitch"), "angle")]
+    velocity: Annotated[
+        Array | None, Channel("m/s", "forward, right, down velocity", XYZ, "detail")
+    ]
+    running: Annotated[Array | None, Channel("", "whether the velocity filter runs", (), "detail")]
 
 
 @dataclass(frozen=True)
@@ -107,6 +129,14 @@ class PiComplementary:
     dt: float
     aid: Aid = "airspeed"
 
+    params, inputs, outputs = PiGains, PiSample, PiOutputs
+    states = {  # noqa: RUF012
+        "roll": Channel("rad", "right side down", kind="angle"),
+        "pitch": Channel("rad", "nose up", kind="angle"),
+        "integral_roll": Channel("rad/s", "what is added to the roll's rate against a bias"),
+        "integral_pitch": Channel("rad/s", "what is added to the pitch's rate against a bias"),
+    }
+
     def __post_init__(self) -> None:
         check_setup(self)
 
@@ -121,15 +151,15 @@ class PiComplementary:
 
     def step(self, params: PiGains, state: PiState, inputs: PiSample) -> tuple[PiState, PiOutputs]:
         """Find the accelerometers' attitude, and move the angles over one sample."""
-        rate = jnp.where(jnp.isnan(inputs.rate), state.rate, inputs.rate)
+        rate = jnp.where(jnp.isnan(inputs.gyr), state.rate, inputs.gyr)
         velocity, running, seen = state.velocity, None, jnp.full(2, jnp.nan, rate.dtype)
         if self.aid == "airspeed":
             still = jnp.zeros_like(inputs.airspeed)
             along = jnp.stack([inputs.airspeed, still, still])
-            seen = accelerometer_angles(inputs.force, rate, along, params.gravity)
+            seen = accelerometer_angles(inputs.acc, rate, along, params.gravity)
         elif velocity is not None:
             velocity, running = self._followed(params, state.angles, velocity, inputs, rate)
-            seen = accelerometer_angles(inputs.force, rate, velocity.x, params.gravity)
+            seen = accelerometer_angles(inputs.acc, rate, velocity.x, params.gravity)
         exists = ~jnp.isnan(seen)
         apart = jnp.where(exists, jnp.where(exists, seen, 0.0) - state.angles, 0.0)
         pull = params.K1 * apart + state.integral
@@ -149,8 +179,8 @@ class PiComplementary:
         """(11), (12) where the aircraft turns; else u is the airspeed, and v and w stay."""
         noise = _noise(params)
         T, A, one = self.dt, -skew(rate), jnp.eye(3, dtype=rate.dtype)
-        known = ~jnp.isnan(inputs.force).any()
-        push = jnp.where(known, inputs.force, 0.0) + _gravity(angles, params.gravity)
+        known = ~jnp.isnan(inputs.acc).any()
+        push = jnp.where(known, inputs.acc, 0.0) + _gravity(angles, params.gravity)
         AA = matmul(A, A)
         ahead = predict(before, one + A * T + AA * (T**2 / 2), noise.Q_k * one)
         ahead = ahead._replace(x=ahead.x + matmul(one * T + A * (T**2 / 2), push))

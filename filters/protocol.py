@@ -44,9 +44,9 @@ def run(
         ``(state, outputs)``: the state after the last sample, and the outputs stacked along time.
         What a caller drops inside ``jax.jit`` is never stored.
 
-    >>> from filters import GyroscopeFilter, Noise
+    >>> from filters import GyroscopeFilter, KownackiNoise
     >>> import jax.numpy as jnp
-    >>> state, rate = run(GyroscopeFilter(dt=0.01), Noise.of(R=1e-4, Q=1.0), jnp.ones(500))
+    >>> state, rate = run(GyroscopeFilter(dt=0.01), KownackiNoise.of(R=1e-4, Q=1.0), jnp.ones(500))
     >>> rate.shape
     (500,)
     """

@@ -20,7 +20,7 @@ class ResidualNoise(NamedTuple):
 
     Attributes:
         Q: diagonal of the process noise's density, ``(n,)``: constant, or until a law has one.
-        floor: the least a law may set, ``()`` or ``(n,)``: a constant residual has the rate 0.
+        floor: the least a law may set, ``(n,)``: a constant residual has the rate 0.
         scale: of the random law: the rate for a draw of 1, ``(n,)``.
         h: of the fuzzy law's regression, 0 to below 1; it matters for a band's edge alone.
     """
@@ -38,9 +38,9 @@ class Residuals(NamedTuple):
     taken: Array
 
 
-def no_residuals(samples: int, states: int) -> Residuals:
-    """Before the first update."""
-    return Residuals(jnp.zeros((samples, states)), jnp.zeros(()))
+def no_residuals(samples: int, x0: Array) -> Residuals:
+    """Before the first update of a state ``(n,)``."""
+    return Residuals(jnp.zeros((samples, *x0.shape), x0.dtype), jnp.zeros((), x0.dtype))
 
 
 def remembered(residuals: Residuals, residual: Array, seen: Array) -> Residuals:

@@ -1,60 +1,132 @@
 """Roll and pitch from gyroscopes and accelerometers under external acceleration, by Euler angles.
 
 The three filters of Suh, Park, Kang and Ro, 2004, as printed and as corrected. The state is
-[theta, phi, wx, wy, wz], pitch, roll and rates; accelerations are in g with the paper's polarity:
-ax = sin theta and ay = sin phi cos theta at rest, beside rates about forward, right and down axes.
+[theta, phi, wx, wy, wz], pitch, roll and rates about forward, right and down axes; samples are of a
+sensor with axes forward, left and up: at rest, ax = g sin theta and ay = g sin phi cos theta.
 The pitch stays within 90 deg; for any attitude see :mod:`filters.attitude`.
 """
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import jax.numpy as jnp
 from jax import Array
 
+from filters.declared import Channel, Param, components
 from filters.extended import linearised
-from filters.kalman import Estimate, predict, update
+from filters.imu import GRAVITY, XYZ
+from filters.kalman import Estimate, Innovation, predict, update
 from filters.validate import check_setup
 
 Law = Literal["standard", "simple", "two-step"]
 
 
-class TiltNoise(NamedTuple):
-    """What the tilt filters take; the scale that q1, r_nom, r3, alpha2 and r_big share is free.
+TILT = ("pitch", "roll")
+TO_PAPER = (1.0, -1.0, -1.0)
+"""From rates about forward, left and up axes to rates about forward, right and down axes."""
 
-    Attributes:
-        q1: spectral density of the angular acceleration, rad^2/s^3, times that scale.
-        r_nom: variance of the accelerometers without disturbance, g^2, ``(2,)`` or ``()``.
-        r3: variance of the gyroscopes, (rad/s)^2.
-        alpha1: how much of r stays from sample to sample, 0 to 1.
-        alpha2: how much a residual of 1 g adds to r, g.
-        delta: by how much abs(a)^2 may differ from 1 g^2 before a disturbance is detected.
-        r_big: variance of disturbed accelerometers in the simple adaptive filter, g^2.
-        x0: the start, ``(5,)``.
-        P0: its covariance, ``(5, 5)``.
+
+class TiltNoise(NamedTuple):
+    """What the tilt filters take.
+
+    By the error of the angles alone, q1, r_nom, r3, alpha2, r_big and P0 share a scale that is
+    free; the likelihood of the innovations determines it.
     """
 
-    q1: Array
-    r_nom: Array
-    r3: Array
-    alpha1: Array
-    alpha2: Array
-    delta: Array
-    r_big: Array
-    x0: Array
-    P0: Array
+    q1: Annotated[
+        Array,
+        Param(
+            "rad^2/s^3",
+            "density of the angular acceleration",
+            typical=1.0,
+            low=1e-6,
+            high=1e4,
+            smaller="rates and angles are smoother and lag",
+            larger="rates and angles follow the sensors",
+        ),
+    ]
+    r_nom: Annotated[
+        Array,
+        Param(
+            "",
+            "variance of the accelerometers over g^2 without disturbance; one, or one an axis",
+            typical=1e-2,
+            low=1e-7,
+            high=1e3,
+            smaller="angles follow the accelerometers faster",
+            larger="gyroscopes are trusted longer",
+        ),
+    ]
+    r3: Annotated[
+        Array,
+        Param(
+            "rad^2/s^2",
+            "variance of the gyroscopes",
+            typical=1e-4,
+            low=1e-10,
+            high=1e2,
+            smaller="gyroscopes are trusted more",
+            larger="angles follow the accelerometers faster",
+        ),
+    ]
+    alpha1: Annotated[
+        Array,
+        Param(
+            "",
+            "how much of r stays from sample to sample",
+            typical=0.4,
+            low=0.0,
+            high=1.0,
+            smaller="a disturbance is forgotten sooner",
+            larger="a disturbance is distrusted longer",
+        ),
+    ]
+    alpha2: Annotated[
+        Array,
+        Param(
+            "",
+            "how much a residual of 1 g adds to r",
+            typical=2.0,
+            low=1e-4,
+            high=1e6,
+            smaller="disturbances come through",
+            larger="disturbed axes are left to the gyroscopes",
+        ),
+    ]
+    delta: Annotated[
+        Array,
+        Param(
+            "",
+            "a disturbance is detected where abs(a)^2 / g^2 differs more from 1; a threshold",
+            typical=0.05,
+            smaller="noise counts as a disturbance",
+            larger="disturbances pass unseen",
+        ),
+    ]
+    r_big: Annotated[
+        Array,
+        Param("", "variance over g^2 of disturbed accelerometers, of the simple law", typical=1.0),
+    ]
+    gravity: Annotated[Array, GRAVITY]
+    x0: Annotated[
+        Array,
+        Param("rad, rad/s", "pitch, roll and rates at the start", typical=0.0, shape=(5,)),
+    ]
+    P0: Annotated[
+        Array, Param("rad^2, rad^2/s^2", "variance of each of them at the start", typical=0.1)
+    ]
 
 
 class TiltSample(NamedTuple):
-    """One sample's inputs; stacked along time for :func:`filters.run`.
+    """One sample, axes forward, left, up; stacked along time for :func:`filters.run`.
 
-    Attributes:
-        acceleration: (ax, ay, az) in g, ``(3,)``; NaN means missing: nothing is detected then.
-        rate: (gx, gy, gz), rad/s, ``(3,)``; NaN means missing.
+    NaN is missing; where an acceleration is, nothing is detected.
     """
 
-    acceleration: Array
-    rate: Array
+    acc: Annotated[
+        Array, Channel("m/s^2", "specific force, forward, left, up: +g along z at rest", XYZ)
+    ]
+    gyr: Annotated[Array, Channel("rad/s", "angular rate about the same axes", XYZ)]
 
 
 class TiltState(NamedTuple):
@@ -64,20 +136,23 @@ class TiltState(NamedTuple):
     r: Array
 
 
+_TAKEN = (*(f"gyr_{axis}" for axis in XYZ), "acc_x", "acc_y")
+
+
 class TiltOutputs(NamedTuple):
-    """What the filter knows after a sample.
+    """What the filter knows after a sample."""
 
-    Attributes:
-        angles: (theta, phi), rad, ``(2,)``.
-        rates: rad/s, ``(3,)``.
-        r: variances that the accelerometers were taken with, g^2, ``(2,)``.
-        detected: whether a disturbance was, ``()`` of bool.
-    """
-
-    angles: Array
-    rates: Array
-    r: Array
-    detected: Array
+    angles: Annotated[Array, Channel("rad", "nose up, and right side down", TILT, "angle")]
+    rates: Annotated[Array, Channel("rad/s", "rates about forward, right, down axes", XYZ)]
+    r: Annotated[
+        Array, Channel("", "variances of the accelerometers over g^2, as taken", XYZ[:2], "detail")
+    ]
+    detected: Annotated[Array, Channel("", "whether a disturbance was detected", (), "detail")]
+    innovation: Annotated[
+        Array,
+        Channel("", "rates, then accelerations over g, less what is foretold", _TAKEN, "detail"),
+    ]
+    variance: Annotated[Array, Channel("", "predicted variances of these", _TAKEN, "detail")]
 
 
 @dataclass(frozen=True)
@@ -107,12 +182,19 @@ class TiltKalman:
     residual: Literal["absolute", "signed"] = "absolute"
     fading: Literal["printed", "convex"] = "printed"
 
+    params, inputs, outputs = TiltNoise, TiltSample, TiltOutputs
+    states = {
+        "pitch": Channel("rad", "nose up", kind="angle"),
+        "roll": Channel("rad", "right side down", kind="angle"),
+    } | components("rate", "rad/s", "rate about forward, right, down axes", XYZ)
+
     def __post_init__(self) -> None:
         check_setup(self)
 
     def init(self, params: TiltNoise) -> TiltState:
         """The start; r begins at r_nom."""
-        return TiltState(Estimate(params.x0, params.P0), jnp.broadcast_to(params.r_nom, (2,)))
+        P0 = params.P0 * jnp.eye(5, dtype=params.x0.dtype)
+        return TiltState(Estimate(params.x0, P0), jnp.broadcast_to(params.r_nom, (2,)))
 
     def step(
         self, params: TiltNoise, state: TiltState, inputs: TiltSample
@@ -120,16 +202,20 @@ class TiltKalman:
         """Predict, detect, and take the measurements."""
         ahead = _ahead(state.estimate, params.q1, self.dt)
         C = _slopes(ahead.x, full=self.jacobian == "full")
-        a = inputs.acceleration
+        missing = jnp.isnan(inputs.acc)
+        # Masked before it is divided: a NaN would reach the derivative by gravity.
+        a = jnp.where(missing, jnp.nan, jnp.where(missing, 0.0, inputs.acc) / params.gravity)
         detected = jnp.abs(a @ a - 1) > params.delta
-        after = _gyroscopes(ahead, inputs.rate, params.r3)
+        after, turned = _gyroscopes(ahead, inputs.gyr, params.r3)
         # One joint update, as the standard filter has it, takes f at the prediction.
         again = self.law == "two-step" and self.innovation == "nonlinear"
         at = after.x if again else ahead.x
         expected = self._expected(C, at) + (C * (after.x - at)).sum(axis=1)
         r = self._variances(params, state.r, a[:2] - expected, detected)
-        estimate, _ = linearised(after, C, r, a[:2], expected)
-        outputs = TiltOutputs(estimate.x[:2], estimate.x[2:], r, detected)
+        estimate, leaned = linearised(after, C, r, a[:2], expected)
+        innovation = jnp.stack([*(one.value for one in turned), *leaned.innovation])
+        variance = jnp.stack([*(one.variance for one in turned), *leaned.variance])
+        outputs = TiltOutputs(estimate.x[:2], estimate.x[2:], r, detected, innovation, variance)
         return TiltState(estimate, r), outputs
 
     def _expected(self, C: Array, x: Array) -> Array:
@@ -196,8 +282,11 @@ def _slopes(x: Array, *, full: bool) -> Array:
     return jnp.concatenate([jnp.stack(rows).reshape(2, 2), jnp.zeros((2, 3), x.dtype)], axis=1)
 
 
-def _gyroscopes(estimate: Estimate, rate: Array, r3: Array) -> Estimate:
+def _gyroscopes(estimate: Estimate, rate: Array, r3: Array) -> tuple[Estimate, list[Innovation]]:
     """(8), one axis after another."""
-    for i in range(3):
-        estimate, _ = update(estimate, jnp.eye(5, dtype=r3.dtype)[2 + i], r3, rate[i])
-    return estimate
+    taken = []
+    for i, sign in enumerate(TO_PAPER):
+        axis = jnp.eye(5, dtype=r3.dtype)[2 + i]
+        estimate, one = update(estimate, axis, r3, sign * rate[i])
+        taken.append(one)
+    return estimate, taken

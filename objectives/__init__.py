@@ -11,10 +11,13 @@ from objectives.attitude import (
 )
 from objectives.complementary import ComplementaryLoop, SensorNoise, Transfer
 from objectives.likelihood import InnovationLikelihood
+from objectives.linear_systems.checks import covariance
 from objectives.linear_systems.lyapunov import lyapunov, stein
+from objectives.linear_systems.model import LinearSystem
 from objectives.linear_systems.modes import (
     Mode,
     Reduction,
+    require_detectable,
     undriven_modes,
     unseen_modes,
     without_undriven,
@@ -30,9 +33,10 @@ from objectives.linear_systems.response import (
 )
 from objectives.linear_systems.riccati import bucy_gain, care, dare, steady_gain, updated
 from objectives.linear_systems.steady import SteadyKalman, steady_kalman
-from objectives.linear_systems.subspaces import unobservable
+from objectives.linear_systems.subspaces import Subspace, unobservable
 from objectives.linear_systems.variance_ratio import VarianceRatio
 from objectives.records import Records
+from objectives.rmse import ChannelRmse
 from objectives.score import (
     Data,
     Fold,
@@ -59,6 +63,7 @@ __all__ = [
     "AngleRmse",
     "AttitudeError",
     "AttitudeRmse",
+    "ChannelRmse",
     "ComplementaryLoop",
     "Crossing",
     "Data",
@@ -66,6 +71,7 @@ __all__ = [
     "Fold",
     "Folded",
     "InnovationLikelihood",
+    "LinearSystem",
     "Mode",
     "Objective",
     "Reading",
@@ -77,6 +83,7 @@ __all__ = [
     "StepResponse",
     "StepSum",
     "StepTruth",
+    "Subspace",
     "Transfer",
     "VarianceRatio",
     "Welch",
@@ -84,6 +91,7 @@ __all__ = [
     "attitude_error",
     "bucy_gain",
     "care",
+    "covariance",
     "dare",
     "decay_rate",
     "is_fold",
@@ -92,6 +100,7 @@ __all__ = [
     "lyapunov",
     "masked",
     "place",
+    "require_detectable",
     "score",
     "score_and_gradient",
     "scores_and_gradients",

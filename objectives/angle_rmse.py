@@ -1,12 +1,12 @@
 """Errors of angles over a whole record or a phase of it."""
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import jax.numpy as jnp
 from jax import Array
 
-from objectives.attitude import root
+from objectives.squares import Squares
 
 
 class HasAngles(Protocol):
@@ -16,13 +16,6 @@ class HasAngles(Protocol):
     def angles(self) -> Array:
         """Rad, ``(..., k)``."""
         ...
-
-
-class Squares(NamedTuple):
-    """A sum of squares, rad^2, and of how many samples."""
-
-    total: Array
-    samples: Array
 
 
 @dataclass(frozen=True)
@@ -36,26 +29,20 @@ class AngleRmse:
 
     def init(self) -> Squares:
         """Nothing yet."""
-        return Squares(jnp.zeros(()), jnp.zeros(()))
+        return Squares.none()
 
     def update(self, total: Squares, output: HasAngles, truth: Array) -> tuple[Squares, None]:
         """Add one sample."""
-        squares, count = _squares(output.angles, truth)
-        return Squares(total.total + squares, total.samples + count), None
+        missing = jnp.isnan(truth).any(axis=-1, keepdims=True)
+        # Masked before it is squared: a NaN would reach the derivative.
+        error = jnp.where(missing, 0.0, output.angles - jnp.where(missing, 0.0, truth))
+        seen = jnp.broadcast_to(~missing[..., 0], error.shape[:-1])
+        return total.plus((error**2).sum(axis=-1), seen), None
 
     def value(self, total: Squares, kept: None) -> Array:
         """The root of the mean, ``()``; NaN where nothing counts."""
-        mean = total.total / total.samples
-        return jnp.degrees(jnp.where(jnp.isnan(mean), mean, root(mean)))
+        return jnp.degrees(total.root_mean())
 
     def __call__(self, outputs: HasAngles, truth: Array) -> Array:
         """The same of stacked outputs."""
-        return self.value(Squares(*_squares(outputs.angles, truth)), None)
-
-
-def _squares(angles: Array, truth: Array) -> tuple[Array, Array]:
-    missing = jnp.isnan(truth).any(axis=-1, keepdims=True)
-    # Masked before it is squared: a NaN would reach the derivative.
-    error = jnp.where(missing, 0.0, angles - jnp.where(missing, 0.0, truth))
-    seen = jnp.broadcast_to(~missing[..., 0], error.shape[:-1])
-    return (error**2).sum(), seen.sum().astype(error.dtype)
+        return self.value(self.update(self.init(), outputs, truth)[0], None)

@@ -4,13 +4,14 @@ Source: Laidig, Caruso, Cereatti and Seel, Data 6(7):72, 2021 (the three angles)
 """
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
 from filters.rotation import conjugate, multiply
+from objectives.squares import Squares, root
 
 Part = Literal["total", "heading", "inclination"]
 
@@ -51,25 +52,55 @@ def attitude_error(estimate: Array, truth: Array) -> AttitudeError:
 
 @dataclass(frozen=True)
 class AttitudeRmse:
-    """Root mean square error of stacked quaternions ``(N, 4)``, deg.
+    """Root mean square error of an attitude, deg.
 
-    The truth is ``(N, 4)``; samples where it is NaN do not count, which is how rest phases are left
-    out (:func:`masked`).
+    It is the outputs' field ``att``, or the outputs themselves. Quaternions are ``(N, 4)``, sensor
+    to earth, or have the records in between ``(N, k, 4)``, which then count as one long record;
+    :class:`Records` takes the mean of the single records instead. The truth has their shape;
+    samples where it is NaN do not count, which is how rest phases are left out (:func:`masked`). It
+    sums in the time loop, and keeps nothing.
 
     Attributes:
         part: which error.
+
+    Raises:
+        ValueError: for outputs that are a tuple without ``att``.
     """
 
     part: Part = "inclination"
 
-    def __call__(self, outputs: Array, truth: Array) -> Array:
-        """Of the samples that count, ``()``; NaN where none does."""
+    def init(self) -> Squares:
+        """Nothing yet."""
+        return Squares.none()
+
+    def update(self, total: Squares, output: Any, truth: Array) -> tuple[Squares, None]:
+        """Add one sample."""
+        estimate, truth = _attitude(output).reshape(-1, 4), truth.reshape(-1, 4)
         seen = ~jnp.isnan(truth).any(axis=1)
         # Unseen samples get a truth of their own, so that no NaN enters the derivative.
         filled = jnp.where(seen[:, None], truth, jnp.array([1.0, 0.0, 0.0, 0.0]))
-        error = getattr(jax.vmap(attitude_error)(outputs, filled), self.part)
-        mean = jnp.where(seen, error**2, 0.0).sum() / seen.sum()
-        return jnp.degrees(jnp.where(jnp.isnan(mean), mean, root(mean)))
+        error = getattr(jax.vmap(attitude_error)(estimate, filled), self.part)
+        return total.plus(error**2, seen), None
+
+    def value(self, total: Squares, kept: None) -> Array:
+        """The root of the mean, ``()``; NaN where nothing counts."""
+        return jnp.degrees(total.root_mean())
+
+    def __call__(self, outputs: Any, truth: Array) -> Array:
+        """The same of stacked outputs."""
+        return self.value(self.update(self.init(), outputs, truth)[0], None)
+
+
+def _attitude(outputs: Any) -> Array:
+    """The quaternions in a filter's outputs."""
+    found = getattr(outputs, "att", outputs)
+    if not hasattr(found, "shape"):
+        raise ValueError(
+            f"{type(outputs).__name__} has no att, the attitude as a quaternion; score a filter "
+            "whose outputs have one"
+        )
+    quaternions: Array = found
+    return quaternions
 
 
 def masked(truth: Array, counts: Array) -> Array:
@@ -106,9 +137,3 @@ def angle_errors(estimates: Array, truth: Array) -> AngleErrors:
     seen = ~jnp.isnan(error)
     kept = jnp.where(seen, error, 0.0)
     return AngleErrors((kept**2).sum(axis=0) / seen.sum(axis=0), jnp.abs(kept).max(axis=0))
-
-
-def root(square: Array) -> Array:
-    """A square root with the derivative 0 at 0; 0 below it, and NaN of NaN."""
-    positive = square > 0
-    return jnp.where(positive, jnp.sqrt(jnp.where(positive, square, 1.0)), 0 * square)

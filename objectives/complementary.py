@@ -11,7 +11,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
-from objectives.attitude import root
+from objectives.squares import root
 
 
 class Transfer(NamedTuple):

@@ -83,10 +83,10 @@ def score(filter: AnyFilter | None, objective: Objective, params: Any, data: Dat
         params: the filter's.
         data: inputs and truth.
 
-    >>> from filters import GyroscopeFilter, Noise
+    >>> from filters import GyroscopeFilter, KownackiNoise
     >>> at_rest = Data(jnp.zeros(100), jnp.zeros(100))
     >>> error = lambda outputs, truth: ((outputs - truth) ** 2).mean()
-    >>> float(score(GyroscopeFilter(dt=0.01), error, Noise.of(R=1e-4, Q=1.0), at_rest))
+    >>> float(score(GyroscopeFilter(dt=0.01), error, KownackiNoise.of(R=1e-4, Q=1.0), at_rest))
     0.0
     """
     return _judge(objective, data, _collect(filter, objective, params, data))

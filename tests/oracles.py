@@ -148,3 +148,61 @@ def central_difference(function, point, step):
     """The gradient of a scalar function by central differences, one coordinate after another."""
     shifts = step * np.eye(len(point))
     return np.array([(function(point + s) - function(point - s)) / (2 * step) for s in shifts])
+
+
+def diffuse_estimates(F, W, h, r, z):
+    """A filter that knows nothing of its start, by weighted least squares over whole records.
+
+    The unknowns are the states at all times so far; each step of the model and each measurement is
+    an equation, divided by its deviation. No recursion, and no prior.
+
+    Args:
+        F, W: transitions and noise that lead to each sample, ``(N, n, n)``; the first is not used.
+        h: the row that is measured, ``(n,)``.
+        r: variances, ``(N,)``; z: measurements, ``(N,)``, NaN where missing.
+
+    Returns:
+        Estimates ``(N, n)`` and covariances ``(N, n, n)`` after each sample, NaN where the
+        measurements so far do not determine the state.
+    """
+    N, n = len(z), len(h)
+    x, P = np.full((N, n), np.nan), np.full((N, n, n), np.nan)
+    rows, right = np.zeros((0, N * n)), np.zeros(0)
+    for k in range(N):
+        if k:
+            root = np.linalg.inv(np.linalg.cholesky(W[k]))
+            step = np.zeros((n, N * n))
+            step[:, k * n : (k + 1) * n] = root
+            step[:, (k - 1) * n : k * n] = -root @ F[k]
+            rows, right = np.vstack([rows, step]), np.append(right, np.zeros(n))
+        if not np.isnan(z[k]):
+            row = np.zeros((1, N * n))
+            row[0, k * n : (k + 1) * n] = h / np.sqrt(r[k])
+            rows, right = np.vstack([rows, row]), np.append(right, z[k] / np.sqrt(r[k]))
+        if (~np.isnan(z[: k + 1])).sum() >= n:
+            some = rows[:, : (k + 1) * n]
+            inverse = np.linalg.inv(some.T @ some)
+            x[k] = (inverse @ some.T @ right)[-n:]
+            P[k] = inverse[-n:, -n:]
+    return x, P
+
+
+def integrated_noise(n, density, dt):
+    """Covariance that white noise on the n-th derivative adds, by a sum over a fine grid."""
+    middles = (np.arange(20000) + 0.5) / 20000 * dt
+    powers = np.array([middles ** (n - 1 - i) for i in range(n)])
+    powers /= np.array([[float(np.prod(np.arange(1, n - i)))] for i in range(n)])
+    return density * powers @ powers.T * dt / 20000
+
+
+def surprise(e, S):
+    """Squared length of a joint innovation in units of its covariance, and that one's ln det."""
+    return e @ np.linalg.solve(S, e) + np.linalg.slogdet(S)[1]
+
+
+def surprises(innovation, variance):
+    """The same of innovations that were taken one after another, ``(N, m)``: 0 where none was."""
+    seen = variance > 0
+    assert not innovation[~seen].any()
+    s = np.where(seen, variance, 1.0)
+    return (innovation**2 / s + np.log(s)).sum(axis=1)

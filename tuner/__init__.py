@@ -1,115 +1,42 @@
 """Tune filters by optimisation: problems, solvers, certificates, logs, exports and studies.
 
-Public names are imported from here; what they need is loaded when they are first used.
+Public names are imported from here; what they need is loaded when they are first used. Their list
+is the stub beside this file, which type checkers read too.
 """
 
+import ast
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-_HOMES = {
-    "filters": (
-        "AccelerometerFilter",
-        "ConventionalLoop",
-        "GpsAidedKalman",
-        "GpsAidedNoise",
-        "GpsAidedSample",
-        "ExtendedKalman",
-        "ExtendedModel",
-        "ExtendedSample",
-        "FixedGainFilter",
-        "GainCovariance",
-        "Gains",
-        "AttitudeKalman",
-        "AttitudeNoise",
-        "GyroscopeFilter",
-        "ImuSample",
-        "KalmanCovariance",
-        "LinearKalman",
-        "LinearModel",
-        "Madgwick",
-        "MadgwickGain",
-        "Mahony",
-        "MahonyGains",
-        "PiComplementary",
-        "PiGains",
-        "PiSample",
-        "Noise",
-        "ResidualNoise",
-        "Sample",
-        "StoredGains",
-        "TiltKalman",
-        "TiltNoise",
-        "TiltSample",
-        "DeadReckoningKalman",
-        "DeadReckoningNoise",
-        "DeadReckoningSample",
-        "Transition",
-        "accelerometer_steady",
-        "gyroscope_steady",
-        "run",
-        "transitions",
-        "van_loan",
-        "vertical_channel",
-    ),
-    "objectives": (
-        "AttitudeRmse",
-        "ComplementaryLoop",
-        "Crossing",
-        "Data",
-        "Factors",
-        "Reading",
-        "StepResponse",
-        "Welch",
-        "care",
-        "dare",
-        "decay_rate",
-        "ise",
-        "lyapunov",
-        "place",
-        "settling_time",
-        "steady_kalman",
-        "steady_variance",
-        "stein",
-    ),
-    "tuner.run.comparison": ("Comparison", "Verdict"),
-    "tuner.problem.constraint": ("Constraint",),
-    "tuner.convex": ("ConvexProgram", "linear_program"),
-    "tuner.observers": ("LinearDesign", "fastest", "quietest"),
-    "tuner.export": ("Provenance", "Quantity", "Tuned"),
-    "tuner.data.logs": ("Log", "LogError", "parse_mapping", "read_log"),
-    "tuner.observers.lmi": ("fastest_observer", "h2_observer"),
-    "tuner.regression": ("tanaka", "tanaka_program", "tanaka_simplex", "tanaka_windows"),
-    "tuner.problem.problem": ("Problem",),
-    "tuner.data.simulation": ("Bursts", "Sensor", "Swing", "measure", "simulate"),
-    "tuner.certificate.single_precision": ("single_precision",),
-    "tuner.certificate.solution": ("Certificate", "Solution", "Status"),
-    "tuner.solvers": (
-        "Alternating",
-        "Convex",
-        "Gradient",
-        "Ipopt",
-        "Known",
-        "NelderMead",
-        "Sampler",
-        "fminsearch",
-    ),
-    "tuner.problem.parameters": ("Bounded", "Covariance", "Fixed", "Limited", "Positive"),
-    "tuner.problem.space": ("Space",),
-    "tuner.data.noise_split": ("split_noise",),
-    "tuner.run.study": ("Plan", "Source", "Study", "Target", "Task", "find_study"),
-    "tuner.problem.surface": ("grid", "values", "values_and_gradients"),
-}
-_HOME = {name: home for home, names in _HOMES.items() for name in names}
 
-__all__ = sorted(_HOME)  # noqa: PLE0605  # the names are those of the table above
+def _listed(stub: Path) -> dict[str, tuple[str, str]]:
+    """Public names, each with its module and what it is called there: the imports of a stub."""
+    try:
+        text = stub.read_text(encoding="utf-8")
+    except OSError as error:
+        raise ImportError(
+            f"{stub} is missing, the list of tuner's names; install filter-tuner again"
+        ) from error
+    return {
+        alias.asname or alias.name: (statement.module, alias.name)
+        for statement in ast.parse(text).body
+        if isinstance(statement, ast.ImportFrom) and statement.module
+        for alias in statement.names
+    }
+
+
+_HOME = _listed(Path(__file__).with_suffix(".pyi"))
+
+__all__ = sorted(_HOME)  # noqa: PLE0605  # the names are those of the stub
 
 
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module 'tuner' has no attribute {name!r}")
-    return getattr(import_module(_HOME[name]), name)
+    module, there = _HOME[name]
+    return getattr(import_module(module), there)
 
 
 def __dir__() -> list[str]:

@@ -92,7 +92,7 @@ def doubled(F: Array, Q: Array) -> Array:
 
 
 @traced_once
-def fastest(A: Array) -> Array:
+def largest_eigenvalue(A: Array) -> Array:
     """The largest abs(eigenvalue) of A to within a quarter, ``()``; 0 where A is nilpotent.
 
     Read from A^64, so that even units 1e12 apart rounds by their 64th root only.
@@ -135,7 +135,7 @@ class _Cayley(NamedTuple):
 
 def _transform(A: Array) -> _Cayley:
     one = jnp.eye(A.shape[0])
-    fast, slow = fastest(A), 1 / fastest(solve(A, one))
+    fast, slow = largest_eigenvalue(A), 1 / largest_eigenvalue(solve(A, one))
     rate = jnp.where(slow > _ROUNDING * fast, jnp.sqrt(fast * slow), jnp.nan)
     inverse = solve(rate * one - A, one)
     return _Cayley(A, inverse, one + 2 * product(inverse, A), rate)

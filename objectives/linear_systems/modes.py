@@ -8,7 +8,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from objectives.linear_systems.subspaces import MOST_SLACK, undriven, unseen
+from objectives.linear_systems.model import LinearSystem
+from objectives.linear_systems.subspaces import MOST_SLACK, Subspace, undriven, unseen
 
 
 class Mode(NamedTuple):
@@ -52,94 +53,94 @@ class Mode(NamedTuple):
 
 
 class Reduction(NamedTuple):
-    """What is left of a model.
+    """What is left of a system.
 
     Attributes:
         T: orthonormal basis of the states that are left, ``(n, r)``.
-        A, W, C: the model in it, ``(r, r)``, ``(r, r)``, ``(m, r)``.
+        system: how T'x moves; a state that is left alone keeps its name. It may have no states.
         modes: what was taken out.
     """
 
     T: np.ndarray
-    A: np.ndarray
-    W: np.ndarray
-    C: np.ndarray
+    system: LinearSystem
     modes: tuple[Mode, ...]
 
 
-def unseen_modes(A: np.ndarray, C: np.ndarray, *, discrete: bool) -> tuple[Mode, ...]:
+def unseen_modes(system: LinearSystem) -> tuple[Mode, ...]:
     """The modes that do not die out and that no measurement shows: their covariance grows.
 
     By the staircase of unobservable subspaces, with singular values, in scaled units; so a chain
     (a ramp: two states) is found whole.
 
-    Args:
-        A: dynamics ``(n, n)``: 1/s, or over one sample where ``discrete``.
-        C: measurement matrix, ``(m, n)``.
-        discrete: whether A steps by samples.
-
-    >>> A, C = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0, 1.0]])
-    >>> [mode.words(["position", "speed"]) for mode in unseen_modes(A, C, discrete=False)]
+    >>> A, C, names = [[0.0, 1.0], [0.0, 0.0]], [[0.0, 1.0]], ("position", "speed")
+    >>> system = LinearSystem(A, C, np.eye(2), [[1.0]], states=names)
+    >>> [mode.words(names) for mode in unseen_modes(system)]
     ['the constant mode along position']
     """
-    return _modes(*unseen(A, C, discrete), "unseen", discrete)
+    return _modes(unseen(system), "unseen", system.discrete)
 
 
-def undriven_modes(A: np.ndarray, W: np.ndarray, *, discrete: bool) -> tuple[Mode, ...]:
+def undriven_modes(system: LinearSystem) -> tuple[Mode, ...]:
     """The modes that neither grow nor die out and that no noise drives.
 
     Their covariance falls as 1/t for ever, so the Riccati equation has no solution that makes the
     filter stable.
 
-    Args:
-        A: as for :func:`unseen_modes`.
-        W: covariance of the noise in a sample, or its spectral density, ``(n, n)``.
-        discrete: whether A steps by samples.
-
-    >>> A, W = np.array([[0.0, 1.0], [0.0, 0.0]]), np.diag([1.0, 0.0])
-    >>> [mode.words(["position", "bias"]) for mode in undriven_modes(A, W, discrete=False)]
+    >>> A, names = [[0.0, 1.0], [0.0, 0.0]], ("position", "bias")
+    >>> system = LinearSystem(A, [[1.0, 0.0]], np.diag([1.0, 0.0]), [[1.0]], states=names)
+    >>> [mode.words(names) for mode in undriven_modes(system)]
     ['the constant mode along bias']
     """
-    return _modes(*undriven(A, W, discrete), "undriven", discrete)
+    return _modes(undriven(system), "undriven", system.discrete)
 
 
-def without_undriven(A: np.ndarray, W: np.ndarray, C: np.ndarray, *, discrete: bool) -> Reduction:
-    """The model on the states that its undriven modes leave, an invariant subspace of A.
+def require_detectable(system: LinearSystem) -> None:
+    """Refuse a system of which no observer is stable.
 
-    >>> found = without_undriven(np.zeros((2, 2)), np.diag([1.0, 0.0]), np.eye(2), discrete=False)
-    >>> abs(found.T).tolist(), found.A.shape
-    ([[1.0], [0.0]], (1, 1))
+    Raises:
+        ValueError: names the modes that do not die out and show in no measurement.
     """
-    values, basis, scale = undriven(A, W, discrete)
+    modes = unseen_modes(system)
+    if modes:
+        words = " and ".join(mode.words(system.states) for mode in modes)
+        raise ValueError(
+            f"no measurement shows {words}, which does not die out, so no observer's error stays "
+            "bounded; measure it, or leave it out of the model"
+        )
+
+
+def without_undriven(system: LinearSystem) -> Reduction:
+    """The system on the states that its undriven modes leave, an invariant subspace of A.
+
+    >>> walks = LinearSystem(np.zeros((2, 2)), np.eye(2), np.diag([1.0, 0.0]), np.eye(2))
+    >>> found = without_undriven(walks)
+    >>> found.T.tolist(), found.system.states
+    ([[1.0], [0.0]], ('x1',))
+    """
+    found = undriven(system)
     # y'x = 0 for each row y = basis' / scale: undriven combinations of the states
-    return _reduced(
-        A, W, C, basis / scale[:, None], _modes(values, basis, scale, "undriven", discrete)
-    )
+    gone = found.basis / found.scale[:, None]
+    return _reduced(system, gone, _modes(found, "undriven", system.discrete))
 
 
-def without_unseen(A: np.ndarray, W: np.ndarray, C: np.ndarray, *, discrete: bool) -> Reduction:
-    """The model modulo the states that grow unseen: ``T'x`` moves on its own and is all that shows.
+def without_unseen(system: LinearSystem) -> Reduction:
+    """The system modulo the states that grow unseen: T'x moves on its own and is all that shows.
 
-    >>> A, C = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0, 1.0]])
-    >>> without_unseen(A, np.eye(2), C, discrete=False).T.ravel().tolist()
+    >>> system = LinearSystem([[0.0, 1.0], [0.0, 0.0]], [[0.0, 1.0]], np.eye(2), [[1.0]])
+    >>> without_unseen(system).T.ravel().tolist()
     [0.0, 1.0]
     """
-    values, basis, scale = unseen(A, C, discrete)
-    return _reduced(
-        A, W, C, basis * scale[:, None], _modes(values, basis, scale, "unseen", discrete)
-    )
+    found = unseen(system)
+    gone = found.basis * found.scale[:, None]
+    return _reduced(system, gone, _modes(found, "unseen", system.discrete))
 
 
 def _modes(
-    values: np.ndarray,
-    basis: np.ndarray,
-    scale: np.ndarray,
-    kind: Literal["unseen", "undriven"],
-    discrete: bool,
+    space: Subspace, kind: Literal["unseen", "undriven"], discrete: bool
 ) -> tuple[Mode, ...]:
     found = []
-    units = scale if kind == "unseen" else 1 / scale
-    for value, vector in zip(values, basis.T, strict=True):
+    units = space.scale if kind == "unseen" else 1 / space.scale
+    for value, vector in zip(space.values, space.basis.T, strict=True):
         if value.imag < -1e-9 * abs(value):
             continue  # its conjugate stands for both
         plain = abs(value.imag) <= 1e-9 * abs(value)
@@ -152,15 +153,19 @@ def _modes(
     return tuple(found)
 
 
-def _reduced(
-    A: np.ndarray, W: np.ndarray, C: np.ndarray, gone: np.ndarray, modes: tuple[Mode, ...]
-) -> Reduction:
-    """The model on the orthogonal complement of what is gone."""
+def _reduced(system: LinearSystem, gone: np.ndarray, modes: tuple[Mode, ...]) -> Reduction:
+    """The system on the orthogonal complement of what is gone."""
     n, count = gone.shape
     if not count:
-        return Reduction(np.eye(n), A, W, C, modes)
+        return Reduction(np.eye(n), system, modes)
     both = np.concatenate([gone.real, gone.imag], axis=1)
     both = both / np.maximum(np.linalg.norm(both, axis=0), np.finfo(float).tiny)
     T = np.linalg.svd(both)[0][:, count:]
+    single = np.abs(T) > 1 - 1e-9
+    T = np.where(single.any(axis=0), single, T)  # a state that is left alone keeps its own sign
     T = T * np.sign(T[np.abs(T).argmax(axis=0), np.arange(T.shape[1])])
-    return Reduction(T, T.T @ A @ T, T.T @ W @ T, C @ T, modes)
+    names = [
+        system.states[int(column.argmax())] if column.any() else f"part_{i + 1}"
+        for i, column in enumerate(single.T)
+    ]
+    return Reduction(T, system.restricted(T, names), modes)

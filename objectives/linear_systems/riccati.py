@@ -11,8 +11,8 @@ from filters.small_linalg import product, solve
 from objectives.linear_systems.lyapunov import (
     congruence,
     doubled,
-    fastest,
     improved,
+    largest_eigenvalue,
     lyapunov,
     stein,
 )
@@ -192,8 +192,9 @@ def _cayley(A: Array, G: Array, W: Array) -> tuple[Array, Array, Array]:
     n = A.shape[0]
     one = jnp.eye(n)
     hamiltonian = jnp.block([[A.T, -G], [-W, -A]])
-    middle = jnp.sqrt(fastest(hamiltonian) / fastest(solve(hamiltonian, jnp.eye(2 * n))))
-    rate = jnp.maximum(middle, 2 * fastest(A))
+    most, least = largest_eigenvalue(hamiltonian), solve(hamiltonian, jnp.eye(2 * n))
+    middle = jnp.sqrt(most / largest_eigenvalue(least))
+    rate = jnp.maximum(middle, 2 * largest_eigenvalue(A))
     shifted = A - rate * one
     joined = jnp.block([[shifted.T, -G], [-W, -shifted]])
     first = jnp.block([[A.T + rate * one], [-W]])

@@ -1,6 +1,5 @@
 """The steady Kalman filter of any model that has one, NumPy outside and JAX inside."""
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import jax
@@ -8,7 +7,8 @@ import numpy as np
 import scipy.linalg
 from jax import Array
 
-from objectives.linear_systems.modes import Mode, Reduction, unseen_modes, without_undriven
+from objectives.linear_systems.model import LinearSystem, derived
+from objectives.linear_systems.modes import Mode, require_detectable, without_undriven
 from objectives.linear_systems.riccati import bucy_gain, care, dare, steady_gain, updated
 
 _dare, _care = jax.jit(dare), jax.jit(care)
@@ -20,7 +20,9 @@ class SteadyKalman(NamedTuple):
     Attributes:
         predicted: covariance before a measurement, ``(n, n)``; zero along what was taken out.
         updated: after it, ``(n, n)``; of a continuous filter the same.
-        gain: ``(n, m)``; of a continuous filter in 1/s.
+        gain: K on a measurement, ``(n, m)``; of a continuous filter in 1/s.
+        predictor: L of the observer x^' = A x^ + L (y - C x^), ``(n, m)``: A K in discrete time
+            where w and v share nothing, K in continuous time.
         poles: eigenvalues of the filter's error dynamics, without what was taken out, ``(r,)``.
         removed: the undriven modes that were taken out: in the end the filter knows them.
     """
@@ -28,60 +30,84 @@ class SteadyKalman(NamedTuple):
     predicted: np.ndarray
     updated: np.ndarray
     gain: np.ndarray
+    predictor: np.ndarray
     poles: np.ndarray
     removed: tuple[Mode, ...]
 
 
-def steady_kalman(
-    A: np.ndarray,
-    C: np.ndarray,
-    W: np.ndarray,
-    V: np.ndarray,
-    *,
-    discrete: bool,
-    states: Sequence[str] | None = None,
-) -> SteadyKalman:
+def steady_kalman(system: LinearSystem) -> SteadyKalman:
     """The steady Kalman filter, without the undriven modes that keep it from having one.
 
-    Args:
-        A: dynamics ``(n, n)``: 1/s, or over one sample where ``discrete``.
-        C: measurement matrix, ``(m, n)``.
-        W: covariance of the noise in a sample, or its spectral density, ``(n, n)``.
-        V: the same of the measurement noise, ``(m, m)``.
-        discrete: whether A steps by samples.
-        states: their names, for the sentences.
+    A discrete measurement without noise is given some that changes the variance by no more than a
+    share of 1e-12: the Riccati equation is solved for noisy ones only. Noise that w and v share is
+    taken out of w first, by which a measurement moves the state (Kailath, Sayed and Hassibi 2000,
+    8.5).
 
     Raises:
-        ValueError: where shapes do not fit, V is not positive definite, W is not positive
-            semi-definite, a mode that does not die out is not seen, or no solution was found.
+        ValueError: where a continuous measurement has no noise, a mode that does not die out is not
+            seen, or no solution was found.
 
-    >>> one = np.eye(1)
-    >>> float(steady_kalman(one, one, one, one, discrete=True).gain[0, 0].round(6))
+    >>> walk = LinearSystem([[1.0]], [[1.0]], [[1.0]], [[1.0]], dt=1.0)
+    >>> float(steady_kalman(walk).gain[0, 0].round(6))
     0.618034
     """
-    A, C, W, V = (np.asarray(part, dtype=np.float64) for part in (A, C, W, V))
-    _check(A, C, W, V)
-    unseen = unseen_modes(A, C, discrete=discrete)
-    if unseen:
+    if not (system.discrete or system.noisy):
         raise ValueError(
-            f"no measurement shows {' and '.join(mode.words(states) for mode in unseen)}, which "
-            "does not die out, so its covariance grows without bound; measure it or leave it out"
+            "a measurement has no noise (the matrix of v is singular) and may be followed ever "
+            "faster, so no gain is the best one; give the noise that it has, or the "
+            "sample time of the measurements"
         )
-    part = without_undriven(A, W, C, discrete=discrete)
-    if not part.A.size:
-        zero = np.zeros_like(A)
-        return SteadyKalman(zero, zero, np.zeros_like(C.T), np.zeros(0), part.modes)
-    small = _solved(part, V, discrete)
-    if np.isnan(small).any():
+    require_detectable(system)
+    noisy, shared = _independent(_with_noise(system))
+    part = without_undriven(noisy)
+    small, after, within = _filtered(part.system)
+    T, gain = part.T, part.T @ within
+    predictor = (noisy.A @ gain if system.discrete else gain) + shared
+    return SteadyKalman(
+        predicted=T @ small @ T.T,
+        updated=T @ after @ T.T,
+        gain=gain if system.discrete else predictor,
+        predictor=predictor,
+        poles=np.linalg.eigvals(T.T @ (system.A - predictor @ system.C) @ T),
+        removed=part.modes,
+    )
+
+
+def _with_noise(system: LinearSystem) -> LinearSystem:
+    """The system with a trace of noise in discrete measurements that have none."""
+    if system.noisy:
+        return system
+    size = np.diag(system.C @ system.W @ system.C.T) + np.diag(system.V)
+    trace = 1e-12 * np.diag(np.where(size > 0, size, size.max() or 1.0))
+    return derived(system.matrices | {"V": system.V + trace}, system.dt, system.states)
+
+
+def _independent(system: LinearSystem) -> tuple[LinearSystem, np.ndarray]:
+    """The system with w less what it shares with v, and S V^-1 by which y then drives it."""
+    shared = np.zeros_like(system.S)
+    if not system.S.any():
+        return system, shared
+    shared = np.linalg.solve(system.V, system.S.T).T
+    parts = system.matrices | {
+        "A": system.A - shared @ system.C,
+        "W": system.W - shared @ system.S.T,
+        "S": np.zeros_like(shared),
+    }
+    return derived(parts, system.dt, system.states), shared
+
+
+def _filtered(system: LinearSystem) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The covariances before and after a measurement, and the gain."""
+    if not system.A.size:
+        return system.W, system.W, system.C.T
+    P = _solved(system)
+    if np.isnan(P).any():
         raise ValueError(
             "the Riccati equation was not solved, although every mode is seen and driven; the "
-            f"model lies too near to one without a steady filter: its poles are {_listed(A)}"
+            f"model lies too near to one without a steady filter: its poles are {_listed(system.A)}"
         )
-    after, gain = map(np.asarray, _measured(small, part.C, V, discrete))
-    closed = part.A - (part.A @ gain if discrete else gain) @ part.C
-    T = part.T
-    poles = np.linalg.eigvals(closed)
-    return SteadyKalman(T @ small @ T.T, T @ after @ T.T, T @ gain, poles, part.modes)
+    after, gain = map(np.asarray, _measured(P, system.C, system.V, system.discrete))
+    return P, after, gain
 
 
 @jax.jit(static_argnums=3)
@@ -90,42 +116,22 @@ def _measured(P: Array, C: Array, V: Array, discrete: bool) -> tuple[Array, Arra
     return (updated(P, C, V), steady_gain(P, C, V)) if discrete else (P, bucy_gain(P, C, V))
 
 
-def _solved(part: Reduction, V: np.ndarray, discrete: bool) -> np.ndarray:
-    """The covariance before a measurement, ``(r, r)``, by whichever method finds it; else NaN."""
-    doubled = np.asarray((_dare if discrete else _care)(part.A, part.C, part.W, V))
-    return _by_schur(part, V, discrete) if np.isnan(doubled).any() else doubled
+def _solved(system: LinearSystem) -> np.ndarray:
+    """The covariance before a measurement, ``(n, n)``, by whichever method finds it; else NaN."""
+    solve = _dare if system.discrete else _care
+    doubled = np.asarray(solve(system.A, system.C, system.W, system.V))
+    return _by_schur(system) if np.isnan(doubled).any() else doubled
 
 
-def _by_schur(part: Reduction, V: np.ndarray, discrete: bool) -> np.ndarray:
+def _by_schur(system: LinearSystem) -> np.ndarray:
     """scipy's solution by ordered Schur vectors, for noise a factor 1e12 apart; NaN where none."""
-    solve = scipy.linalg.solve_discrete_are if discrete else scipy.linalg.solve_continuous_are
+    solve = (
+        scipy.linalg.solve_discrete_are if system.discrete else scipy.linalg.solve_continuous_are
+    )
     try:
-        return np.asarray(solve(part.A.T, part.C.T, part.W, V))
+        return np.asarray(solve(system.A.T, system.C.T, system.W, system.V))
     except (np.linalg.LinAlgError, ValueError):
-        return np.full_like(part.A, np.nan)
-
-
-def _check(A: np.ndarray, C: np.ndarray, W: np.ndarray, V: np.ndarray) -> None:
-    n, m = len(A), len(C)
-    if (A.shape, C.shape, W.shape, V.shape) != ((n, n), (m, n), (n, n), (m, m)):
-        raise ValueError(
-            f"A {A.shape}, C {C.shape}, W {W.shape} and V {V.shape} do not fit; they are (n, n), "
-            "(m, n), (n, n) and (m, m)"
-        )
-    if not all(np.isfinite(part).all() for part in (A, C, W, V)):
-        raise ValueError("A, C, W or V has entries that are not finite; every entry must be known")
-    for name, matrix, positive in (("V", V, True), ("W", W, False)):
-        if not np.allclose(matrix, matrix.T, rtol=1e-9, atol=0):
-            raise ValueError(f"{name} is not symmetric; a covariance is: give ({name} + {name}')/2")
-        deviation = np.sqrt(np.abs(np.diag(matrix)))
-        unit = np.where(deviation > 0, deviation, 1.0)
-        least = np.linalg.eigvalsh(matrix / np.outer(unit, unit)).min(initial=1.0)
-        if least <= 0 if positive else least < -1e-9:
-            value = np.linalg.eigvalsh(matrix).min()
-            kind = "positive definite" if positive else "positive semi-definite"
-            raise ValueError(
-                f"{name} is not {kind}: its smallest eigenvalue is {value:.3g}; give a covariance"
-            )
+        return np.full_like(system.A, np.nan)
 
 
 def _listed(A: np.ndarray) -> str:

@@ -9,6 +9,9 @@ from typing import NamedTuple
 import numpy as np
 import scipy.linalg
 
+from objectives.linear_systems.model import LinearSystem
+from objectives.linear_systems.scaling import balance
+
 MOST_SLACK = 1e-6
 """Of the rates: where rounding leaves a chain of two."""
 _EPS = float(np.finfo(np.float64).eps)
@@ -29,26 +32,29 @@ class Subspace(NamedTuple):
     scale: np.ndarray
 
 
-def unseen(A: np.ndarray, C: np.ndarray, discrete: bool) -> Subspace:
-    """What does not die out and shows in no measurement."""
-    return _lasting(np.asarray(A, np.float64), np.asarray(C, np.float64), discrete, grows=True)
+def unobservable(system: LinearSystem) -> Subspace:
+    """What shows in no measurement, dying out or not.
 
-
-def undriven(A: np.ndarray, W: np.ndarray, discrete: bool) -> Subspace:
-    """What no noise drives and neither grows nor dies out: combinations y = scaled / scale."""
-    A, W = np.asarray(A, np.float64), np.asarray(W, np.float64)
-    values, basis, scale = _lasting(A.T, W, discrete, grows=False)
-    return Subspace(values, basis, 1 / scale)
-
-
-def unobservable(A: np.ndarray, C: np.ndarray, *, discrete: bool) -> np.ndarray:
-    """Directions that show in no measurement, dying out or not, ``(n, k)``.
-
-    >>> unobservable(np.diag([-1.0, -2.0]), np.array([[1.0, 0.0]]), discrete=False).ravel().tolist()
-    [0.0, 1.0]
+    >>> A, C = [[-1.0, 0.0], [0.0, -2.0]], [[1.0, 0.0]]
+    >>> found = unobservable(LinearSystem(A, C, np.eye(2), [[1.0]]))
+    >>> found.values.tolist(), found.basis.ravel().tolist()
+    ([-2.0], [0.0, 1.0])
     """
-    hidden = _hidden(A, C, discrete)
-    return np.asarray(hidden.scale[:, None] * hidden.basis)
+    basis, inner, size, scale, _ = _hidden(system.A, system.C, system.discrete)
+    rest = 1.0 if system.discrete else 0.0
+    values = np.linalg.eigvals(inner) * size + rest if inner.size else np.zeros(0)
+    return Subspace(values, basis, scale)
+
+
+def unseen(system: LinearSystem) -> Subspace:
+    """What does not die out and shows in no measurement."""
+    return _lasting(system.A, system.C, system.discrete, grows=True)
+
+
+def undriven(system: LinearSystem) -> Subspace:
+    """What no noise drives and neither grows nor dies out: combinations y = scaled / scale."""
+    values, basis, scale = _lasting(system.A.T, system.W, system.discrete, grows=False)
+    return Subspace(values, basis, 1 / scale)
 
 
 class _Hidden(NamedTuple):
@@ -117,23 +123,6 @@ def _kernel(M: np.ndarray, nothing: float) -> np.ndarray:
 
 
 def _scale(A: np.ndarray, C: np.ndarray) -> np.ndarray:
-    """Powers of two, by states, in which the entries of A and of each row of C are most alike.
-
-    Least squares over the logarithms of what is not zero, so a change of units cancels. Unknown
-    beside the states' units are that of time and of each row of C.
-    """
-    n, m = len(A), len(C)
-    rows, logs = [], []
-    for i, j in np.argwhere((A != 0) & ~np.eye(n, dtype=bool)):
-        row = np.zeros(n + 1 + m)
-        row[j], row[i], row[n] = 1, -1, 1
-        rows.append(row)
-        logs.append(-np.log2(abs(A[i, j])))
-    for i, j in np.argwhere(C != 0):
-        row = np.zeros(n + 1 + m)
-        row[j], row[n + 1 + i] = 1, 1
-        rows.append(row)
-        logs.append(-np.log2(abs(C[i, j])))
-    if not rows:
-        return np.ones(n)
-    return np.asarray(2.0 ** np.round(np.linalg.lstsq(np.array(rows), np.array(logs))[0][:n]))
+    """Units of the states as powers of two, which do not round; a pole has no say in them."""
+    between = A - np.diag(np.diag(A))
+    return np.asarray(2.0 ** np.round(np.log2(balance(between, C).states)))

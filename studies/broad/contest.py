@@ -31,7 +31,7 @@ class Error:
 
     def __call__(self, outputs: Any, truth: Array) -> Array:
         """Of quaternions, or of outputs that have some; in blocks or not."""
-        q = getattr(outputs, "q", outputs)
+        q = getattr(outputs, "att", outputs)
         return AttitudeRmse(self.part)(q.reshape(-1, 4), truth.reshape(-1, 4))
 
 
@@ -135,7 +135,7 @@ class Contest:
         plain = self._samples
         fields = [trial.field for trial in self.trials if trial.field is not None]
         seen = _cut(fields, len(plain.truth), 1, "edge")[:, :, 0]
-        return Data(plain.inputs._replace(field=seen), plain.truth)
+        return Data(plain.inputs._replace(mag=seen), plain.truth)
 
 
 def side_by_side(name: str, trials: Sequence[Trial]) -> Data:
@@ -181,7 +181,7 @@ def _judged(
 ) -> tuple[list[Array], Array]:
     """The errors by part, each ``(k,)``, and the last trial's inclination error in time."""
     found = run(Batched(filter), params, data.inputs)[1]
-    q = getattr(found, "q", found)
+    q = getattr(found, "att", found)
     end, truth = q[:, -1].reshape(-1, 4), data.truth[:, -1].reshape(-1, 4)
     angle = jnp.degrees(jax.vmap(attitude_error)(end, truth).inclination)
     last = jnp.where(jnp.isnan(truth).any(axis=1), jnp.nan, angle)

@@ -101,8 +101,8 @@ FREE: dict[str, dict[str, Parameter]] = {
         "delta": Positive(0.05, 1e-3, 1.0, threshold=True),
     },
     "mahony": {
-        "kp": Positive(0.74, 1e-3, 1e2, "1/s"),
-        "ki": Positive(0.0012, 1e-7, 1e1, "1/s^2"),
+        "Kp": Positive(0.74, 1e-3, 1e2, "1/s"),
+        "Ki": Positive(0.0012, 1e-7, 1e1, "1/s^2"),
     },
     "madgwick": {"beta": Positive(0.12, 1e-4, 1e1, "rad/s")},
 }

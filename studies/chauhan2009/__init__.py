@@ -45,7 +45,7 @@ def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
 
 
 def _source(problem: Problem) -> Source:
-    made = np.asarray(problem.data.inputs.rate)
+    made = np.asarray(problem.data.inputs.gyr)
     return Source.simulated(f"{made.shape[1]} simulated pitch steps", [made], 1 / DT)
 
 

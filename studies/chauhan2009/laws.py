@@ -11,7 +11,6 @@ from jax import Array
 
 from filters import Batched, run, shared
 from filters.gps_aided import GpsAidedKalman, GpsAidedNoise, GpsAidedOutputs, GpsAidedSample
-from filters.residual_noise import ResidualNoise
 from objectives import Data
 from objectives import Records as OverRecords
 from studies.chauhan2009.steps import BEFORE, DT, EVERY, MOTIONS, Records, Settings, Step, records
@@ -45,11 +44,15 @@ class Build:
         """The same for every record, without a random law's scale."""
         given = {"angle": jnp.asarray(self.noise)} | {k: jnp.asarray(v) for k, v in PAPER.items()}
         given |= values
-        Q = jnp.repeat(jnp.stack([given["quaternion"], given["bias"]]), np.array([4, 3]), 0)
-        process = ResidualNoise(Q, given["floor"], jnp.zeros(7), given["h"])
-        R = jnp.full(3, jnp.radians(given["angle"]) ** 2)
-        x0 = jnp.zeros(7).at[0].set(1.0)
-        found: GpsAidedNoise = shared(GpsAidedNoise(R, process, x0, 0.01 * jnp.eye(7)), self.count)
+        numbers = {
+            f"R_{angle}": jnp.radians(given["angle"]) ** 2 for angle in ("phi", "theta", "psi")
+        }
+        for state in ("quaternion", "bias"):
+            numbers |= {f"Q_{state}": given[state], f"floor_{state}": given["floor"]}
+            numbers |= {f"P0_{state}": jnp.asarray(0.01)}
+        q0 = jnp.zeros(4).at[0].set(1.0)
+        known = GpsAidedNoise(**numbers, h=given["h"], scale=jnp.zeros(7), q0=q0, b0=jnp.zeros(3))
+        found: GpsAidedNoise = shared(known, self.count)
         return found
 
 
@@ -57,7 +60,7 @@ def estimated(
     filter: GpsAidedKalman, settings: Settings, inputs: GpsAidedSample, values: dict[str, Array]
 ) -> GpsAidedOutputs:
     """A filter's outputs over records side by side."""
-    return outputs(filter, Build(settings.noise, inputs.rate.shape[1])(values), inputs)
+    return outputs(filter, Build(settings.noise, inputs.gyr.shape[1])(values), inputs)
 
 
 def outputs(
@@ -88,7 +91,7 @@ def randomly(
     late = np.asarray(fuzzy.Q)[round(BEFORE / DT) :]
     params = Build(settings.noise, count)({})
     scale = jnp.asarray(random_scale(late, factor))
-    params = params._replace(process=params.process._replace(scale=scale))
+    params = params._replace(scale=scale)
     draw = np.random.default_rng([seed, 7]).uniform(size=(*made.truth.shape, 7))
     return outputs(RANDOM, params, made.inputs._replace(draw=jnp.asarray(draw)))
 

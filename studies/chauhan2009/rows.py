@@ -171,7 +171,8 @@ def _positive(settings: Settings) -> Comparison:
     made = records(settings, [Step(0.0, "silent")], [0])
     params = Build(settings.noise, 1)({"floor": jnp.zeros(())})
     still = made.inputs._replace(
-        z=jnp.where(jnp.isnan(made.inputs.z), jnp.nan, 0.0), rate=0 * made.inputs.rate
+        angles=jnp.where(jnp.isnan(made.inputs.angles), jnp.nan, 0.0),
+        gyr=0 * made.inputs.gyr,
     )
     found = outputs(FUZZY, params, still)
     least = float(np.asarray(found.Q)[-1].max())

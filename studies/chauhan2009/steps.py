@@ -85,7 +85,7 @@ class Records(NamedTuple):
     """k records side by side.
 
     Attributes:
-        inputs: rate and z, ``(N, k, 3)``.
+        inputs: rates and measured angles, ``(N, k, 3)``.
         truth: pitch at the ticks, rad, ``(N, k)``.
     """
 

@@ -5,32 +5,35 @@ from functools import partial
 
 import numpy as np
 
+from objectives import LinearSystem
 from studies.design.settings import Settings
 from tuner.certificate.solution import Solution
 from tuner.export.tuned import Quantity
-from tuner.observers import LinearDesign, gain_of
+from tuner.observers import gain_of
 from tuner.problem.problem import Problem
 from tuner.run.study import Target
 
 
 @dataclass(frozen=True, eq=False)
 class Designed:
-    """A model, the part of it that a problem is about, and the problem.
+    """A system, the part of it that a problem is about, and the problem.
 
     Attributes:
-        full: the model.
+        full: the system.
+        error: weights of the error that counts, ``(n,)``.
         part: without what nothing drives, where the design is one of the steady state.
-        T: from the part's states to the model's, ``(n, r)``.
+        T: from the part's states to the system's, ``(n, r)``.
         problem: posed on the part.
     """
 
-    full: LinearDesign
-    part: LinearDesign
+    full: LinearSystem
+    error: np.ndarray
+    part: LinearSystem
     T: np.ndarray
     problem: Problem
 
     def gain(self, solution: Solution) -> np.ndarray:
-        """L for the model, ``(n, m)``."""
+        """L for the system, ``(n, m)``."""
         return np.asarray(self.T @ gain_of(self.problem, solution.z))
 
     def covariance(self, solution: Solution) -> np.ndarray:
@@ -67,11 +70,11 @@ def _quantities(settings: Settings, designed: Designed, solution: Solution) -> t
         quantities.append(Quantity("K", K, "", "gain on a sample: x+ = x + K (y - C x), L = A K"))
     P = designed.covariance(solution)
     unit = f"({settings.unit})^2" if settings.unit else ""
-    variance = np.array(full.error @ P @ full.error)
+    variance = np.array(designed.error @ P @ designed.error)
     quantities += [
         Quantity("W", full.W, "", "density of the process noise; discrete: covariance a sample"),
         Quantity("V", full.V, "", "the same of the measurement noise"),
-        Quantity("error", full.error, "", "weights of the error that counts"),
+        Quantity("error", designed.error, "", "weights of the error that counts"),
         Quantity("P", P, "", "steady covariance of the error; discrete: before a measurement"),
         Quantity("variance", variance, unit, "of the error that counts"),
     ]

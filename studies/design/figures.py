@@ -7,7 +7,6 @@ import numpy as np
 from jax.scipy.linalg import expm
 
 from studies.design.designed import Designed
-from tuner.observers import LinearDesign
 from tuner.run.figure import Chart, Figure, Line
 from tuner.run.study import Solutions, best
 
@@ -18,7 +17,7 @@ def figures(designed: Designed, solutions: Solutions) -> Iterator[Figure]:
     """The response, and the poles."""
     full = designed.full
     L = designed.gain(best(designed.problem.name, solutions))
-    yield _response(full, L)
+    yield _response(designed, L)
     poles = full.poles(L)
     per = "" if full.discrete else ", 1/s"
     yield Chart(
@@ -32,15 +31,16 @@ def figures(designed: Designed, solutions: Solutions) -> Iterator[Figure]:
     )
 
 
-def _response(full: LinearDesign, L: np.ndarray) -> Chart:
+def _response(designed: Designed, L: np.ndarray) -> Chart:
     """What an error in each state does to the error that counts."""
+    full = designed.full
     closed = full.A - L @ full.C
     decay = full.decay(L)
     span = 8 / decay if decay > 0 else 100 * (full.dt or 1.0)
     step = full.dt or span / CURVE
     F = closed if full.discrete else np.asarray(expm(jnp.asarray(closed * step)))
     count = min(int(np.ceil(span / step)), 20 * CURVE) + 1
-    rows = [full.error]
+    rows = [designed.error]
     for _ in range(count - 1):
         rows.append(rows[-1] @ F)
     found, at = np.array(rows), np.arange(count) * step

@@ -8,13 +8,13 @@ AGREE = 1e-7
 """How closely the matrix inequality has to give the Riccati equation's variance."""
 
 
-def compare_quietest(undriven: list[str], solutions: Solutions) -> list[Comparison]:
+def compare_minimum_variance(undriven: list[str], solutions: Solutions) -> list[Comparison]:
     """Whether inequality and Riccati equation agree, and what has no steady state."""
-    found, proof = best("quietest", solutions), solutions["quietest_lmi", "sdp"]
+    found, proof = best("minimum_variance", solutions), solutions["minimum_variance_lmi", "sdp"]
     excess = proof.value / found.value - 1
     rows = [
         claim(
-            "quietest.matrix_inequality",
+            "minimum_variance.matrix_inequality",
             "the Riccati equation's variance is the least",
             abs(excess) <= AGREE,
             ours=found.value,
@@ -25,7 +25,7 @@ def compare_quietest(undriven: list[str], solutions: Solutions) -> list[Comparis
     if undriven:
         rows.append(
             claim(
-                "quietest.every_mode_driven",
+                "minimum_variance.every_mode_driven",
                 "a steady state exists",
                 False,
                 ours=None,
@@ -36,9 +36,9 @@ def compare_quietest(undriven: list[str], solutions: Solutions) -> list[Comparis
     return rows
 
 
-def compare_fastest(solutions: Solutions) -> list[Comparison]:
+def compare_fastest_decay(solutions: Solutions) -> list[Comparison]:
     """Which share of the decay rate one Lyapunov matrix for both demands reaches."""
-    found, proof = best("fastest", solutions), solutions["fastest_lmi", "sdp"]
+    found, proof = best("fastest_decay", solutions), solutions["fastest_decay_lmi", "sdp"]
     reached = 1 / found.value
     share = 1 / (proof.value * reached)
     verdict = Verdict.HOLDS if share <= 1 + 1e-6 else Verdict.FAILS
@@ -52,7 +52,9 @@ def compare_fastest(solutions: Solutions) -> list[Comparison]:
     if proof.status is Status.FAILED:
         verdict, note = Verdict.NOT_IDENTIFIABLE, proof.message
     where = "one Lyapunov matrix is never faster"
-    return [Comparison("fastest.matrix_inequality", where, None, share, "", None, verdict, note)]
+    return [
+        Comparison("fastest_decay.matrix_inequality", where, None, share, "", None, verdict, note)
+    ]
 
 
 def _proved(proof: Solution) -> str:

@@ -2,16 +2,12 @@
 
 from typing import Annotated
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from pydantic import Field, Strict, field_validator, model_validator
 
-from filters import van_loan
+from objectives import LinearSystem, covariance, require_detectable
 from tuner.export.checks import require, require_name, require_once
 from tuner.names import unknown
-from tuner.observers import LinearDesign
-from tuner.problem.parameters import covariance
 from tuner.run.settings import StudySettings
 
 Number = Annotated[float, Strict()]
@@ -60,18 +56,15 @@ class Settings(StudySettings):
         return self
 
 
-def model(settings: Settings) -> LinearDesign:
-    """The model as it is designed for; a sampled continuous one is discretised exactly.
+def system_of(settings: Settings) -> LinearSystem:
+    """The system that is designed for; a sampled continuous one is discretised exactly.
 
     Raises:
         ValueError: where a matrix does not fit, noise is no covariance, or a mode is unseen.
     """
-    A, C, Q, R = (
-        np.array(part, float) for part in (settings.A, settings.C, settings.Q, settings.R)
-    )
-    n = len(A)
-    G = np.eye(n) if settings.G is None else np.array(settings.G, float)
-    if A.shape != (n, n) or G.shape != (n, len(Q)):
+    A, Q, R = (np.array(part, float) for part in (settings.A, settings.Q, settings.R))
+    G = np.eye(len(A)) if settings.G is None else np.array(settings.G, float)
+    if A.shape != (len(A), len(A)) or G.shape != (len(A), len(Q)):
         raise ValueError(
             f"A {A.shape}, G {G.shape} and Q {Q.shape} do not fit; they are (n, n), (n, p) and "
             "(p, p), and G is the unit matrix where it is not given"
@@ -81,23 +74,18 @@ def model(settings: Settings) -> LinearDesign:
             covariance(matrix)
         except ValueError as error:
             raise ValueError(f"{name} {error}") from None
-    states = settings.states or tuple(f"x{i + 1}" for i in range(n))
-    if len(states) != n:
-        raise ValueError(f"{len(states)} names ({', '.join(states)}) for {n} states; give one each")
-    W, dt = G @ Q @ G.T, settings.dt
+    W, states = G @ Q @ G.T, settings.states or ()
+    system = LinearSystem(A, settings.C, W, R, dt=settings.dt, states=states)
     if settings.sample_time is not None:
-        dt = settings.sample_time
-        given = (jnp.asarray(part) for part in (A, G, Q, dt))
-        step = jax.jit(van_loan)(*given)
-        A, W = np.asarray(step.F), np.asarray(step.Q)
-    return LinearDesign(states, A, C, W, R, _error(settings.error, states), dt)
+        system = system.sampled(settings.sample_time, R)
+    require_detectable(system)
+    return system
 
 
-def _error(given: str | tuple[float, ...], states: tuple[str, ...]) -> np.ndarray:
-    if not isinstance(given, str):
-        if not any(given):
-            raise ValueError("the error that counts is zero in every state; name one, or weights")
-        return np.array(given, float)
-    if given not in states:
-        raise unknown("state", given, states)
-    return np.asarray(np.eye(len(states))[states.index(given)])
+def error_of(settings: Settings, system: LinearSystem) -> np.ndarray:
+    """The weights of the error that counts, ``(n,)``."""
+    if not isinstance(settings.error, str):
+        return np.array(settings.error, float)
+    if settings.error not in system.states:
+        raise unknown("state", settings.error, system.states)
+    return np.asarray(np.eye(len(system.A))[system.states.index(settings.error)])

@@ -16,7 +16,6 @@ from filters import (
     GainedSample,
     StoredGains,
     loop_step,
-    vertical_channel,
 )
 from studies.ha1981 import conventional, scheme
 from studies.ha1981.channel import STATES, Channel, Settings
@@ -26,7 +25,7 @@ from tuner.certificate.single_precision import Part, SinglePrecision, single_pre
 from tuner.certificate.solution import Solution
 from tuner.data.logs import Log
 from tuner.export.tuned import Quantity
-from tuner.observers.lmi import FastestTask, observer_model
+from tuner.observers.lmi import FastestDecayTask
 from tuner.run.study import Plan, Source, Study, Target, Task
 from tuner.solvers import Convex, Gradient, Ipopt, NelderMead
 
@@ -44,13 +43,13 @@ LOOP_MEANINGS = {
 def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
     """Both schemes designed, and what the paper leaves open settled."""
     channel = Channel.of(settings)
-    fastest = conventional.fastest(channel)
+    loop = conventional.fastest_decay(channel)
     stored = scheme.Storage.of(channel, settings.Ts, settings.segments)
     posed = stored.problem()
     return Plan(
         source=_source(channel),
         tasks=(*_conventional_tasks(channel, settings, seed), *_kalman_tasks(channel, posed, seed)),
-        targets=(_loop_target(channel, fastest), _stored_target(channel, stored, posed)),
+        targets=(_loop_target(channel, loop), _stored_target(channel, stored, posed)),
         compare=partial(compare, channel, settings),
         figures=partial(figures, channel, settings),
     )
@@ -62,25 +61,25 @@ def _source(channel: Channel) -> Source:
 
 
 def _conventional_tasks(channel: Channel, settings: Settings, seed: int) -> list[Task]:
-    fastest, closed = conventional.fastest(channel), conventional.closed_form(channel)
+    loop, closed = conventional.fastest_decay(channel), conventional.closed_form(channel)
     end = scheme.reaches(channel, 5.0)
     gradient = Gradient("l-bfgs-b", seed=seed, starts=2)
     staged = [conventional.staged(channel, end, stages) for stages in (1, 2)]
     return [
-        Task(fastest, Ipopt(seed=seed, starts=settings.starts), "ipopt"),
-        Task(fastest, closed, closed.name),
+        Task(loop, Ipopt(seed=seed, starts=settings.starts), "ipopt"),
+        Task(loop, closed, closed.name),
         Task(_one_lyapunov_matrix(channel), Convex("sdp"), "sdp"),
         Task(conventional.least_ise(channel), Ipopt(seed=seed, starts=2), "ipopt"),
         *(Task(problem, gradient, gradient.name) for problem in staged),
     ]
 
 
-def _one_lyapunov_matrix(channel: Channel) -> FastestTask:
+def _one_lyapunov_matrix(channel: Channel) -> FastestDecayTask:
     """The conventional design as a matrix inequality, without altimeter noise as in the paper."""
-    A, G, C = (np.asarray(part) for part in vertical_channel(channel.k_gh))
     bias = np.array([[1.0, 0.0, 0.0]])
-    model = observer_model(A, C, G @ G.T * channel.q_a, np.zeros((1, 1)), bias)
-    return FastestTask("conventional_lmi", model, np.array([channel.bound]), ("A_B",))
+    return FastestDecayTask(
+        "conventional_lmi", channel.system(0.0), bias, [channel.bound], ("A_B",)
+    )
 
 
 def _kalman_tasks(channel: Channel, stored: Any, seed: int) -> list[Task]:
@@ -152,7 +151,7 @@ def _stored_target(channel: Channel, storage: scheme.Storage, problem: Any) -> T
 def _stored_quantities(
     channel: Channel, storage: scheme.Storage, solution: Solution
 ) -> tuple[Quantity, ...]:
-    steady = scheme.SteadyModel.of(channel, storage.Ts).kalman()[1][:, 0]
+    steady = scheme.steady_gains(channel, storage.Ts)
     move = channel.model(storage.Ts).transition
     history = np.asarray(storage.optimal.K)[:, :, 0]
     units = "1/s^2, 1/s, 1"

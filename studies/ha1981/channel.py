@@ -24,11 +24,16 @@ from filters import (
     van_loan,
     vertical_channel,
 )
+from objectives import LinearSystem
 from tuner.run.settings import StudySettings
 
 FOOT = 0.3048
 """In metres."""
 STATES = ("A_B", "dV", "dh")
+ENTERS = np.array([[0.0], [1.0], [0.0]])
+"""G of (11): W_a is an acceleration."""
+MEASURED = np.array([[0.0, 0.0, 1.0]])
+"""H of (11): the altitude error is measured."""
 
 
 class Settings(StudySettings):
@@ -106,6 +111,11 @@ class Channel:
     def squared(self) -> str:
         """The unit of a bias's variance."""
         return f"({self.unit}/s^2)^2"
+
+    def system(self, density: float) -> LinearSystem:
+        """(11) in continuous time, with a spectral density of the altitude's noise, unit^2 s."""
+        A, W = vertical_channel(self.k_gh), ENTERS @ ENTERS.T * self.q_a
+        return LinearSystem(A, MEASURED, W, [[density]], states=STATES)
 
     def model(self, Ts: float) -> LinearModel:
         """(11) and (12): exact Phi, Q of white noise (Van Loan); the one printed has no Ts."""
@@ -188,9 +198,9 @@ def kalman_history(channel: Channel, Ts: float, seconds: float) -> Uncertainty:
 
 def riccati_history(channel: Channel, dt: float, seconds: float) -> Uncertainty:
     """The continuous filter with q_b as a spectral density; gains P H' / q_b."""
-    F, G, H = vertical_channel(channel.k_gh)
-    W, V = G @ G.T * channel.q_a, jnp.array([[channel.q_b]])
-    flow = Flow(riccati_flow(F, H, W, V, jnp.asarray(dt)), channel.model(1.0).P0)
+    system = channel.system(channel.q_b)
+    A, C, W, V = map(jnp.asarray, (system.A, system.C, system.W, system.V))
+    flow = Flow(riccati_flow(A, C, W, V, jnp.asarray(dt)), channel.model(1.0).P0)
     samples = len(times(seconds, dt))
     P = _riccati(flow, _counted(samples))[:samples]
     return Uncertainty(P, P[:, :, 2:] / channel.q_b)
@@ -213,10 +223,10 @@ def loop_history(channel: Channel, gains: Gains, dt: float, seconds: float) -> n
 @jax.jit
 def _model(numbers: tuple[Array, ...], Ts: Array) -> LinearModel:
     q_a, q_b, sigma2_ab, sigma2_hr, k_gh = numbers
-    F, G, H = vertical_channel(k_gh)
+    F, G = vertical_channel(k_gh), jnp.asarray(ENTERS)
     return LinearModel(
         transition=van_loan(F, G, jnp.reshape(q_a, (1, 1)), Ts),
-        H=H,
+        H=jnp.asarray(MEASURED),
         R=jnp.reshape(q_b, (1,)),
         P0=jnp.diag(jnp.stack([sigma2_ab, jnp.zeros(()), sigma2_hr])),
         x0=jnp.zeros(3),

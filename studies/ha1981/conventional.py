@@ -1,4 +1,4 @@
-"""The conventional loop as design problems: fastest, least ISE, and in stages."""
+"""The conventional loop as design problems: fastest decay, least ISE, and in stages."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -30,7 +30,7 @@ class Loop(NamedTuple):
     K3: Array
 
 
-def fastest(channel: Channel) -> Problem:
+def fastest_decay(channel: Channel) -> Problem:
     """The paper's design: the slowest pole as fast as the bound on (5)'s noise share allows."""
     eta = channel.eta
     return Problem(
@@ -42,14 +42,14 @@ def fastest(channel: Channel) -> Problem:
             stiffness=Limited(1.0, 0.0, WIDEST),
         ),
         filter=None,
-        build=placed,
+        build=from_factors,
         objective=time_constant,
         constraints=(Constraint("variance", Share(channel.q_a), channel.bound, channel.squared),),
         derive=_gains,
     )
 
 
-def placed(values: dict[str, Array]) -> Loop:
+def from_factors(values: dict[str, Array]) -> Loop:
     """Gains from the factors of s^3 + K1 s^2 + K2' s + K3."""
     pairs = [(values["damping"], values["stiffness"])]
     _, K1, K2p, K3 = Factors(3).coefficients(values["decay"], values["spread"], pairs)
@@ -73,7 +73,7 @@ class Share:
 
 
 def _gains(values: dict[str, Array]) -> dict[str, Array]:
-    return placed(values)._asdict()
+    return from_factors(values)._asdict()
 
 
 def closed_form(channel: Channel) -> Known:

@@ -8,9 +8,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import GainTable, LinearModel, TableCovariance, Uncertainty
-from objectives import Data, VarianceRatio, dare, steady_gain, steady_variance, updated
-from studies.ha1981.channel import Channel, kalman_history, replayed, times
+from filters import GainTable, TableCovariance, Uncertainty
+from objectives import Data, LinearSystem, VarianceRatio, steady_kalman
+from studies.ha1981.channel import MEASURED, STATES, Channel, kalman_history, replayed, times
 from tuner.problem.parameters import Limited, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.space import Space
@@ -72,49 +72,20 @@ def printed_noise(channel: Channel, Ts: float) -> np.ndarray:
     return Q
 
 
-@dataclass(frozen=True, eq=False)
-class SteadyModel:
-    """The channel without its bias, which is not driven and needs no gain in the long run.
-
-    Attributes:
-        model: the scheme's, of (dV, dh).
-    """
-
-    model: LinearModel
-
-    @classmethod
-    def of(cls, channel: Channel, Ts: float) -> "SteadyModel":
-        """At a sampling period."""
-        full = channel.model(Ts)
-        move = full.transition
-        two = move._replace(F=move.F[1:, 1:], G=move.G[1:, 1:], Q=move.Q[1:, 1:])
-        return cls(
-            LinearModel(two, full.H[:, 1:], full.R, full.P0[1:, 1:], full.x0[1:]),
-        )
-
-    def kalman(self) -> tuple[np.ndarray, np.ndarray]:
-        """P(+) and K = P(+) H' / q_b in the steady state, by the Riccati equation."""
-        P, K = _steady(self.model)
-        return np.asarray(P), np.asarray(K)
+def steady_system(channel: Channel, Ts: float) -> LinearSystem:
+    """The channel at a sampling period without its bias, which is not driven and needs no gain."""
+    move = channel.model(Ts).transition
+    F, Q = (np.asarray(part)[1:, 1:] for part in (move.F, move.Q))
+    return LinearSystem(F, MEASURED[:, 1:], Q, [[channel.q_b]], dt=Ts, states=STATES[1:])
 
 
-@jax.jit
-def _steady(m: LinearModel) -> tuple[Array, Array]:
-    R = jnp.diag(m.R)
-    P = dare(m.transition.F, m.H, m.transition.Q, R)
-    return updated(P, m.H, R), steady_gain(P, m.H, R)
-
-
-class Fixed(NamedTuple):
-    """A model with a gain that stays as it is."""
-
-    model: LinearModel
-    K: Array
+def steady_gains(channel: Channel, Ts: float) -> np.ndarray:
+    """K2 and K3 in the steady state, by the Riccati equation, ``(2,)``."""
+    return steady_kalman(steady_system(channel, Ts)).gain[:, 0]
 
 
 def steady(channel: Channel, Ts: float) -> Problem:
     """K2 and K3 for the least steady variance of the velocity error, before a measurement."""
-    reduced = SteadyModel.of(channel, Ts)
     guess = closed_forms(channel.q_a, channel.q_b, Ts)
     return Problem(
         name="kalman_steady",
@@ -123,34 +94,31 @@ def steady(channel: Channel, Ts: float) -> Problem:
             K3=Limited(0.5 * guess.K3, 0.0, 1.0, scale=guess.K3),
         ),
         filter=None,
-        build=_Steadied(reduced),
-        objective=velocity_variance,
+        build=_steady_gain,
+        objective=VelocityVariance(steady_system(channel, Ts)),
     )
 
 
+def _steady_gain(values: dict[str, Array]) -> Array:
+    """K on a measurement, ``(2, 1)``."""
+    return jnp.stack([values["K2"], values["K3"]])[:, None]
+
+
 @dataclass(frozen=True, eq=False)
-class _Steadied:
-    """From the space's values to a model with these gains."""
+class VelocityVariance:
+    """Steady variance of dV before a measurement, under a gain that stays as it is."""
 
-    reduced: SteadyModel
+    system: LinearSystem
 
-    def __call__(self, values: dict[str, Array]) -> Fixed:
-        return Fixed(self.reduced.model, jnp.stack([values["K2"], values["K3"]])[:, None])
-
-
-def velocity_variance(fixed: Fixed, _: None) -> Array:
-    """Steady variance of dV before a measurement; infinite where the gains are unstable."""
-    model, K = fixed
-    F = model.transition.F
-    closed = F @ (jnp.eye(2) - K @ model.H)
-    noise = model.transition.Q + F @ K @ jnp.diag(model.R) @ K.T @ F.T
-    return steady_variance(closed, noise, jnp.array([1.0, 0.0]), discrete=True)
+    def __call__(self, K: Array, _: None) -> Array:
+        """In (unit/s)^2; NaN where the gain is unstable."""
+        return self.system.steady(jnp.asarray(self.system.A) @ K)[0, 0]
 
 
 def riccati_gains(channel: Channel, Ts: float) -> Known:
     """The steady problem's solution by the Riccati equation."""
-    K = SteadyModel.of(channel, Ts).kalman()[1][:, 0]
-    return Known("riccati", lambda _: {"K2": K[0], "K3": K[1]}, "the Riccati equation's solution")
+    K2, K3 = steady_gains(channel, Ts)
+    return Known("riccati", lambda _: {"K2": K2, "K3": K3}, "the Riccati equation's solution")
 
 
 def printed_gains(channel: Channel, Ts: float) -> Known:

@@ -6,9 +6,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from filters import AnyFilter, Noise, run
+from filters import AnyFilter, KownackiNoise, run
 from objectives import Folded, StepCost, StepResponse
-from studies.kownacki2010.bench import ACC, Bench
+from studies.kownacki2010 import problems
+from studies.kownacki2010.data import Bench
+from studies.kownacki2010.paper import ACC
 from tuner.problem.problem import Problem
 from tuner.problem.surface import grid
 from tuner.run.figure import Chart, Figure, Line, Map
@@ -27,39 +29,45 @@ def figures(benches: list[Bench], solutions: Solutions) -> Iterator[Figure]:
         yield _tradeoff(bench, ratio)
 
 
+def own_figures(benches: list[Bench], solutions: Solutions) -> Iterator[Figure]:
+    """Of a record of one's own: the step response at the optimum, and what the cost trades."""
+    for bench in benches:
+        ratio = best(bench.sensor.name, solutions).derived["q_over_r"]
+        yield _responses(bench, ratio, published=False)
+        yield _tradeoff(bench, ratio, published=False)
+
+
 def _sweeps(bench: Bench) -> Figure:
     """Figs 5 and 6: one of R, Q and P0 at an extreme, the others as in Table 1."""
     R, Q = bench.noise
     ones = np.ones((2, 2))
     sweeps = {
-        "R = 1e-30, as good as 0": Noise(1e-30, Q, ones),
-        "R = 1": Noise(1.0, Q, ones),
-        "Q = 0": Noise(R, 0.0, ones),
-        "Q = 1": Noise(R, 1.0, ones),
-        "R, Q of the record": Noise(R, Q, ones),
-        "the same, P0 = 1e-6": Noise(R, Q, 1e-6 * ones),
+        "R = 1e-30, as good as 0": KownackiNoise(1e-30, Q, ones),
+        "R = 1": KownackiNoise(1.0, Q, ones),
+        "Q = 0": KownackiNoise(R, 0.0, ones),
+        "Q = 1": KownackiNoise(R, 1.0, ones),
+        "R, Q of the record": KownackiNoise(R, Q, ones),
+        "the same, P0 = 1e-6": KownackiNoise(R, Q, 1e-6 * ones),
     }
     figure = "fig5_acc" if bench.sensor is ACC else "fig6_gyro"
     title = "Step and record filtered with R, Q and P0 at their extremes"
     return _chart(bench, figure, title, sweeps)
 
 
-def _responses(bench: Bench, ratio: float) -> Figure:
+def _responses(bench: Bench, ratio: float, *, published: bool = True) -> Figure:
     """Fig 9: the step response at Table 2's ratio and at the optimum of this record."""
-    published = bench.sensor.table2
-    chosen = {
-        "Table 2": Noise(published.R, published.Q, np.ones((2, 2))),
-        f"optimum, Q/R = {ratio:.4g}": Noise(bench.R, ratio * bench.R, np.ones((2, 2))),
-    }
-    title = "Step response with tuned Q and R"
-    return _chart(bench, f"fig9_{bench.sensor.name}", title, chosen, window=(0.48, 0.65))
+    table, ones = bench.sensor.table2, np.ones((2, 2))
+    chosen = {"Table 2": KownackiNoise(table.R, table.Q, ones)} if published else {}
+    chosen[f"optimum, Q/R = {ratio:.4g}"] = KownackiNoise(bench.R, ratio * bench.R, ones)
+    name = f"{'fig9' if published else 'step'}_{bench.sensor.name}"
+    return _chart(bench, name, "Step response with tuned Q and R", chosen, window=(0.48, 0.65))
 
 
 def _chart(
     bench: Bench,
     name: str,
     title: str,
-    chosen: dict[str, Noise],
+    chosen: dict[str, KownackiNoise],
     window: tuple[float, float] = (0.0, 1.0),
 ) -> Chart:
     """What the filter answers to step and record, over a window of the record (from 0 to 1)."""
@@ -82,13 +90,13 @@ def _chart(
 
 
 @jax.jit(static_argnums=0)
-def _answer(filter: AnyFilter, params: Noise, signals: jax.Array) -> jax.Array:
+def _answer(filter: AnyFilter, params: KownackiNoise, signals: jax.Array) -> jax.Array:
     return jnp.sum(run(filter, params, signals)[1], axis=1)
 
 
 def _surface(bench: Bench, ratio: float) -> Figure:
     """Fig 8: the cost over R and Q, on logarithmic axes, where its valley shows."""
-    problem = bench.paper()
+    problem = problems.paper(bench)
     R = np.logspace(-13, 0, bench.settings.grid)
     Q = np.logspace(-13, 2, bench.settings.grid)
     published = bench.sensor.table2
@@ -111,14 +119,12 @@ def _surface(bench: Bench, ratio: float) -> Figure:
     )
 
 
-def _tradeoff(bench: Bench, ratio: float) -> Figure:
+def _tradeoff(bench: Bench, ratio: float, *, published: bool = True) -> Figure:
     """Inertia against noise over Q/R: every point is the best for some weight of the noise."""
-    problem = bench.problem()
+    problem = problems.problem(bench)
     ratios = ratio * np.logspace(-3, 3, 61)
     inertia, noise = (np.asarray(part) for part in _parts(problem, bench.R * ratios))
     optima = [int(np.argmin(inertia + weight * noise)) for weight in (0.5, 1.0, 2.0)]
-    published = bench.sensor.table2.Q / bench.sensor.table2.R
-    there = _parts(problem, np.array([bench.R * published]))
     words = ("half weight", "weight 1", "double weight")
     return Chart(
         name=f"tradeoff_{bench.sensor.name}",
@@ -131,14 +137,16 @@ def _tradeoff(bench: Bench, ratio: float) -> Figure:
                 Line(f"{word}: Q/R = {ratios[i]:.3g}", noise[[i]], inertia[[i]])
                 for word, i in zip(words, optima, strict=True)
             ),
-            Line(
-                f"Table 2: Q/R = {published:.4g}",
-                np.asarray(there.noise),
-                np.asarray(there.inertia),
-            ),
+            *(_of_table_2(bench, problem) if published else ()),
         ),
         log="xy",
     )
+
+
+def _of_table_2(bench: Bench, problem: Problem) -> tuple[Line]:
+    ratio = bench.sensor.table2.Q / bench.sensor.table2.R
+    there = _parts(problem, np.array([bench.R * ratio]))
+    return (Line(f"Table 2: Q/R = {ratio:.4g}", *map(np.asarray, (there.noise, there.inertia))),)
 
 
 def _parts(problem: Problem, Q: np.ndarray) -> StepCost:
@@ -149,7 +157,7 @@ def _parts(problem: Problem, Q: np.ndarray) -> StepCost:
         raise TypeError(f"{problem.name} is not judged by a step response")
 
     def both(q: jax.Array) -> StepCost:
-        params = Noise(fixed["R"], q, fixed["P0"])
+        params = KownackiNoise(fixed["R"], q, fixed["P0"])
         (_, total), kept = run(Folded(filter, objective), params, problem.data)
         return objective.parts(total, kept)
 

@@ -40,7 +40,7 @@ def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
     tuned_on = recordings(settings, settings.train, seed)
     if settings.tune_on == "experiment2":
         inputs = experiment_2(settings.gyro_unit)
-        still = jax.numpy.zeros((len(inputs.rate), 1, 2))
+        still = jax.numpy.zeros((len(inputs.gyr), 1, 2))
         tuned_on = Recordings(jax.tree.map(lambda leaf: leaf[:, None], inputs), still)
     judged_on = recordings(settings, settings.held_out, seed + HELD_OUT)
     posed = problems(tuned_on)
@@ -63,7 +63,7 @@ def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
 
 def _source(settings: Settings, tuned_on: Recordings, seed: int) -> Source:
     name = f"{tuned_on.count} simulated motions with pushes and bias, seeds from {seed}"
-    return Source.simulated(name, [np.asarray(tuned_on.inputs.acceleration)], 1 / DT)
+    return Source.simulated(name, [np.asarray(tuned_on.inputs.acc)], 1 / DT)
 
 
 def _target(problem: Problem, judged_on: Recordings) -> Target:

@@ -17,7 +17,7 @@ LABELS = {"standard": "standard", "simple": "simple adaptive", "two_step": "two-
 def figures(settings: Settings, judged_on: Recordings, solutions: Solutions) -> Iterator[Figure]:
     """All of them."""
     inputs = experiment_2(settings.gyro_unit)
-    t = DT * np.arange(1, len(inputs.rate) + 1)
+    t = DT * np.arange(1, len(inputs.gyr) + 1)
     found = {name: outputs(filter, inputs, noise({})) for name, filter in FILTERS.items()}
     for at, name in ((1, "roll"), (0, "pitch")):
         lines = tuple(

@@ -27,8 +27,6 @@ from tuner.problem.space import Space
 SWING = Swing(size=(np.radians(15.0), np.radians(12.0), np.radians(60.0)))
 EVERY = 10.0
 """A burst comes every so many seconds on average."""
-TO_PAPER = np.array([1.0, -1.0, -1.0])
-"""From rates about forward, left and up axes to the paper's; its accelerations stay as they are."""
 Q1 = Positive(1.0, 1e-2, 1e4, unit="rad^2/s^3")
 R_NOM = Positive(0.05, 1e-4, 1e3, unit="g^2")
 DELTA = Positive(0.005, 5e-4, 0.2, unit="g^2", threshold=True)
@@ -135,12 +133,7 @@ def _record(settings: Settings, seed: int) -> tuple[TiltSample, Array]:
         accelerometer=Sensor(float(np.sqrt(np.mean(ACC_VARIANCE))) * GRAVITY),
         seed=seed,
     )
-    return to_paper(measured.acceleration, measured.rate), jnp.asarray(_tilt(motion))
-
-
-def to_paper(acceleration: Array, rate: Array) -> TiltSample:
-    """From axes forward, left, up (m/s^2, rad/s) to the paper's mixed polarity, in g."""
-    return TiltSample(acceleration / GRAVITY, rate * TO_PAPER)
+    return TiltSample(measured.acc / GRAVITY, measured.gyr), jnp.asarray(_tilt(motion))
 
 
 def _tilt(motion: Motion) -> np.ndarray:

@@ -9,6 +9,7 @@ from jax import Array
 from pydantic import Field
 
 from filters import TiltKalman, TiltNoise, TiltOutputs, TiltSample, run
+from filters.tilt_euler import TO_PAPER
 from objectives import AngleErrors, angle_errors
 from tuner.run.settings import StudySettings
 
@@ -58,7 +59,8 @@ def noise(values: dict[str, Array], start: Array | None = None) -> TiltNoise:
     """The filter's parameters from those given by name, the paper's for the others; P0 = 0."""
     all_values = {name: jnp.asarray(value) for name, value in HEURISTIC.items()} | values
     x0 = jnp.zeros(5) if start is None else start
-    return TiltNoise(**all_values, x0=x0, P0=jnp.zeros((5, 5)))
+    # Accelerations are in g.
+    return TiltNoise(**all_values, gravity=jnp.ones(()), x0=x0, P0=jnp.zeros(()))
 
 
 def experiment_1(unit: GyroUnit, samples: int = SAMPLES) -> TiltSample:
@@ -69,7 +71,7 @@ def experiment_1(unit: GyroUnit, samples: int = SAMPLES) -> TiltSample:
     scale = np.radians(1.0) if unit == "deg/s" else 1.0
     acceleration = chirps[:, :3] * np.sqrt(ACC_VARIANCE) + [0.0, 0.0, 1.0]
     rate = chirps[:, 3:] * np.sqrt(GYR_VARIANCE) * scale
-    return TiltSample(jnp.asarray(acceleration), jnp.asarray(rate))
+    return TiltSample(jnp.asarray(acceleration), jnp.asarray(rate * TO_PAPER))
 
 
 def experiment_2(unit: GyroUnit) -> TiltSample:
@@ -81,7 +83,7 @@ def experiment_2(unit: GyroUnit) -> TiltSample:
         begin = 3.0 + 4 * i
         on = (t >= begin) & (t < begin + 2)
         push[on] += 0.1 * (i + 1) * (-1) ** i * np.sin(2 * np.pi * (t[on] - begin))
-    return still._replace(acceleration=still.acceleration.at[:, 1].add(push))
+    return still._replace(acc=still.acc.at[:, 1].add(push))
 
 
 def outputs(filter: TiltKalman, inputs: TiltSample, parameters: TiltNoise) -> TiltOutputs:

@@ -8,7 +8,7 @@ import numpy as np
 from jax import Array
 from scipy.spatial.transform import Rotation
 
-from filters import GpsAidedKalman, GpsAidedNoise, GpsAidedSample, ResidualNoise
+from filters import GpsAidedKalman, GpsAidedNoise, GpsAidedSample
 from objectives import Data, InnovationLikelihood
 from studies.uav.flights import Flight
 from tuner.problem.parameters import Positive
@@ -20,8 +20,8 @@ Tuned = Literal["constant", "fuzzy"]
 ANGLES: tuple[Angle, ...] = get_args(Angle)
 LAWS: tuple[Tuned, ...] = get_args(Tuned)
 STATES = (*(f"q{i}" for i in range(4)), *(f"bias_{axis}" for axis in "xyz"))
-VARIANCE0 = (*4 * (0.05,), *3 * (1e-3,))
-"""Diagonal of P at the start: half a radian of attitude, 0.03 rad/s of bias."""
+VARIANCE0 = {"quaternion": 0.05, "bias": 1e-3}
+"""Variances at the start: half a radian of attitude, 0.03 rad/s of bias."""
 PROCESS = {"constant": "Q", "fuzzy": "floor"}
 """What a law's free numbers are called: the noise itself, or the least that it may be."""
 UNITS = {"quaternion": "1/s", "bias": "rad^2/s^3"}
@@ -44,13 +44,14 @@ class Build:
     def __call__(self, values: dict[str, Array]) -> GpsAidedNoise:
         """R by angle; process noise equal for the quaternion's parts and for the biases."""
         kind = PROCESS[self.law]
-        each = [jnp.asarray(values[f"{kind}_{part}"]) for part in UNITS]
-        diagonal = jnp.stack([*4 * each[:1], *3 * each[1:]])
-        R = jnp.stack([jnp.asarray(values.get(f"R_{angle}", 1.0), float) for angle in ANGLES])
-        # Of a fuzzy law Q holds until there are two residuals; its floor by state.
-        process = ResidualNoise(diagonal, diagonal, jnp.zeros(7), jnp.zeros(()))
-        x0 = jnp.concatenate([jnp.asarray(quaternion(np.array(self.start))), jnp.zeros(3)])
-        return GpsAidedNoise(R, process, x0, jnp.diag(jnp.asarray(VARIANCE0)))
+        numbers = {f"R_{a}": jnp.asarray(values.get(f"R_{a}", 1.0), float) for a in ANGLES}
+        for part in UNITS:
+            # Of a fuzzy law Q holds until there are two residuals.
+            each = jnp.asarray(values[f"{kind}_{part}"])
+            numbers |= {f"Q_{part}": each, f"floor_{part}": each}
+            numbers |= {f"P0_{part}": jnp.asarray(VARIANCE0[part])}
+        q0 = jnp.asarray(quaternion(np.array(self.start)))
+        return GpsAidedNoise(**numbers, h=jnp.zeros(()), scale=jnp.zeros(7), q0=q0, b0=jnp.zeros(3))
 
 
 def quaternion(angles: np.ndarray) -> np.ndarray:

@@ -38,7 +38,7 @@ class Outcome:
         x: states, ``(N, 7)``.
         angles: (phi, theta, psi), rad, ``(N, 3)``.
         innovation: rad, ``(N, 3)``; NaN without a measurement.
-        variance: of them, rad^2, ``(N, 3)``.
+        variance: of them, rad^2, ``(N, 3)``; NaN without a measurement.
     """
 
     x: np.ndarray
@@ -97,8 +97,8 @@ class Field:
         out = _runs(filter, params, GpsAidedSample(jnp.asarray(rate), jnp.asarray(z)))[1]
         seen = ~np.isnan(z[:n])
         innovation = np.where(seen, np.asarray(out.innovation)[:n], np.nan)
-        parts = (np.asarray(leaf)[:n] for leaf in (out.x, out.angles, out.variance))
-        x, angles, variance = parts
+        variance = np.where(seen, np.asarray(out.variance)[:n], np.nan)
+        x, angles = (np.asarray(leaf)[:n] for leaf in (out.x, out.angles))
         return Outcome(x, angles, innovation, variance)
 
 

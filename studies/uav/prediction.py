@@ -7,10 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import run
+from filters import assembled, parameter_facts, run
 from filters.dead_reckoning import DeadReckoningKalman, DeadReckoningNoise, DeadReckoningSample
 from filters.gps_aided import GpsAidedKalman, GpsAidedNoise, GpsAidedSample
-from filters.residual_noise import ResidualNoise
 from studies.uav.flights import Flight
 from studies.uav.judging import Outcome
 
@@ -107,10 +106,12 @@ def _attitudes(flight: Flight, x: np.ndarray, rates: np.ndarray) -> np.ndarray:
 
 @jax.jit(static_argnums=0, compiler_options={"xla_backend_optimization_level": 0})
 def _turned_on(filter: GpsAidedKalman, x: Array, rates: Array) -> Array:
-    still = ResidualNoise(jnp.zeros(7), jnp.zeros(()), jnp.zeros(7), jnp.zeros(()))
+    typical = {name: fact.typical for name, fact in parameter_facts(filter).items()}
+    # Nothing is measured, so no variance matters.
+    known: GpsAidedNoise = assembled(filter, typical)
 
     def one(x0: Array, rate: Array) -> Array:
-        params = GpsAidedNoise(jnp.ones(3), still, x0, jnp.eye(7))
+        params = known._replace(q0=x0[:4], b0=x0[4:])
         z = jnp.full(rate.shape, jnp.nan)
         return jnp.asarray(run(filter, params, GpsAidedSample(rate, z))[1].angles)
 
@@ -125,9 +126,12 @@ def _tracks(flight: Flight, p0: np.ndarray, speed: np.ndarray, angles: np.ndarra
 
 @jax.jit(static_argnums=0, compiler_options={"xla_backend_optimization_level": 0})
 def _moved_on(filter: DeadReckoningKalman, p0: Array, speed: Array, angles: Array) -> Array:
+    typical = {name: fact.typical for name, fact in parameter_facts(filter).items()}
+    known: DeadReckoningNoise = assembled(filter, typical)
+
     def one(x0: Array, v: Array, attitude: Array) -> Array:
-        params = DeadReckoningNoise(jnp.ones(3), jnp.zeros((4, 4)), x0, jnp.eye(3))
+        params = known._replace(x0=x0)
         z = jnp.full(attitude.shape, jnp.nan)
-        return jnp.asarray(run(filter, params, DeadReckoningSample(v, attitude, z))[1].x)
+        return jnp.asarray(run(filter, params, DeadReckoningSample(v, attitude, z))[1].position)
 
     return jax.vmap(one)(p0, speed, angles)

@@ -31,7 +31,7 @@ def refuse(bench: Bench) -> None:
 
 def _of(shown: PiSample) -> np.ndarray:
     """Of k runs the share of samples without arc sine, and the least and largest rate, (3, k)."""
-    size = np.linalg.norm(np.asarray(shown.rate), axis=2)
+    size = np.linalg.norm(np.asarray(shown.gyr), axis=2)
     return np.stack([_missing(shown), size.min(axis=0), size.max(axis=0)])
 
 
@@ -67,7 +67,7 @@ def _attitude(settings: Settings, name: Trajectory, flight: Flown) -> None:
 
 def _missing(shown: PiSample) -> np.ndarray:
     """In which share of the samples (10) has no arc sine, ``(k,)``."""
-    force, rate = np.asarray(shown.force), np.asarray(shown.rate)
+    force, rate = np.asarray(shown.acc), np.asarray(shown.gyr)
     along = force[..., 0] / GRAVITY
     level = np.sqrt(np.clip(1 - along**2, 1e-12, None))
     across = (rate[..., 2] * np.asarray(shown.airspeed) - force[..., 1]) / (GRAVITY * level)

@@ -10,6 +10,10 @@ import numpy as np
 
 from filters import (
     AccelerometerFilter,
+    AlphaBeta,
+    AlphaBetaGains,
+    AlphaBetaGamma,
+    AlphaBetaGammaGains,
     AngleSample,
     AnyFilter,
     AttitudeKalman,
@@ -19,6 +23,10 @@ from filters import (
     BoundedMotionNoise,
     Complementary,
     ComplementaryGain,
+    ConstantAcceleration,
+    ConstantAccelerationNoise,
+    ConstantVelocity,
+    ConstantVelocityNoise,
     ConventionalLoop,
     DeadReckoningKalman,
     DeadReckoningNoise,
@@ -27,10 +35,10 @@ from filters import (
     ExtendedModel,
     ExtendedSample,
     FixedGainFilter,
+    FixedGains,
     Flow,
     GainCovariance,
     GainedSample,
-    Gains,
     GainTable,
     GpsAidedKalman,
     GpsAidedNoise,
@@ -38,19 +46,22 @@ from filters import (
     GyroscopeFilter,
     ImuSample,
     KalmanCovariance,
+    KownackiNoise,
+    LevelSample,
     LinearKalman,
     LinearModel,
+    LocalLevel,
+    LocalLevelNoise,
     LoopGains,
     LoopStep,
     Madgwick,
     MadgwickGain,
     Mahony,
     MahonyGains,
-    Noise,
     PiComplementary,
     PiGains,
     PiSample,
-    ResidualNoise,
+    PositionSample,
     RestRule,
     RiccatiCovariance,
     Sample,
@@ -59,8 +70,13 @@ from filters import (
     TiltKalman,
     TiltNoise,
     TiltSample,
+    Timed,
+    TimedSample,
     Transition,
     VelocityNoise,
+    Vertical,
+    VerticalNoise,
+    VerticalSample,
     loop_step,
     riccati_flow,
     shared,
@@ -90,11 +106,11 @@ class Case:
 
 def _noise(point):
     R, Q, p = jnp.exp(point)
-    return Noise(R=R, Q=Q, P0=p * jnp.ones((2, 2)))
+    return KownackiNoise(R=R, Q=Q, P0=p * jnp.ones((2, 2)))
 
 
 def _gains(point):
-    return Gains(*jnp.exp(point))
+    return FixedGains(*jnp.exp(point))
 
 
 _RNG = np.random.default_rng(20100907)
@@ -180,7 +196,7 @@ def swung(p, x, u):
 
 def shaken(p, x, u):
     """More noise the further it is from rest, so that Q has a derivative by the state."""
-    return p[1] * (1 + x[0] ** 2) * jnp.array([[1e-3, 1e-2], [1e-2, 0.2]])
+    return p[1] * (1 + x[0] ** 2) * jnp.array([[1e-3, 1e-2], [1e-2, 0.2]], x.dtype)
 
 
 def seen_from_the_side(p, x, u):
@@ -207,8 +223,9 @@ def _tilt(point):
         alpha2,
         jnp.asarray(0.05),
         r_big,
+        jnp.ones(()),
         jnp.array([0.2, -0.3, 0.1, 0.2, -0.1]),
-        0.1 * jnp.eye(5),
+        jnp.asarray(0.1),
     )
 
 
@@ -252,10 +269,15 @@ def _aided(z):
 
 def _euler(point):
     Q, bias, angle = jnp.exp(point)
-    diagonal = jnp.repeat(jnp.stack([Q, bias]), np.array([4, 3]), 0)
-    process = ResidualNoise(diagonal, jnp.asarray(0.0), jnp.ones(7), jnp.asarray(0.0))
-    x0 = jnp.zeros(7).at[:4].set(_TURNED)
-    return GpsAidedNoise(jnp.full(3, angle), process, x0, 0.01 * jnp.eye(7))
+    zero, small = jnp.zeros(()), jnp.asarray(0.01)
+    start = _TURNED, jnp.zeros(3), small, small
+    return GpsAidedNoise(angle, angle, angle, Q, bias, zero, zero, zero, jnp.ones(7), *start)
+
+
+def _dead_reckoning(point):
+    small = jnp.asarray(0.01)
+    x0 = jnp.array([0.1, -0.2, 0.3])
+    return DeadReckoningNoise(*jnp.exp(point), small, small, x0, jnp.ones(()))
 
 
 def _imu(z):
@@ -295,6 +317,7 @@ def _compass(z):
 
 _POINT = np.log([0.3, 2.0, 1.5])
 _COUNTED = np.zeros(N)
+_DEVIATIONS = jnp.asarray(np.random.default_rng(1960).uniform(0.5, 2.0, N))
 _GAINS = jnp.asarray(0.3 * np.random.default_rng(1981).normal(size=(N, 2, 2)))
 
 _TWO_RATES = 0.4 * np.random.default_rng(1970).normal(size=(N, 2))
@@ -406,9 +429,7 @@ CASES = [
     Case(
         "position by speed and attitude",
         DeadReckoningKalman(0.2),
-        lambda point: DeadReckoningNoise(
-            jnp.exp(point), 0.01 * jnp.eye(4), jnp.array([0.1, -0.2, 0.3]), jnp.eye(3)
-        ),
+        _dead_reckoning,
         _POINT,
         _FORCES,
         lambda z: DeadReckoningSample(2.0 + _PUSH[:, 0], _RATES, jnp.asarray(z)),
@@ -427,5 +448,59 @@ CASES = [
         lambda point: shared(_noise(point), 2),
         _POINT,
         _TWO,
+    ),
+    Case(
+        "varying sample times",
+        Timed(GyroscopeFilter(0.1)),
+        _noise,
+        _POINT,
+        _ONE,
+        lambda z: TimedSample(jnp.asarray(_DT), jnp.asarray(z)),
+    ),
+    Case(
+        "local level, deviations",
+        LocalLevel(0.1),
+        lambda point: LocalLevelNoise(*jnp.exp(point)),
+        _POINT[:2],
+        _ONE,
+        lambda z: LevelSample(jnp.asarray(z), _DEVIATIONS),
+    ),
+    Case(
+        "constant velocity, two axes",
+        ConstantVelocity(0.3, "xy"),
+        lambda point: ConstantVelocityNoise(*jnp.exp(point)),
+        _POINT[:2],
+        _TWO,
+        lambda z: PositionSample(jnp.asarray(z)[:, 0], jnp.asarray(z)[:, 1], sigma=_DEVIATIONS),
+    ),
+    Case(
+        "constant acceleration",
+        ConstantAcceleration(0.4),
+        lambda point: ConstantAccelerationNoise(*jnp.exp(point)),
+        _POINT[:2],
+        _ONE,
+        lambda z: PositionSample(jnp.asarray(z)),
+    ),
+    Case(
+        "alpha-beta",
+        AlphaBeta(0.2),
+        lambda point: AlphaBetaGains(*point),
+        np.array([0.5, 0.2]),
+        _ONE,
+    ),
+    Case(
+        "alpha-beta-gamma",
+        AlphaBetaGamma(0.2),
+        lambda point: AlphaBetaGammaGains(*point),
+        np.array([0.5, 0.2, 0.1]),
+        _ONE,
+    ),
+    Case(
+        "vertical",
+        Vertical(0.2, "included"),
+        lambda point: VerticalNoise(*jnp.exp(point), climb0=0.7),
+        np.log([0.1, 0.01, 0.5]),
+        _ONE,
+        lambda z: VerticalSample(9.8 + _PUSH[:, 0], jnp.asarray(z)),
     ),
 ]

@@ -28,7 +28,7 @@ with warnings.catch_warnings(record=True) as caught:
     again = filters.loop_option()
 
 def total(point):
-    noise = filters.Noise.of(R=jnp.exp(point[0]), Q=jnp.exp(point[1]))
+    noise = filters.KownackiNoise.of(R=jnp.exp(point[0]), Q=jnp.exp(point[1]))
     return filters.run(filters.GyroscopeFilter(1e-4), noise, jnp.ones(20_000))[1].sum()
 
 gradient, times = jax.jit(jax.jacfwd(total)), [float("inf")]

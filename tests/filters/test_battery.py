@@ -11,10 +11,24 @@ import numpy as np
 import pytest
 
 import filters
-from filters import run
+from filters import Timed, TimedSample, run
+from filters.declared import assembled, channel_facts, output, parameter_facts
 from tests.filters.battery import CASES, Case, N
 from tests.oracles import central_difference
 
+BUILDING_BLOCKS = {
+    "Batched",
+    "ConventionalLoop",
+    "ExtendedKalman",
+    "GainCovariance",
+    "KalmanCovariance",
+    "LinearKalman",
+    "RiccatiCovariance",
+    "StoredGains",
+    "TableCovariance",
+    "Timed",
+}
+"""They take a model, or another filter, and say so in their docstrings: no parameters to name."""
 MEASURING = [case for case in CASES if case.holes]
 every_case = pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 every_measuring_case = pytest.mark.parametrize("case", MEASURING, ids=lambda case: case.name)
@@ -114,6 +128,78 @@ def test_outputs_are_float64_with_time_first(case):
     assert {leaf.shape[0] for leaf in jax.tree.leaves(outputs)} == {N}
 
 
+def single(tree):
+    """Floating numbers in single precision."""
+    return jax.tree.map(
+        lambda leaf: leaf.astype(jnp.float32) if jnp.issubdtype(leaf.dtype, jnp.floating) else leaf,
+        jax.tree.map(jnp.asarray, tree),
+    )
+
+
+@every_case
+def test_single_precision_stays_single(case):
+    """Of state and outputs, so that the filter that is checked is the one on the target."""
+
+    def whole(params, inputs):
+        return run(case.filter, params, inputs)
+
+    given = single((case.build(case.point), case.inputs(case.measured)))
+    found = jax.tree.leaves(jax.eval_shape(whole, *given))
+    assert {leaf.dtype for leaf in found} - {jnp.dtype("bool")} == {jnp.dtype("float32")}
+
+
+@every_case
+def test_a_constant_sample_time_may_come_with_every_sample(case):
+    if "dt" not in case.filter.__dataclass_fields__:
+        with pytest.raises(ValueError, match="no sample time dt"):
+            Timed(case.filter)
+        return
+    # Its own dt is not used.
+    timed = Timed(dataclasses.replace(case.filter, dt=7.0))
+    times = TimedSample(jnp.full(N, case.filter.dt), case.inputs(case.measured))
+    _, found = quickly(run, static_argnums=0)(timed, case.build(case.point), times)
+    for one, other in zip(jax.tree.leaves(found), jax.tree.leaves(run_case(case)[1]), strict=True):
+        # Products of dt are rounded at another place: a few units in the last place of each step.
+        np.testing.assert_allclose(one, other, rtol=1e-11, atol=1e-12)
+
+
+@every_case
+def test_typical_values_make_what_the_filter_takes(case):
+    """And by the names that are declared its outputs are found."""
+    name = type(case.filter).__name__
+    if name in BUILDING_BLOCKS:
+        with pytest.raises(ValueError, match=f"^{name} declares no params; give the class"):
+            parameter_facts(case.filter)
+        return
+    facts = parameter_facts(case.filter)
+    params = assembled(case.filter, {name: fact.typical for name, fact in facts.items()})
+    # Of the case's own shapes: some filters take several signals.
+    own = jax.tree.map(jnp.asarray, case.build(case.point))
+    params = jax.tree.map(lambda typical, leaf: jnp.broadcast_to(typical, leaf.shape), params, own)
+    inputs = case.inputs(case.measured)
+    state, outputs = quickly(run, static_argnums=0)(case.filter, params, inputs)
+    assert jax.tree.structure(state) == jax.tree.structure(run_case(case)[0])
+    for part in ("inputs", "states"):
+        assert channel_facts(case.filter, part)
+    for name in channel_facts(case.filter, "outputs"):
+        found = output(case.filter, outputs, name)
+        assert found is None or np.isfinite(found).all(), name
+
+
+@every_case
+def test_facts_are_whole(case):
+    """A typical value lies within its range, and what a search turns says what it does."""
+    if type(case.filter).__name__ in BUILDING_BLOCKS:
+        return
+    for name, fact in parameter_facts(case.filter).items():
+        assert fact.meaning, name
+        assert (fact.low is None) == (fact.high is None), name
+        if fact.low is not None:
+            assert fact.low < fact.typical < fact.high, name
+            assert fact.smaller, name
+            assert fact.larger, name
+
+
 @every_case
 def test_vmap_over_parameters_equals_a_loop(case):
     points = case.point + np.array([[0.0], [0.3], [-0.5]])
@@ -211,7 +297,8 @@ def test_one_missing_sample_is_one_step_of_prediction(case):
     def answer(z):
         measured = case.measured.copy()
         measured[7] = z
-        return float(np.asarray(run_case(case, measured=measured)[1])[7])
+        estimate = jax.tree.leaves(run_case(case, measured=measured)[1])[0]
+        return float(np.asarray(estimate).ravel()[7])
 
     at_zero, at_one = answer(0.0), answer(1.0)
     gain = at_one - at_zero

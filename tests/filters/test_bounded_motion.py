@@ -10,6 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from filters import BoundedMotionKalman, BoundedMotionNoise, ImuSample, RestRule, blocks, run
+from tests.oracles import surprise, surprises
 from tuner.data.simulation import GRAVITY, Sensor, Swing, measure, simulate
 
 DT, LENGTH, COUNT = 0.02, 4, 60
@@ -52,7 +53,7 @@ def record():
         accelerometer=Sensor(0.02),
         seed=5,
     )
-    return np.asarray(sensed.acceleration), np.asarray(sensed.rate)
+    return np.asarray(sensed.acc), np.asarray(sensed.gyr)
 
 
 def filtered(force, rate, **settings):
@@ -60,7 +61,7 @@ def filtered(force, rate, **settings):
     params = BoundedMotionNoise(**{k: jnp.asarray(v, float) for k, v in (NOISE | settings).items()})
     cut = blocks(ImuSample(jnp.asarray(force), jnp.asarray(rate)), LENGTH)
     state, found = jax.tree.map(np.asarray, compiled(ROOM, params, cut))
-    return state, found._replace(q=found.q.reshape(-1, 4))
+    return state, found._replace(att=found.att.reshape(-1, 4))
 
 
 def turns(q):
@@ -124,7 +125,7 @@ def textbook(force, rate, **settings):
     bias, matrix, quiet = np.zeros(3), np.zeros((3, 3)), (np.zeros(3), np.zeros(3), 0.0)
     sizes = [s["tilt0"]] * 3 + [s["bias0"]] * 3 + [0.01] * 6 + [s["matrix0"]] * 9
     P = np.diag(np.square(sizes))
-    found = SimpleNamespace(q=[], bias=[], matrix=[], rest=[], rate=[])
+    found = SimpleNamespace(q=[], bias=[], matrix=[], rest=[], rate=[], surprise=[])
     for begin in range(0, N, LENGTH):
         attitude, speed, place = nav
         axes, turned, push, square = np.zeros((3, 3)), np.zeros((3, 9)), np.zeros(3), 0.0
@@ -147,7 +148,9 @@ def textbook(force, rate, **settings):
         resting = quiet[2] > RULE.seconds
         mean = rate[begin : begin + LENGTH].mean(axis=0)
         H, z, r = measured(s, (attitude, speed, place), mean, bias, resting, span)
-        K = P @ H.T @ np.linalg.inv(H @ P @ H.T + r)
+        S = H @ P @ H.T + r
+        K = P @ H.T @ np.linalg.inv(S)
+        found.surprise.append(surprise(z, S))
         x, P = K @ z, (np.eye(21) - K @ H) @ P
         nav = (Rotation.from_rotvec(x[0:3]) * attitude, speed + x[6:9], place + x[9:12])
         bias, matrix = bias + x[3:6], matrix + x[12:21].reshape(3, 3)
@@ -180,22 +183,49 @@ def test_is_the_textbooks_navigation():
     assert not rest[: QUIET // (2 * LENGTH)].any()
     assert not rest[-5:].any()
     np.testing.assert_array_equal(found.rest, rest)
-    sign = np.sign((found.q * oracle().q).sum(axis=1, keepdims=True))
-    near(found.q * sign, oracle().q)
-    near(found.known.bias, oracle().bias)
-    near(found.known.matrix, oracle().matrix)
+    sign = np.sign((found.att * oracle().q).sum(axis=1, keepdims=True))
+    near(found.att * sign, oracle().q)
+    near(found.bias, oracle().bias)
+    near(found.matrix, oracle().matrix)
+    np.testing.assert_array_equal((found.variance > 0).sum(axis=1), np.where(rest, 9, 6))
+    near(surprises(found.innovation, found.variance), oracle().surprise)
     near(state.at.speed, oracle().speed)
     near(state.at.place, oracle().place)
     near(state.P, oracle().P)
+
+
+def test_samples_one_by_one_are_blocks_of_one():
+    force, rate = (part[:LENGTH] for part in record())
+    params = BoundedMotionNoise(**{k: jnp.asarray(v, float) for k, v in NOISE.items()})
+    samples = ImuSample(jnp.asarray(force), jnp.asarray(rate), jnp.asarray(rate))
+    state, alone = compiled(ROOM, params, samples)
+    same, cut = compiled(ROOM, params, blocks(samples, 1))
+    for one, other in zip(jax.tree.leaves(state), jax.tree.leaves(same), strict=True):
+        near(one, other, atol=1e-14)
+    near(alone.att, cut.att[:, 0], atol=1e-14)
+    assert alone.att.shape == (LENGTH, 4)
+
+
+def test_a_missing_rate_is_no_turn():
+    force, rate = (np.array(part[: 2 * LENGTH]) for part in record())
+    rate[LENGTH + 3] = np.nan
+    filled = np.where(np.isnan(rate), 0.0, rate)
+    still = NOISE | {"bias0": 0.0, "bias": 0.0}  # else the bias is no longer zero, as it begins
+    params = BoundedMotionNoise(**{k: jnp.asarray(v, float) for k, v in still.items()})
+    found = [
+        compiled(ROOM, params, blocks(ImuSample(jnp.asarray(force), jnp.asarray(w)), LENGTH))[1].att
+        for w in (rate, filled)
+    ]
+    near(*found, atol=1e-14)
 
 
 def test_the_record_shows_every_part():
     """What agrees above is not zero: rest finds the bias, and the swing the matrix."""
     state, found = plain()
     resting = np.flatnonzero(found.rest)
-    np.testing.assert_allclose(found.known.bias[resting[-1]], [0.02, -0.01, 0.015], atol=1e-3)
-    assert np.abs(found.known.bias[resting[0] - 1] - [0.02, -0.01, 0.015]).max() > 3e-3
-    assert np.abs(found.known.matrix).max() > 1e-5
+    np.testing.assert_allclose(found.bias[resting[-1]], [0.02, -0.01, 0.015], atol=1e-3)
+    assert np.abs(found.bias[resting[0] - 1] - [0.02, -0.01, 0.015]).max() > 3e-3
+    assert np.abs(found.matrix).max() > 1e-5
     assert np.linalg.eigvalsh(state.P).min() > 0
     np.testing.assert_array_equal(state.P, state.P.T)
 
@@ -204,8 +234,8 @@ def test_a_lead_moves_the_output_only():
     (state, found), (other, ahead) = plain(), filtered(*record(), lead=0.015)
     for one, two in zip(jax.tree.leaves(state), jax.tree.leaves(other), strict=True):
         np.testing.assert_array_equal(one, two)
-    np.testing.assert_array_equal(found.known.matrix, ahead.known.matrix)
-    turned = (turns(found.q).inv() * turns(ahead.q)).as_rotvec()
+    np.testing.assert_array_equal(found.matrix, ahead.matrix)
+    turned = (turns(found.att).inv() * turns(ahead.att)).as_rotvec()
     # the rate that dead reckoning takes, which agrees with the textbook's to 1e-9
     near(turned, 0.015 * oracle().rate)
     assert np.abs(turned).max() > 0.01
@@ -217,8 +247,8 @@ def test_blocks_cut_and_drop_the_remainder():
     for leaf, sign in zip(cut, (1, -1, 1), strict=True):
         assert leaf.shape == (2, 4, 3)
         np.testing.assert_array_equal(leaf.reshape(8, 3), sign * numbers[:8])
-    assert blocks(ImuSample(jnp.asarray(numbers), jnp.asarray(numbers)), 4).field is None
-    assert blocks(ImuSample(jnp.zeros((3, 3)), jnp.zeros((3, 3))), 4).rate.shape == (0, 4, 3)
+    assert blocks(ImuSample(jnp.asarray(numbers), jnp.asarray(numbers)), 4).mag is None
+    assert blocks(ImuSample(jnp.zeros((3, 3)), jnp.zeros((3, 3))), 4).gyr.shape == (0, 4, 3)
 
 
 def test_missing_accelerations_leave_everything_finite():
@@ -230,7 +260,7 @@ def test_missing_accelerations_leave_everything_finite():
         state, found = filtered(gaps, rate, **settings)
         for leaf in jax.tree.leaves((state, found)):
             assert np.isfinite(leaf).all()
-        np.testing.assert_allclose(np.linalg.norm(found.q, axis=1), 1.0, rtol=1e-14)
+        np.testing.assert_allclose(np.linalg.norm(found.att, axis=1), 1.0, rtol=1e-14)
         assert np.linalg.eigvalsh(state.P).min() > 0
 
 
@@ -244,7 +274,7 @@ def test_without_accelerations_it_is_the_gyroscopes_alone():
         attitude = attitude * Rotation.from_rotvec(w * DT)
     assert not found.rest.any()
     # 240 products of quaternions
-    assert (attitude.inv() * turns(found.q[-1])).magnitude() < 1e-12
+    assert (attitude.inv() * turns(found.att[-1])).magnitude() < 1e-12
 
 
 @pytest.mark.parametrize("angle", [0.0, 40.0, -100.0, 179.0, 180.0])
@@ -252,7 +282,7 @@ def test_zeros_as_start_level_by_the_first_block(angle):
     truth = Rotation.from_rotvec(np.radians(angle) * np.array([1.0, 0.0, 0.0]))
     force, still = level_force(truth), np.zeros((N, 3))
     state, found = filtered(force, still, q0=np.zeros(4))
-    up = turns(found.q).apply(force / GRAVITY)
+    up = turns(found.att).apply(force / GRAVITY)
     # the length of a sum of four, and of 240 quaternions that nothing turns
     near(up, np.tile([0.0, 0.0, 1.0], (N, 1)), atol=1e-12)
     near(state.at.place, 0.0, atol=1e-12)
@@ -264,7 +294,7 @@ def test_the_first_block_is_averaged():
     force = level_force(Rotation.identity())
     force[:LENGTH] += np.array([[2.0, 1, 0], [-1, 1, 0], [1, -3, 0], [-2, 1, 0]])
     _, found = filtered(force, np.zeros((N, 3)), q0=np.zeros(4))
-    near(turns(found.q[:LENGTH]).magnitude(), 0.0, atol=1e-12)
+    near(turns(found.att[:LENGTH]).magnitude(), 0.0, atol=1e-12)
 
 
 def pushed():
@@ -288,4 +318,4 @@ def test_rest_is_neither_a_steady_turn_nor_shaking(rate, force, resting):
     _, found = filtered(force, np.tile([0.0, 0.0, rate], (N, 1)))
     assert found.rest[-1] == resting
     # at rest it is measured to 5e-4 / sqrt(seconds)
-    assert found.known.bias[-1, 2] == pytest.approx(rate if resting else 0.0, abs=2e-3)
+    assert found.bias[-1, 2] == pytest.approx(rate if resting else 0.0, abs=2e-3)

@@ -285,17 +285,17 @@ def test_riccati_is_the_limit_of_fast_measurements():
 # ------------------------------------------------------------------- the numbers of Ha et al. 1981
 
 SAMPLES = 250
+G, C = jnp.array([[0.0], [1.0], [0.0]]), jnp.array([[0.0, 0.0, 1.0]])  # of the vertical channel
 
 
 def paper(Ts, *, k_gh=ha.K_GH, q_a=ha.Q_A, q_b=ha.Q_B, P0=ha.KALMAN_P0):
-    plant = vertical_channel(k_gh)
-    move = discrete(plant.A, plant.G, jnp.eye(1), Ts)
+    move = discrete(vertical_channel(k_gh), G, jnp.eye(1), Ts)
     move = move._replace(Q=q_a * move.Q)
-    return LinearModel(move, plant.C, jnp.reshape(q_b, 1), jnp.asarray(P0), jnp.zeros(3))
+    return LinearModel(move, C, jnp.reshape(q_b, 1), jnp.asarray(P0), jnp.zeros(3))
 
 
 def paper_flow(dt):
-    A, G, C = vertical_channel(ha.K_GH)
+    A = vertical_channel(ha.K_GH)
     M = riccati_flow(A, C, G @ G.T * ha.Q_A, jnp.array([[ha.Q_B]]), jnp.array(dt))
     return Flow(M, jnp.asarray(ha.KALMAN_P0))
 
@@ -495,7 +495,7 @@ def test_gradient_in_given_gains():
 
 def test_gradient_in_the_densities_of_the_continuous_channel():
     """Through the exponential, at P0 = 0: one slope forwards."""
-    A, G, C = vertical_channel(ha.K_GH)
+    A = vertical_channel(ha.K_GH)
 
     @jax.jit
     def slope(point):

@@ -83,6 +83,7 @@ def test_is_the_textbooks_filter_at_two_rates(rng):
     np.testing.assert_array_equal(last.x, out.x[-1])
     np.testing.assert_array_equal(np.asarray(out.gain)[np.isnan(z)], 0.0)
     np.testing.assert_array_equal(np.asarray(out.innovation)[np.isnan(z)], 0.0)
+    np.testing.assert_array_equal(np.asarray(out.variance) == 0, np.isnan(z))
 
 
 def moved(p, x, u):

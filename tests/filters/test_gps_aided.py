@@ -24,7 +24,6 @@ from filters.gps_aided import (
     turning,
     wrapped,
 )
-from filters.residual_noise import ResidualNoise
 from tests import oracles_chauhan2009 as oracle
 
 QUICK = {"xla_backend_optimization_level": 0}
@@ -42,17 +41,14 @@ def every_fourth(values):
 def noise(**changed):
     given = oracle.DEFAULTS | changed
     scale = np.zeros(7) if given["scale"] is None else given["scale"]
-    return GpsAidedNoise(
-        jnp.diag(jnp.asarray(given["R"])),
-        ResidualNoise(
-            jnp.diag(jnp.asarray(given["Q"])),
-            jnp.asarray(given["floor"]),
-            jnp.asarray(scale),
-            jnp.asarray(given["h"]),
-        ),
-        jnp.asarray(given["x0"]),
-        jnp.asarray(given["P0"]),
-    )
+    variances = np.diag(given["R"])
+    numbers = {f"R_{a}": r for a, r in zip(("phi", "theta", "psi"), variances, strict=True)}
+    for at, part in ((0, "quaternion"), (6, "bias")):
+        numbers |= {f"Q_{part}": given["Q"][at, at], f"floor_{part}": given["floor"]}
+        numbers |= {f"P0_{part}": given["P0"][at, at]}
+    start = {"q0": given["x0"][:4], "b0": given["x0"][4:]}
+    made = numbers | start | {"h": given["h"], "scale": scale}
+    return GpsAidedNoise(**{name: jnp.asarray(value, float) for name, value in made.items()})
 
 
 def example(samples):
@@ -190,10 +186,11 @@ def test_position_is_the_textbook_loop():
         if not np.isnan(position).any():
             x, P = oracle.position_update(x, P, position, np.diag(R))
         wanted.append((x, P))
-    given = DeadReckoningNoise(jnp.asarray(R), jnp.asarray(Q), jnp.zeros(3), jnp.eye(3))
+    numbers = (*R[1:], Q[0, 0], Q[1, 1], Q[3, 3])
+    given = DeadReckoningNoise(*map(jnp.asarray, numbers), jnp.zeros(3), jnp.ones(()))
     samples = DeadReckoningSample(*map(jnp.asarray, (speed, angles, z)))
     found = compiled(DeadReckoningKalman(DT), given, samples)[1]
-    np.testing.assert_allclose(found.x, [x for x, _ in wanted], atol=SAME)
+    np.testing.assert_allclose(found.position, [x for x, _ in wanted], atol=SAME)
     np.testing.assert_allclose(found.P, [P for _, P in wanted], atol=SAME)
 
 

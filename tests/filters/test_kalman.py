@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from filters import Estimate, decorrelate, predict, update
-from filters.kalman import matmul
+from filters.small_linalg import matmul
 from tests.oracles import exact_update, kalman_predict, kalman_update
 from tests.strategies import covariance, seeds
 
@@ -110,6 +110,7 @@ def test_missing_measurement_changes_nothing(z):
     np.testing.assert_array_equal(after.P, P)
     np.testing.assert_array_equal(innovation.value, np.zeros(z.shape))
     np.testing.assert_array_equal(innovation.gain, np.zeros(2))
+    assert innovation.variance == 0
 
 
 def test_several_signals_are_several_filters():

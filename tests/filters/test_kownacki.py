@@ -13,11 +13,11 @@ from scipy.optimize import brentq
 from filters import (
     AccelerometerFilter,
     FixedGainFilter,
-    Gains,
+    FixedGains,
     GyroscopeFilter,
+    KownackiNoise,
     LinearKalman,
     LinearModel,
-    Noise,
     Sample,
     Transition,
     accelerometer_steady,
@@ -49,7 +49,7 @@ both = pytest.mark.parametrize("filter", [ACC, GYRO], ids=["acc", "gyro"])
 
 
 def outputs(filter, noise, z):
-    return np.asarray(compiled(filter, Noise.of(*noise), jnp.asarray(z))[1])
+    return np.asarray(compiled(filter, KownackiNoise.of(*noise), jnp.asarray(z))[1])
 
 
 def two_states(filter, R, Q, P0):
@@ -83,7 +83,7 @@ def test_equals_the_linear_filter_on_the_two_state_model(filter, noise):
     # P0 in units of R: the general filter stores P itself and loses P0 / R of its digits.
     P0 = noise[0] * np.array([[2.0, 1.0], [1.0, 0.5]])
     states = compiled(LinearKalman(), two_states(filter, *noise, P0), Sample(z[:, None]))[1]
-    actual = compiled(filter, Noise(*noise, jnp.asarray(P0)), jnp.asarray(z))[1]
+    actual = compiled(filter, KownackiNoise(*noise, jnp.asarray(P0)), jnp.asarray(z))[1]
     expected = np.asarray(states.x)[:, MEASURED[filter]]
     np.testing.assert_allclose(actual, expected, rtol=0, atol=1e-12 * STEP)  # 3000 rounded steps
 
@@ -102,7 +102,7 @@ def test_keeps_twelve_digits_of_the_step(filter, P0, noise):
     ]
     z = (d1_step() + d1_noise())[4900:5300]
     z[100:130], z[301] = np.nan, np.nan
-    _, actual = compiled(filter, Noise(*noise, jnp.asarray(start)), jnp.asarray(z))
+    _, actual = compiled(filter, KownackiNoise(*noise, jnp.asarray(start)), jnp.asarray(z))
     expected = exact_inertial(T, (*noise, start), z, MEASURED[filter])
     np.testing.assert_allclose(actual, expected, rtol=0, atol=1e-12 * STEP)  # 400 rounded steps
 
@@ -113,7 +113,7 @@ def test_missing_samples_are_those_of_the_two_state_model(filter):
     z[[0, 3]], z[200:260] = np.nan, np.nan
     P0 = np.array([[2.0, 0.3], [0.3, 1.0]])
     states = compiled(LinearKalman(), two_states(filter, 1e-6, 1e-3, P0), Sample(z[:, None]))[1]
-    _, actual = compiled(filter, Noise(1e-6, 1e-3, jnp.asarray(P0)), jnp.asarray(z))
+    _, actual = compiled(filter, KownackiNoise(1e-6, 1e-3, jnp.asarray(P0)), jnp.asarray(z))
     expected = np.asarray(states.x)[:, MEASURED[filter]]
     np.testing.assert_allclose(actual, expected, rtol=0, atol=1e-12 * STEP)
 
@@ -122,8 +122,10 @@ def test_missing_samples_are_those_of_the_two_state_model(filter):
 def test_only_the_ratio_of_the_covariances_counts(filter):
     z = (d1_step() + d1_noise())[4000:7000]
     for c in (1e-6, 7.3, 1e8):
-        one = compiled(filter, Noise(1e-6, 1e-3, jnp.ones((2, 2))), jnp.asarray(z))[1]
-        other = compiled(filter, Noise(c * 1e-6, c * 1e-3, c * jnp.ones((2, 2))), jnp.asarray(z))[1]
+        one = compiled(filter, KownackiNoise(1e-6, 1e-3, jnp.ones((2, 2))), jnp.asarray(z))[1]
+        other = compiled(
+            filter, KownackiNoise(c * 1e-6, c * 1e-3, c * jnp.ones((2, 2))), jnp.asarray(z)
+        )[1]
         np.testing.assert_allclose(other, one, rtol=0, atol=1e-12 * STEP)  # rounding of c * R
 
 
@@ -152,7 +154,7 @@ def test_velocity_of_the_accelerometer_model_only_grows():
 
 @pytest.mark.parametrize("kind", [AccelerometerFilter, GyroscopeFilter, FixedGainFilter])
 def test_several_signals_are_several_filters(kind):
-    params = Gains(0.3, 0.1) if kind is FixedGainFilter else Noise.of(1e-3, 10.0)
+    params = FixedGains(0.3, 0.1) if kind is FixedGainFilter else KownackiNoise.of(1e-3, 10.0)
     z = np.random.default_rng(2).normal(size=(50, 3))
     z[20, 1] = np.nan  # missing in one is missing in all
     together = compiled(kind(0.1, (3,)), params, jnp.asarray(z))[1]
@@ -167,9 +169,9 @@ def test_float32_in_is_float32_throughout(kind):
     """The check of a tuned filter in single precision must not be helped by a hidden double."""
     single = jnp.float32
     params = (
-        Gains(single(0.3), single(0.1))
+        FixedGains(single(0.3), single(0.1))
         if kind is FixedGainFilter
-        else Noise(single(1e-3), single(10.0), jnp.ones((2, 2), single))
+        else KownackiNoise(single(1e-3), single(10.0), jnp.ones((2, 2), single))
     )
     step = jax.make_jaxpr(kind(0.1).step)(params, kind(0.1).init(params), single(0.2))
     used = {variable.aval.dtype for line in step.eqns for variable in line.outvars}
@@ -183,7 +185,7 @@ def test_float32_in_is_float32_throughout(kind):
 def test_single_precision_keeps_three_digits_of_the_step(filter, noise):
     """At 10 kHz and P0 = ones the textbook's covariance is wrong by 0.2 of the step (table 1)."""
     z = d1_step() + d1_noise()
-    single = Noise(*(jnp.float32(v) for v in noise), jnp.ones((2, 2), jnp.float32))
+    single = KownackiNoise(*(jnp.float32(v) for v in noise), jnp.ones((2, 2), jnp.float32))
     rounded = compiled(filter, single, jnp.asarray(z, jnp.float32))[1]
     # Where the gain is 1e-4 a sample's correction is rounded at 6e-8 / 1e-4 of itself.
     np.testing.assert_allclose(rounded, outputs(filter, noise, z), rtol=0, atol=1e-3 * STEP)
@@ -194,7 +196,7 @@ def test_single_precision_of_the_fixed_gain_filter():
     z = d1_step() + d1_noise()
     gains = steady_gyroscope(GYRO_2[1] / GYRO_2[0], T).gains
     whole = compiled(FixedGainFilter(T), gains, jnp.asarray(z))[1]
-    single = Gains(jnp.float32(gains.K1), jnp.float32(gains.K2))
+    single = FixedGains(jnp.float32(gains.K1), jnp.float32(gains.K2))
     rounded = compiled(FixedGainFilter(T), single, jnp.asarray(z, jnp.float32))[1]
     # 6e-8 a sample, remembered for some 1 / K1 = 300 samples
     np.testing.assert_allclose(rounded, whole, rtol=0, atol=300 * 6e-8 * STEP)
@@ -270,7 +272,7 @@ def test_rise_time_as_published(steady, noise, samples, printed):
 def test_gains_of_table_1_are_not_steady_within_the_record():
     """Notes: at 5 s the accelerometer's gain is still about 1/k = 2e-5, not 8e-7."""
     R, Q = ACC_1
-    state, _ = compiled(ACC, Noise.of(R, Q), jnp.zeros(50_000))
+    state, _ = compiled(ACC, KownackiNoise.of(R, Q), jnp.zeros(50_000))
     assert state.p == pytest.approx(2e-5, rel=0.01)
 
 
@@ -326,7 +328,7 @@ def test_steady_accelerometer_gain_equals_scipy(r, dt):
 @pytest.mark.parametrize("r", [1e3, 1e6])
 def test_converged_gains_are_the_steady_ones(r):
     """The slowest mode forgets as exp(-t), the covariance twice as fast: 20 s leave 4e-18."""
-    noise, still = Noise.of(1e-6, r * 1e-6), jnp.zeros(200_000)
+    noise, still = KownackiNoise.of(1e-6, r * 1e-6), jnp.zeros(200_000)
     level, _ = compiled(ACC, noise, still)
     rate, _ = compiled(GYRO, noise, still)
     acc, gyro = steady_accelerometer(r, T).gains, steady_gyroscope(r, T).gains
@@ -344,7 +346,7 @@ def test_fixed_gains_are_what_either_filter_becomes(kind, steady):
     r, dt = 1e4, 0.01
     z = jnp.asarray(np.random.default_rng(5).normal(size=4000))
     fixed = compiled(FixedGainFilter(dt), steady(r, dt).gains, z)[1]
-    varying = compiled(kind(dt), Noise.of(1e-3, r * 1e-3), z)[1]
+    varying = compiled(kind(dt), KownackiNoise.of(1e-3, r * 1e-3), z)[1]
     # exp(-t) at 30 s is 1e-13
     np.testing.assert_allclose(fixed[3000:], varying[3000:], rtol=0, atol=1e-11)
 

@@ -176,6 +176,7 @@ def test_missing_samples_are_predictions():
     ahead = [np.linalg.matrix_power(model.F, k) @ outputs.x[4] for k in range(1, len(z) - 4)]
     close(outputs.x[5:], np.array(ahead))
     np.testing.assert_array_equal(outputs.innovation[5:], 0.0)
+    np.testing.assert_array_equal(outputs.variance[5:], 0.0)
     np.testing.assert_array_equal(outputs.gain[5:], 0.0)
 
 

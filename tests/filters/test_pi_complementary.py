@@ -110,24 +110,22 @@ def test_airspeed_alone_is_velocity_without_sides():
 def short(**changed):
     """A turn's first seconds in which samples 40 to 59 are changed."""
     inputs = samples(cut("T1")[0])
-    spoilt = {
-        name: np.array(getattr(inputs, name)).copy() for name in ("force", "rate", "airspeed")
-    }
+    spoilt = {name: np.array(getattr(inputs, name)).copy() for name in ("acc", "gyr", "airspeed")}
     for name, (at, value) in changed.items():
         spoilt[name][(slice(40, 60), *at)] = value
-    return PiSample(*(jnp.asarray(spoilt[name]) for name in ("force", "rate", "airspeed")))
+    return PiSample(*(jnp.asarray(spoilt[name]) for name in ("acc", "gyr", "airspeed")))
 
 
 SPOILT = {
-    "force forward": {"force": ((0,), np.nan)},
-    "force down": {"force": ((2,), np.nan)},
-    "all of the force": {"force": ((), np.nan)},
+    "force forward": {"acc": ((0,), np.nan)},
+    "force down": {"acc": ((2,), np.nan)},
+    "all of the force": {"acc": ((), np.nan)},
     "airspeed": {"airspeed": ((), np.nan)},
-    "one rate": {"rate": ((2,), np.nan)},
-    "more than gravity": {"force": ((0,), 40.0)},
-    "exactly gravity": {"force": ((0,), oracle.G)},
-    "more across than gravity": {"force": ((1,), -80.0)},
-    "everything": dict.fromkeys(("force", "rate", "airspeed"), ((), np.nan)),
+    "one rate": {"gyr": ((2,), np.nan)},
+    "more than gravity": {"acc": ((0,), 40.0)},
+    "exactly gravity": {"acc": ((0,), oracle.G)},
+    "more across than gravity": {"acc": ((1,), -80.0)},
+    "everything": dict.fromkeys(("acc", "gyr", "airspeed"), ((), np.nan)),
 }
 
 
@@ -156,7 +154,7 @@ def test_a_sample_without_an_attitude_corrects_nothing():
             0
         ]
         found = filtered("eq10", gains, inputs).angles
-        rates = np.array(oracle.rates(*found[39], *np.asarray(inputs.rate[40])))
+        rates = np.array(oracle.rates(*found[39], *np.asarray(inputs.gyr[40])))
         moved = found[39] + oracle.T * (rates + np.asarray(state.integral))
         for angle in (0, 1):
             same = found[40, angle] == pytest.approx(moved[angle], abs=1e-15)
@@ -164,10 +162,10 @@ def test_a_sample_without_an_attitude_corrects_nothing():
 
 
 def test_a_missing_rate_stays_as_it_was():
-    gains, inputs = params(cut("T1")[1]), short(rate=((), np.nan))
-    held = np.array(inputs.rate).copy()
+    gains, inputs = params(cut("T1")[1]), short(gyr=((), np.nan))
+    held = np.array(inputs.gyr).copy()
     held[40:60] = held[39]
-    expected = filtered("kf", gains, inputs._replace(rate=jnp.asarray(held)))
+    expected = filtered("kf", gains, inputs._replace(gyr=jnp.asarray(held)))
     found = filtered("kf", gains, inputs)
     for one, other in zip(found, expected, strict=True):
         np.testing.assert_array_equal(one, other)

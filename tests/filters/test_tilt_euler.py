@@ -13,8 +13,10 @@ import scipy.linalg
 from hypothesis import given
 
 from filters import TiltKalman, TiltNoise, TiltSample, run, tilt_disturbance, tilt_transition
+from filters.tilt_euler import TO_PAPER
 from objectives import angle_errors
 from tests import oracles_suh2004 as suh
+from tests.oracles import surprise, surprises
 from tests.strategies import seeds
 from tuner.data.simulation import GRAVITY, Swing, simulate
 
@@ -39,13 +41,15 @@ def noise(**settings):
     chosen = suh.DEFAULTS | settings
     names = ("q1", "r_nom", "r3", "alpha1", "alpha2", "delta", "r_big")
     values = (jnp.asarray(chosen[name], float) for name in names)
-    return TiltNoise(*values, jnp.asarray(chosen["x0"], float), jnp.zeros((5, 5)))
+    in_g, x0 = jnp.ones(()), jnp.asarray(chosen["x0"], float)
+    return TiltNoise(*values, in_g, x0, jnp.zeros(()))
 
 
 def sampled(acc, gyr):
     pad = N - len(acc)
     parts = (np.concatenate([part, np.repeat(part[-1:], pad, axis=0)]) for part in (acc, gyr))
-    return TiltSample(*(jnp.asarray(part) for part in parts))
+    acc, gyr = parts
+    return TiltSample(jnp.asarray(acc), jnp.asarray(gyr * TO_PAPER))
 
 
 # Without the compiler's optimisation, which changes no formula and takes most of the time.
@@ -71,6 +75,34 @@ def follow(filter, acc, gyr, **settings):
     columns = [*out.angles.T, *out.rates.T, *out.r.T, out.detected]
     names = ("theta", "phi", "wx", "wy", "wz", "r1", "r2", "detected")
     return {name: np.asarray(c)[: len(acc)] for name, c in zip(names, columns, strict=True)}
+
+
+def test_innovations_are_as_surprising_as_the_joint_one():
+    """Rates and accelerations of one sample, all linearised at the prediction."""
+    filter = TiltKalman(suh.T, "standard", innovation="linearised")
+    params, (acc, gyr) = noise()._replace(P0=jnp.asarray(0.1)), suh.still(N)
+    _, out = compiled(filter, params, sampled(acc, gyr))
+    x, F = np.array(suh.DEFAULTS["x0"], float), np.asarray(tilt_transition(params.x0, suh.T))
+    Q = np.asarray(tilt_disturbance(params.x0, params.q1, suh.T))
+    x, P = F @ x, F @ (0.1 * np.eye(5)) @ F.T + Q
+    (s, c), (sp, cp) = (np.sin(x[:2]), np.cos(x[:2])), (np.sin(x[1]), np.cos(x[1]))
+    C = np.zeros((5, 5))
+    C[:3, 2:] = np.eye(3)
+    C[3:, :2] = [[c[0], 0.0], [-sp * s[0], cp * c[0]]]
+    e = np.concatenate([gyr[0] - x[2:], acc[0, :2] - [s[0], sp * c[0]]])
+    variances = [params.r3] * 3 + [params.r_nom] * 2
+    expected = surprise(e, C @ P @ C.T + np.diag(np.array(variances)))
+    found = surprises(np.asarray(out.innovation), np.asarray(out.variance))
+    assert found[0] == pytest.approx(expected, rel=1e-12)
+
+
+def test_what_is_not_measured_surprises_nobody():
+    acc, gyr = (np.array(part) for part in suh.still(N))
+    acc[3, 0], gyr[5, 1] = np.nan, np.nan
+    _, out = compiled(TiltKalman(suh.T), noise(), sampled(acc, gyr))
+    nothing = [tuple(place) for place in np.argwhere(np.asarray(out.variance) == 0)]
+    assert nothing == [(3, 3), (5, 1)]
+    assert not np.asarray(out.innovation)[[3, 5], [3, 1]].any()
 
 
 def same(found, expected, tolerance=1e-12):

@@ -1,5 +1,8 @@
 """Errors of attitudes and of angles against SciPy's rotations and plain NumPy."""
 
+from dataclasses import dataclass
+from typing import NamedTuple
+
 import jax
 import jax.numpy as jnp
 import mpmath
@@ -8,7 +11,7 @@ import pytest
 from hypothesis import given
 from scipy.spatial.transform import Rotation
 
-from objectives import AttitudeRmse, angle_errors, attitude_error, masked
+from objectives import AttitudeRmse, Data, angle_errors, attitude_error, masked, score
 from tests.oracles import central_difference
 from tests.strategies import seeds
 
@@ -19,6 +22,17 @@ errors = jax.jit(jax.vmap(attitude_error))
 rmse = jax.jit(lambda part, q, truth: AttitudeRmse(part)(q, truth), static_argnums=0)
 slope = jax.jit(jax.grad(lambda q, part, truth: AttitudeRmse(part)(q, truth)), static_argnums=1)
 of_angles = jax.jit(angle_errors)
+
+
+@dataclass(frozen=True)
+class PassOn:
+    """A filter whose outputs are its inputs."""
+
+    def init(self, params):
+        return None
+
+    def step(self, params, state, inputs):
+        return state, inputs
 
 
 def stacked(turns):
@@ -188,6 +202,45 @@ def test_gradient_is_finite_where_all_errors_are_zero(part):
     level = jnp.broadcast_to(jnp.eye(4)[0], (N, 4))
     assert float(rmse(part, level, level)) == 0.0
     assert np.isfinite(slope(level, part, level)).all()
+
+
+class Outputs(NamedTuple):
+    """Of a filter that has more to say than its attitude."""
+
+    bias: np.ndarray
+    att: np.ndarray
+
+
+@every_part
+def test_in_the_time_loop_it_is_the_same_number(part):
+    estimate, truth = (stacked(turns) for turns in drawn(np.random.default_rng(10)))
+    truth[::5] = np.nan
+    whole = float(rmse(part, estimate, truth))
+    # a filter that returns what it is given
+    found = score(PassOn(), AttitudeRmse(part), None, Data(estimate, truth))
+    # the order of the sum differs: N roundings
+    assert float(found) == pytest.approx(whole, rel=1e-14)
+    outputs = Outputs(np.zeros(N), estimate)
+    assert float(AttitudeRmse(part)(outputs, truth)) == pytest.approx(whole, rel=1e-14)
+
+
+@every_part
+def test_records_side_by_side_are_one_long_record(part):
+    estimate, truth = (stacked(turns) for turns in drawn(np.random.default_rng(11)))
+    truth[5] = np.nan
+    side = estimate.reshape(N // 2, 2, 4), truth.reshape(N // 2, 2, 4)
+    whole = float(rmse(part, estimate, truth))
+    assert float(AttitudeRmse(part)(*side)) == pytest.approx(whole, rel=1e-14)
+    found = score(PassOn(), AttitudeRmse(part), None, Data(*side))
+    assert float(found) == pytest.approx(whole, rel=1e-14)
+
+
+def test_outputs_without_an_attitude_are_refused():
+    class Biases(NamedTuple):
+        bias: np.ndarray
+
+    with pytest.raises(ValueError, match="^Biases has no att, the attitude as a quaternion; score"):
+        AttitudeRmse()(Biases(np.zeros((N, 3))), np.zeros((N, 4)))
 
 
 # ------------------------------------------------------------------------------ single angles

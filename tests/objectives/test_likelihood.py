@@ -49,6 +49,28 @@ def test_missing_numbers_do_not_count_whatever_their_variance():
     assert np.isnan(folded(y, s, np.full((2, 2), np.nan)))
 
 
+def test_a_variance_of_zero_does_not_count_and_one_truth_stands_for_all():
+    rng = np.random.default_rng(3)
+    y, s = rng.standard_normal((40, 3)), rng.uniform(0.1, 4.0, (40, 3))
+    gone = rng.random((40, 3)) < 0.3
+    told = folded(y, s, np.where(gone, np.nan, 0.0))
+    # what a filter returns where nothing was measured
+    left = folded(np.where(gone, 0.0, y), np.where(gone, 0.0, s), np.zeros(40))
+    assert left == pytest.approx(told, rel=1e-15)
+    assert np.isnan(folded(y, 0 * s, np.zeros(40)))
+
+
+def test_its_gradient_is_finite_beside_a_variance_of_zero():
+    fold, y = InnovationLikelihood(), np.array([0.3, 0.0])
+
+    def at(s):
+        return fold.value(fold.update(fold.init(), Outputs(y, s), np.zeros(()))[0], None)
+
+    slope = np.asarray(jax.grad(at)(np.array([0.04, 0.0])))
+    assert slope[0] != 0
+    assert slope[1] == 0
+
+
 def test_it_is_least_near_the_noise_that_made_the_data():
     rng = np.random.default_rng(2)
     walk = np.cumsum(0.1 * rng.standard_normal(2000))

@@ -5,6 +5,7 @@ import pytest
 import scipy.linalg
 
 from objectives import (
+    LinearSystem,
     Mode,
     steady_kalman,
     undriven_modes,
@@ -28,14 +29,15 @@ def vertical(k):
 def test_vertical_channel_has_an_undriven_constant(k, units):
     A = vertical(k) / units[:, None] * units
     W = np.diag([0.0, 0.04, 0.0]) / np.outer(units, units)
-    models = {False: (A, W), True: van_loan(A, W, 5.0)}
-    for discrete, (F, Q) in models.items():
-        (mode,) = undriven_modes(F, Q, discrete=discrete)
+    for dt, (F, Q) in {None: (A, W), 5.0: van_loan(A, W, 5.0)}.items():
+        system = LinearSystem(F, SEEN * units, Q, R, dt=dt, states=VERTICAL)
+        (mode,) = undriven_modes(system)
         assert mode.words(VERTICAL) == "the constant mode along A_B"
-        assert unseen_modes(F, SEEN * units, discrete=discrete) == ()
-        part = without_undriven(F, Q, SEEN * units, discrete=discrete)
+        assert unseen_modes(system) == ()
+        part = without_undriven(system)
         np.testing.assert_allclose(part.T @ part.T.T, np.diag([0.0, 1.0, 1.0]), atol=1e-12)
-        assert undriven_modes(part.A, part.W, discrete=discrete) == ()
+        assert set(part.system.states) == {"dV", "dh"}
+        assert undriven_modes(part.system) == ()
 
 
 @pytest.mark.parametrize(
@@ -44,7 +46,7 @@ def test_vertical_channel_has_an_undriven_constant(k, units):
 )
 def test_vertical_channel_has_the_published_gains(Ts, K2, K3):
     F, Q = van_loan(vertical(1e-12), np.diag([0.0, 0.04, 0.0]), Ts)
-    found = steady_kalman(F, SEEN, Q, R, discrete=True, states=VERTICAL)
+    found = steady_kalman(LinearSystem(F, SEEN, Q, R, dt=Ts, states=VERTICAL))
     np.testing.assert_allclose(found.gain[:, 0], [0.0, K2, K3], rtol=3e-6, atol=1e-12)
     np.testing.assert_allclose(found.gain, found.updated @ SEEN.T / R, rtol=1e-10, atol=1e-14)
     assert [mode.words(VERTICAL) for mode in found.removed] == ["the constant mode along A_B"]
@@ -57,10 +59,11 @@ def test_an_undriven_ramp_is_two_states():
     A[0, 1] = A[2, 0] = 1.0  # offset, its slope, and a driven level that integrates the offset
     W, C = np.diag([0.0, 0.0, 2.0]), np.array([[0.0, 0.0, 1.0]])
     names = ["offset", "slope", "level"]
-    for discrete, F in ((False, A), (True, scipy.linalg.expm(0.01 * A))):
-        modes = undriven_modes(F, W, discrete=discrete)
+    for dt, F in ((None, A), (0.01, scipy.linalg.expm(0.01 * A))):
+        system = LinearSystem(F, C, W, R, dt=dt)
+        modes = undriven_modes(system)
         assert {mode.words(names).split("along ")[1] for mode in modes} == {"slope", "offset"}
-        part = without_undriven(F, W, C, discrete=discrete)
+        part = without_undriven(system)
         np.testing.assert_allclose(np.abs(part.T), [[0.0], [0.0], [1.0]], atol=1e-12)
 
 
@@ -70,57 +73,53 @@ def test_hidden_modes_are_found_in_any_coordinates():
     inner = np.diag([0.3, 0.0, -1.0, -2.0])
     C = np.array([[0.0, 1.0, 1.0, 1.0]])
     A, C = turn @ inner @ turn.T, C @ turn.T
-    (mode,) = unseen_modes(A, C, discrete=False)
+    system = LinearSystem(A, C, np.eye(4), R)
+    (mode,) = unseen_modes(system)
     assert mode.eigenvalue == pytest.approx(0.3, abs=1e-12)
     assert abs(np.dot(mode.direction, turn[:, 0])) == pytest.approx(1.0, abs=1e-12)
-    part = without_unseen(A, np.eye(4), C, discrete=False)
-    np.testing.assert_allclose(np.sort(np.linalg.eigvals(part.A).real), [-2, -1, 0], atol=1e-12)
+    left = without_unseen(system).system
+    np.testing.assert_allclose(np.sort(np.linalg.eigvals(left.A).real), [-2, -1, 0], atol=1e-12)
     B = turn @ np.diag([1.0, 0.0, 1.0, 0.0]) @ turn.T
-    (constant,) = undriven_modes(A, B, discrete=False)  # the stable one needs no noise
+    (constant,) = undriven_modes(LinearSystem(A, C, B, R))  # the stable one needs no noise
     assert abs(np.dot(constant.direction, turn[:, 1])) == pytest.approx(1.0, abs=1e-12)
 
 
 def test_a_weak_drive_and_a_slow_decay_count():
     A = np.diag([0.0, -1e-6, -1.0])
-    drive = lambda q: np.diag([q, 0.0, 1.0])  # noqa: E731
-    assert len(undriven_modes(A, drive(0.0), discrete=False)) == 1
-    assert undriven_modes(A, drive(1e-18), discrete=False) == ()
-    assert unseen_modes(A, np.array([[1.0, 0.0, 0.0]]), discrete=False) == ()
+    drive = lambda q: LinearSystem(A, [[1.0, 0.0, 0.0]], np.diag([q, 0.0, 1.0]), R)  # noqa: E731
+    assert len(undriven_modes(drive(0.0))) == 1
+    assert undriven_modes(drive(1e-18)) == ()
+    assert unseen_modes(drive(0.0)) == ()
 
 
 def test_an_oscillation_is_named_once():
     A = np.array([[0.0, 2.0], [-2.0, 0.0]])
-    (mode,) = undriven_modes(A, np.zeros((2, 2)), discrete=False)
+    system = LinearSystem(A, np.eye(2), np.zeros((2, 2)), np.eye(2))
+    (mode,) = undriven_modes(system)
     assert mode.words(["a", "b"]) == "the mode 0+2j 1/s along a, b"
-    found = steady_kalman(A, np.eye(2), np.zeros((2, 2)), np.eye(2), discrete=False)
-    assert not found.gain.any()
+    assert not steady_kalman(system).gain.any()
 
 
 def test_steady_continuous_filter_of_a_random_walk():
-    two = steady_kalman(np.zeros((2, 2)), np.eye(2), np.diag([4.0, 0.0]), np.eye(2), discrete=False)
+    walks = LinearSystem(np.zeros((2, 2)), np.eye(2), np.diag([4.0, 0.0]), np.eye(2))
+    two = steady_kalman(walks)
     np.testing.assert_allclose(two.gain, np.diag([2.0, 0.0]), atol=1e-13)
     np.testing.assert_allclose(two.poles, [-2.0], rtol=1e-13)
 
 
-GOOD = {"A": np.eye(2), "C": np.eye(2), "W": np.eye(2), "V": np.eye(2)}
-
-
 @pytest.mark.parametrize(
-    ("change", "sentence"),
+    ("C", "V", "sentence"),
     [
-        ({"C": np.eye(3)}, r"A \(2, 2\), C \(3, 3\), W \(2, 2\) and V \(2, 2\) do not fit"),
-        ({"W": np.diag([1.0, -0.5])}, "W is not positive semi-definite: .* eigenvalue is -0.5"),
-        ({"V": np.diag([1.0, 0.0])}, "V is not positive definite: its smallest eigenvalue is 0"),
-        ({"V": np.array([[1.0, 0.5], [0.0, 1.0]])}, "V is not symmetric"),
-        ({"A": np.full((2, 2), np.nan)}, "not finite"),
-        ({"C": np.array([[1.0, 0.0]]), "V": np.eye(1)}, "shows the constant mode along b, which"),
+        ([[1.0, 0.0]], [[1.0]], "no measurement shows the constant mode along b, which does not"),
+        (np.eye(2), np.diag([1.0, 0.0]), "a measurement has no noise .* the noise that it has"),
+        (np.eye(2), np.ones((2, 2)), "a measurement has no noise"),
     ],
-    ids=["shapes", "W", "V", "asymmetric", "nan", "unseen"],
+    ids=["unseen", "noiseless", "the same noise"],
 )
-def test_refusals_name_the_matter(change, sentence):
-    model = GOOD | change
+def test_refusals_name_the_matter(C, V, sentence):
+    system = LinearSystem(np.zeros((2, 2)), C, np.eye(2), V, states=["a", "b"])
     with pytest.raises(ValueError, match=sentence):
-        steady_kalman(**model, discrete=True, states=["a", "b"])
+        steady_kalman(system)
 
 
 def test_names_have_to_fit():

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from filters import AccelerometerFilter, GyroscopeFilter, Noise, run
+from filters import AccelerometerFilter, GyroscopeFilter, KownackiNoise, run
 from objectives import (
     Crossing,
     Data,
@@ -46,7 +46,7 @@ derived = jax.jit(score_and_gradient, static_argnums=(0, 1, 2))
 
 
 def build(z):
-    return Noise.of(R=jnp.exp(z[0]), Q=jnp.exp(z[1]))
+    return KownackiNoise.of(R=jnp.exp(z[0]), Q=jnp.exp(z[1]))
 
 
 def data(cost, signals=SIGNALS):
@@ -150,8 +150,8 @@ def test_many_points_at_once_are_each_alone(cost):
 @pytest.mark.parametrize(("filter", "cost"), [(GYRO, cost) for cost in COSTS] + [(ACC, COSTS[2])])
 def test_scaling_all_covariances_leaves_the_cost(filter, cost):
     for c in (1e-6, 7.3, 1e6):
-        one = scored(filter, cost, Noise(1e-4, 1.0, jnp.ones((2, 2))), data(cost))
-        other = scored(filter, cost, Noise(c * 1e-4, c, c * jnp.ones((2, 2))), data(cost))
+        one = scored(filter, cost, KownackiNoise(1e-4, 1.0, jnp.ones((2, 2))), data(cost))
+        other = scored(filter, cost, KownackiNoise(c * 1e-4, c, c * jnp.ones((2, 2))), data(cost))
         assert float(other) == pytest.approx(float(one), rel=1e-12)  # rounding of c * R alone
 
 

@@ -11,7 +11,7 @@ import scipy.signal
 from hypothesis import given
 from hypothesis import strategies as st
 
-from filters import AccelerometerFilter, GyroscopeFilter, Noise, run
+from filters import AccelerometerFilter, GyroscopeFilter, KownackiNoise, run
 from objectives import Crossing, Data, Folded, Reading, StepResponse, Welch
 from tests.oracles import lag_below, lag_to_first_crossing
 from tests.published import (
@@ -57,7 +57,7 @@ def parts(objective: StepResponse, outputs, step):
 def answers(filter, noise, step, record):
     """Outputs to both signals, with y_0 = 0 and updates from k = 1."""
     signals = np.stack([np.array(step), np.array(record)], axis=1)
-    y = compiled(filter, Noise.of(*noise), jnp.asarray(signals[1:]))[1]
+    y = compiled(filter, KownackiNoise.of(*noise), jnp.asarray(signals[1:]))[1]
     return np.concatenate([np.zeros((1, 2)), y])
 
 

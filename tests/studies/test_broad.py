@@ -72,8 +72,8 @@ def made(seed):
     truth = whole.q.copy()
     truth[LOST] = np.nan
     return {
-        "imu_acc": np.asarray(sample.acceleration),
-        "imu_gyr": np.asarray(sample.rate),
+        "imu_acc": np.asarray(sample.acc),
+        "imu_gyr": np.asarray(sample.gyr),
         "imu_mag": Rotation.from_quat(whole.q, scalar_first=True).inv().apply(FIELD),
         "opt_quat": truth,
         "opt_pos": np.zeros((SAMPLES, 3)),
@@ -338,7 +338,7 @@ def alone(trial):
     samples = ImuSample(jnp.asarray(trial.acceleration), jnp.asarray(trial.rate))
     cut = blocks(samples, round(BLOCK * trial.rate_hz))
     _, found = compiled(filter_of("room", trial.rate_hz), room(start("room")), cut)
-    q = np.asarray(found.q).reshape(-1, 4)
+    q = np.asarray(found.att).reshape(-1, 4)
     return inclination_rmse(q, trial.truth[: len(q)])
 
 
@@ -364,10 +364,10 @@ def test_errors_of_trials_side_by_side(pair):
     np.testing.assert_array_equal(np.isnan(found.last[:500]), np.isnan(pair.trials[1].truth[:, 0]))
     assert np.sqrt(np.nanmean(found.last**2)) == pytest.approx(errors[1], rel=1e-9)
     filled = side_by_side("room", pair.trials)
-    assert filled.inputs.rate.shape == (SAMPLES // 10, 2, 10, 3)
-    at_rest = filled.inputs.acceleration[50:, 1].reshape(-1, 3)
+    assert filled.inputs.gyr.shape == (SAMPLES // 10, 2, 10, 3)
+    at_rest = filled.inputs.acc[50:, 1].reshape(-1, 3)
     np.testing.assert_array_equal(at_rest, np.tile(pair.trials[1].acceleration[-1], (100, 1)))
-    assert not filled.inputs.rate[50:, 1].any()
+    assert not filled.inputs.gyr[50:, 1].any()
     assert np.isnan(filled.truth[50:, 1]).all()
 
 
@@ -384,10 +384,10 @@ def test_a_field_gives_the_heading(tmp_path):
     gaps["imu_mag"][::3] = np.nan
     written(tmp_path, "02_undisturbed_swing", seed=2, **gaps)
     both = Contest(tuple(read(str(tmp_path), "m/s^2", "rad/s", None)))
-    field = both.data("mahony_field").inputs.field
+    field = both.data("mahony_field").inputs.mag
     np.testing.assert_array_equal(field[:, 0], mounted(1)["imu_mag"])
     np.testing.assert_array_equal(field[:, 1], gaps["imu_mag"])
-    assert both.data("mahony").inputs.field is None
+    assert both.data("mahony").inputs.mag is None
     found = both.judged("mahony_field", start("mahony_field"))
     assert (found.errors["total"] < 2.0).all()
     for part in ("heading", "inclination"):

@@ -48,7 +48,7 @@ def quick():
 
 def record(step, seed, settings=SHORT):
     made = records(settings, [step], [seed])
-    return made.inputs.rate[:, 0], made.inputs.z[:, 0], made.truth[:, 0]
+    return made.inputs.gyr[:, 0], made.inputs.angles[:, 0], made.truth[:, 0]
 
 
 def test_a_seen_step_is_in_the_gyroscopes_and_a_silent_one_is_not():
@@ -123,7 +123,7 @@ def test_both_laws_are_the_textbooks_on_a_record():
     draws = np.random.default_rng([5, 7]).uniform(size=(*made.truth.shape, 7))
     R = np.radians(SHORT.noise) ** 2 * np.eye(3)
     for i in range(2):
-        rate, z = np.asarray(made.inputs.rate)[:, i], np.asarray(made.inputs.z)[:, i]
+        rate, z = np.asarray(made.inputs.gyr)[:, i], np.asarray(made.inputs.angles)[:, i]
         wanted = oracle.run(rate, z, "fuzzy", R=R)
         np.testing.assert_allclose(fuzzy.x[:, i], wanted["x"], atol=1e-11)
         late = wanted["Q"][round(BEFORE / DT) :] / (DT * EVERY)

@@ -8,11 +8,18 @@ import pytest
 import tomli_w
 from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov, solve_discrete_are
 
-from studies.design import Settings, model
+from objectives import LinearSystem
+from studies.design.settings import Settings, error_of, system_of
 from tests import oracles_ha1981 as oracle
 from tuner.certificate.solution import Status
 from tuner.cli import invoke
-from tuner.observers import LinearDesign, fastest, gain_of, quietest, riccati
+from tuner.observers import (
+    fastest_decay,
+    gain_of,
+    least_variance,
+    minimum_variance,
+    riccati,
+)
 from tuner.solvers import Ipopt
 
 CHANNEL = {
@@ -73,11 +80,11 @@ def test_the_papers_loop_comes_out_of_a_toml_file(channel):
         found["P"], solve_continuous_lyapunov(closed, -W), rtol=1e-6, atol=1e-12
     )
     (row,) = channel["comparisons"]
-    assert (row["quantity"], row["verdict"]) == ("fastest.matrix_inequality", "claim holds")
+    assert (row["quantity"], row["verdict"]) == ("fastest_decay.matrix_inequality", "claim holds")
     assert row["ours"] == pytest.approx(0.375 * 0.99, rel=1e-3)  # 1 % is given away
 
 
-def test_the_quietest_is_the_kalman_filter(noisy):
+def test_minimum_variance_is_the_kalman_filters(noisy):
     A, C, Q, R = (np.array(NOISY[name]) for name in "ACQR")
     P = solve_continuous_are(A.T, C.T, Q, R)
     found = exported(noisy)
@@ -95,13 +102,14 @@ def test_the_quietest_is_the_kalman_filter(noisy):
 
 def test_sampled_measurements_of_a_continuous_model():
     settings = Settings(**NOISY | {"sample_time": 0.2})
-    design = model(settings)
+    system = system_of(settings)
+    error = error_of(settings, system)
     F, W = oracle.van_loan(np.array(NOISY["A"]), np.array(NOISY["Q"]), 0.2)
-    np.testing.assert_allclose(design.A, F, rtol=1e-12)
-    np.testing.assert_allclose(design.W, W, rtol=1e-10)
+    np.testing.assert_allclose(system.A, F, rtol=1e-12)
+    np.testing.assert_allclose(system.W, W, rtol=1e-10)
     P = solve_discrete_are(F.T, np.array(NOISY["C"]).T, W, np.array(NOISY["R"]))
-    assert design.least() == pytest.approx(P[1, 1], rel=1e-9)
-    known = riccati(design)(quietest("quietest", design))
+    assert least_variance(system, error) == pytest.approx(P[1, 1], rel=1e-9)
+    known = riccati(system)(minimum_variance("minimum", system, error))
     assert known.status is Status.CONVERGED
     assert known.value == pytest.approx(P[1, 1], rel=1e-9)
 
@@ -110,22 +118,23 @@ def test_sampled_measurements_of_a_continuous_model():
 def test_nobody_is_faster_within_the_bound(dt):
     """Against random gains around the found one, and far from it."""
     settings = Settings(**NOISY | ({"sample_time": dt} if dt else {}))
-    design = model(settings)
-    bound = 2.5 * design.least()
-    problem = fastest("fastest", design, bound)
+    system = system_of(settings)
+    error = error_of(settings, system)
+    bound = 2.5 * least_variance(system, error)
+    problem = fastest_decay("fastest", system, error, bound)
     solution = Ipopt(seed=0, starts=2)(problem)
     assert solution.status is Status.CONVERGED
     L = gain_of(problem, solution.z)
-    assert design.decay(L) >= (1 - 1e-6) / solution.value
+    assert system.decay(L) >= (1 - 1e-6) / solution.value
     draw = np.random.default_rng(0)
     scales = draw.choice([1e-3, 1e-2, 0.1, 1.0], size=(4000, 1, 1))
     for gain in L * (1 + scales * draw.normal(size=(4000, *L.shape))):
         # A pole that is double at the optimum splits with the root of a change of the gain.
-        if design.decay(gain) > design.decay(L) * (1 + 1e-6):
-            closed = design.A - gain @ design.C
-            noise = design.W + gain @ design.V @ gain.T
+        if system.decay(gain) > system.decay(L) * (1 + 1e-6):
+            closed = system.A - gain @ system.C
+            noise = system.W + gain @ system.V @ gain.T
             P = _steady(closed, noise, dt)
-            assert design.error @ P @ design.error > bound * (1 - 1e-6)
+            assert error @ P @ error > bound * (1 - 1e-6)
 
 
 def _steady(F, W, dt):
@@ -142,17 +151,18 @@ def test_two_measurements_are_used_together():
     C = np.array([[0, 0, 1.0], [0, 1, 0]])
     W, V = np.diag([1e-4, 0.04, 0]), np.diag([1.0, 0.5])
     error = np.array([1.0, 0, 0])
-    design = LinearDesign(("bias", "speed", "place"), A, C, W, V, error, None)
+    system = LinearSystem(A, C, W, V, states=("bias", "speed", "place"))
+    least = least_variance(system, error)
     P = solve_continuous_are(A.T, C.T, W, V)
-    assert design.least() == pytest.approx(P[0, 0], rel=1e-9)
-    problem = fastest("fastest", design, 3 * design.least())
+    assert least == pytest.approx(P[0, 0], rel=1e-9)
+    problem = fastest_decay("fastest", system, error, 3 * least)
     solution = Ipopt(seed=0, starts=1)(problem)
     L = gain_of(problem, solution.z)
     assert solution.status is Status.CONVERGED
-    assert design.variance(L) == pytest.approx(3 * design.least(), rel=1e-6)
-    kalman = design.decay(P @ C.T @ np.linalg.inv(V))
+    assert error @ system.covariance(L) @ error == pytest.approx(3 * least, rel=1e-6)
+    kalman = system.decay(P @ C.T @ np.linalg.inv(V))
     # Rounding moves a triple pole by the third root of 1e-16.
-    assert design.decay(L) == pytest.approx(1 / solution.value, rel=1e-4)
+    assert system.decay(L) == pytest.approx(1 / solution.value, rel=1e-4)
     assert 1 / solution.value > 5 * kalman
 
 
@@ -164,8 +174,7 @@ def test_a_symmetric_model_is_not_a_trap():
     what ``all_states`` allows.
     """
     one = np.eye(2)
-    design = LinearDesign(("a", "b"), 0 * one, one, one, one, np.array([1.0, 0.0]), None)
-    problem = fastest("fastest", design, 2.0)
+    problem = fastest_decay("fastest", LinearSystem(0 * one, one, one, one), [1.0, 0.0], 2.0)
     assert problem.known_starts
     solution = Ipopt(seed=0, starts=2)(problem)
     assert solution.status is Status.CONVERGED
@@ -181,14 +190,15 @@ def test_a_hidden_mode_limits_the_rate():
     """x2 dies out with 0.7 1/s whatever is done; x1 could be observed faster."""
     A, C = np.array([[0.0, 0.0], [0.3, -0.7]]), np.array([[1.0, 0.0]])
     W = np.diag([1.0, 0.2])
-    design = LinearDesign(("x1", "x2"), A, C, W, np.eye(1), np.array([1.0, 1.0]), None)
-    problem = fastest("fastest", design, 3 * design.least())
+    system, error = LinearSystem(A, C, W, np.eye(1)), np.array([1.0, 1.0])
+    bound = 3 * least_variance(system, error)
+    problem = fastest_decay("fastest", system, error, bound)
     solution = Ipopt(seed=0, starts=2)(problem)
     assert solution.status is Status.CONVERGED
     assert 1 / solution.value == pytest.approx(0.7, rel=1e-6)
     L = gain_of(problem, solution.z)
-    assert design.decay(L) == pytest.approx(0.7, rel=1e-6)
-    assert design.variance(L) <= 3 * design.least() * (1 + 1e-6)
+    assert system.decay(L) == pytest.approx(0.7, rel=1e-6)
+    assert error @ system.covariance(L) @ error <= bound * (1 + 1e-6)
 
 
 def test_discrete_measurements_without_noise_have_a_best_gain(tmp_path):
@@ -219,8 +229,8 @@ def test_what_nothing_drives_is_named_and_left_alone(tmp_path):
     K2, K3 = (float(f"0{text}") for text in oracle.STEADY[5.0][2:])
     np.testing.assert_allclose(found["K"][:, 0], [0.0, K2, K3], rtol=1e-4, atol=1e-12)
     rows = {row["quantity"]: row for row in result["comparisons"]}
-    assert rows["quietest.every_mode_driven"]["verdict"] == "claim fails"
-    assert "constant mode along bias" in rows["quietest.every_mode_driven"]["note"]
+    assert rows["minimum_variance.every_mode_driven"]["verdict"] == "claim fails"
+    assert "constant mode along bias" in rows["minimum_variance.every_mode_driven"]["note"]
     assert found["P"][0].tolist() == [0.0, 0.0, 0.0]
 
 
@@ -259,7 +269,10 @@ REFUSED = {
     "names": (NOISY | {"states": ["a b", "c"]}, "setting states: a state is named 'a b'"),
     "twins": (NOISY | {"states": ["Pos", "pos"]}, "setting states: the state 'pos' comes twice"),
     "text": (NOISY | {"R": [["0.05"]]}, "setting R.0.0: Input should be a valid number"),
-    "nothing": (NOISY | {"error": [0.0, 0.0]}, "the error that counts is zero in every state"),
+    "nothing": (
+        NOISY | {"error": [0.0, 0.0]},
+        "the error that counts is [0.0, 0.0]; give 2 finite weights of the states x1, x2",
+    ),
     "not driven": (
         NOISY
         | {

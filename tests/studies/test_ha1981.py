@@ -122,7 +122,7 @@ def test_figures_hold_the_curves(ran):
 
 
 def test_twenty_random_starts_agree_with_the_closed_form():
-    problem = conventional.fastest(CHANNEL)
+    problem = conventional.fastest_decay(CHANNEL)
     solution = Ipopt(seed=7, starts=20)(problem)
     found = conventional.gains_of(solution)
     expected = oracle.triple_pole_gains(CHANNEL.eta)
@@ -136,7 +136,7 @@ def test_twenty_random_starts_agree_with_the_closed_form():
 
 
 def test_a_wrong_closed_form_is_not_believed():
-    problem = conventional.fastest(CHANNEL)
+    problem = conventional.fastest_decay(CHANNEL)
     wide = Channel.of(Settings(bound=8e-4))
     assert conventional.closed_form(wide)(problem).status is Status.INFEASIBLE
     tight = Channel.of(Settings(bound=2e-4))

@@ -7,9 +7,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from filters import AccelerometerFilter, Noise, run
-from studies.kownacki2010.bench import ACC, GYRO, Settings, benches, synthetic
-from studies.kownacki2010.rows import compare
+from filters import AccelerometerFilter, KownackiNoise, run
+from studies.kownacki2010 import plan, problems
+from studies.kownacki2010.data import benches, synthetic
+from studies.kownacki2010.paper import ACC, GYRO
+from studies.kownacki2010.settings import Settings
 from tuner.cli import invoke
 from tuner.run.comparison import Verdict
 from tuner.run.study import find_study
@@ -35,11 +37,11 @@ def rows():
     tested = benches(Settings(), None, seed=0)
     solutions = {}
     for bench in tested:
-        for problem in (bench.problem(), bench.paper()):
+        for problem in (problems.problem(bench), problems.paper(bench)):
             solutions[problem.name, "l-bfgs-b"] = Gradient("l-bfgs-b", seed=0, starts=1)(problem)
-        literal = bench.literal()
+        literal = problems.literal(bench)
         solutions[literal.name, "nelder-mead"] = NelderMead(seed=0, starts=1)(literal)
-    return {row.quantity: row for row in compare(tested, True, solutions)}
+    return {row.quantity: row for row in plan(Settings(), None, 0, "").compare(solutions)}
 
 
 def test_all_required_rows_are_there(rows):
@@ -91,7 +93,7 @@ def test_record_has_table_1s_variance_and_depends_on_the_seed_alone():
 def test_table_1_is_too_slow():
     """Notes: the accelerometer's noise-free answer has come to .1001 of .2 after 5 s."""
     step = jnp.where(jnp.arange(100_001) >= 50_000, 0.2, 0.0)
-    _, output = run(AccelerometerFilter(dt=1e-4), Noise.of(*ACC.table1), step)
+    _, output = run(AccelerometerFilter(dt=1e-4), KownackiNoise.of(*ACC.table1), step)
     assert float(output[-1]) == pytest.approx(0.1001, abs=5e-5)
 
 
@@ -104,6 +106,7 @@ def static_log(path: Path) -> Path:
 
 
 QUICK = ("--set", "starts=1", "--set", "solvers=l-bfgs-b", "--set", "grid=3")
+FORMS = ("csv", "png")
 
 
 def test_own_log_is_tuned_and_exported(tmp_path, capsys):
@@ -116,7 +119,13 @@ def test_own_log_is_tuned_and_exported(tmp_path, capsys):
     assert next(iter(result)) == "schema"
     assert result["log"]["rate_hz"] == 100.0
     assert "3000 samples" in captured.err
-    assert {row["quantity"].split(".")[0] for row in result["comparisons"]} == {"gyro"}
+    # A user's run is the user's: one problem a sensor, no row and no mark of the paper.
+    assert [s["problem"] for s in result["solutions"]] == ["gyro"]
+    assert result["comparisons"] == []
+    figures = {name for name in result["artifacts"] if name.startswith("figures/")}
+    drawn = [f"figures/{stem}_gyro.{form}" for stem in ("step", "tradeoff") for form in FORMS]
+    assert figures == set(drawn)
+    assert all("Table" not in (out / name).read_text() for name in figures if ".csv" in name)
     assert {e["format"] for e in result["exports"]} == {"json", "toml", "npz", "csv", "mat", "c"}
     # The exports are exact; only the way through ln Q rounds.
     assert all(abs(e["relative_change"]) < 1e-12 for e in result["exports"])

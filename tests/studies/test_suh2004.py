@@ -6,6 +6,7 @@ import jax
 import numpy as np
 import pytest
 
+from filters.tilt_euler import TO_PAPER
 from studies.suh2004 import mixed
 from studies.suh2004 import paper as published
 from studies.suh2004.mixed import Recordings, held_out, problems, recordings
@@ -72,16 +73,16 @@ def test_experiment_2_is_the_textbooks(unit):
     acceleration, rate = oracle.experiment2(unit.partition("/")[0])
     # The same products in the same order: the sines' arguments reach 3.5e5, whose last bit alone
     # would be 6e-11 of the noise.
-    np.testing.assert_allclose(inputs.acceleration, acceleration, rtol=0, atol=1e-15)
-    np.testing.assert_allclose(inputs.rate, rate, rtol=0, atol=1e-15)
-    assert float(inputs.acceleration[:, 1].sum()) == printed("0.0238196081")
+    np.testing.assert_allclose(inputs.acc, acceleration, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(np.asarray(inputs.gyr) * TO_PAPER, rate, rtol=0, atol=1e-15)
+    assert float(inputs.acc[:, 1].sum()) == printed("0.0238196081")
 
 
 def test_experiment_1_is_the_same_at_rest():
     still, pushed = experiment_1("deg/s"), experiment_2("deg/s")
-    np.testing.assert_array_equal(still.rate, pushed.rate)
-    np.testing.assert_array_equal(still.acceleration[:, [0, 2]], pushed.acceleration[:, [0, 2]])
-    push = np.asarray(pushed.acceleration - still.acceleration)[:, 1]
+    np.testing.assert_array_equal(still.gyr, pushed.gyr)
+    np.testing.assert_array_equal(still.acc[:, [0, 2]], pushed.acc[:, [0, 2]])
+    push = np.asarray(pushed.acc - still.acc)[:, 1]
     # the two sums differ in one rounding of a number below 1
     np.testing.assert_allclose(push, oracle.bursts(480), rtol=0, atol=2e-16)
     assert not push[:59].any()
@@ -202,13 +203,13 @@ def same(one: Recordings, other: Recordings):
 def test_records_follow_their_seeds():
     two = recordings(SHORT, 2, 5)
     assert two.count == 2
-    assert two.inputs.rate.shape == (400, 2, 3)
+    assert two.inputs.gyr.shape == (400, 2, 3)
     assert all(same(two, recordings(SHORT, 2, 5)))
     assert not any(same(two, recordings(SHORT, 2, 6)))
     # the second record of seed 5 is the first of seed 6
     second, first = recordings(SHORT, 2, 5), recordings(SHORT, 1, 6)
     np.testing.assert_array_equal(second.truth[:, 1], first.truth[:, 0])
-    np.testing.assert_array_equal(second.inputs.rate[:, 1], first.inputs.rate[:, 0])
+    np.testing.assert_array_equal(second.inputs.gyr[:, 1], first.inputs.gyr[:, 0])
 
 
 def test_held_out_error_is_the_textbooks():
@@ -227,12 +228,12 @@ def test_the_records_are_in_the_papers_polarity():
     """ax = sin theta, ay = sin phi cos theta at rest, and the rates turn the angles."""
     still = recordings(Settings(seconds=20.0, burst=0.0, bias=0.0), 1, 3)
     theta, phi = np.asarray(still.truth)[:, 0].T
-    ax, ay, az = np.asarray(still.inputs.acceleration)[:, 0].T
+    ax, ay, az = np.asarray(still.inputs.acc)[:, 0].T
     # noise of 4e-3 g
     np.testing.assert_allclose(ax, np.sin(theta), atol=0.025)
     np.testing.assert_allclose(ay, np.sin(phi) * np.cos(theta), atol=0.025)
     np.testing.assert_allclose(az, np.cos(phi) * np.cos(theta), atol=0.025)
-    rates = np.asarray(still.inputs.rate)[:, 0]
+    rates = np.asarray(still.inputs.gyr)[:, 0] * TO_PAPER
     turned = [oracle.rates_matrix(p, t) @ w for p, t, w in zip(phi, theta, rates, strict=True)]
     slopes = np.stack([np.gradient(theta, 0.05), np.gradient(phi, 0.05)], axis=1)
     # noise of 1e-3 rad/s, and differences over 0.1 s of angles of at most 0.4 Hz

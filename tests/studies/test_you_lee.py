@@ -308,7 +308,7 @@ def test_the_roll_floor_is_judged_where_it_is_reached():
 
 
 def test_a_switch_that_always_fires_in_a_run_that_judges_is_told():
-    rate = np.linalg.norm(bench().train()[0].rate, axis=2)
+    rate = np.linalg.norm(bench().train()[0].gyr, axis=2)
     quiet = {"threshold": 1.01 * float(rate.min(axis=0).max()), "runs": 60}
     with pytest.raises(ValueError, match=r"always fires in \d+ of 62 runs"):
         checks.refuse(Bench(SHORT.model_copy(update=quiet), 0))

@@ -3,7 +3,7 @@ from importlib.metadata import EntryPoint
 
 import pytest
 
-import tuner.run.study
+import tuner.catalogue
 from tests.tuner.helpers import toy_study
 from tuner.cli import invoke
 
@@ -50,10 +50,13 @@ def offer(monkeypatch):
             return self.value
 
     def offered(study):
-        points = [*tuner.run.study.entry_points(group=tuner.run.study.GROUP)]
-        points = [point for point in points if point.name != study.name]
-        new = Offered(study.name, study, tuner.run.study.GROUP)
-        monkeypatch.setattr(tuner.run.study, "entry_points", lambda group: [*points, new])
+        new, installed = Offered(study.name, study, "tuner.studies"), tuner.catalogue.entry_points
+
+        def points(group):
+            kept = [point for point in installed(group=group) if point.name != study.name]
+            return [*kept, new] if group == "tuner.studies" else kept
+
+        monkeypatch.setattr(tuner.catalogue, "entry_points", points)
         return study
 
     return offered

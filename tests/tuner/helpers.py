@@ -1,7 +1,7 @@
 """Small problems with known optima, and a study of them for the engine and the command line."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -10,14 +10,15 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from objectives import Data
-from tuner.certificate.single_precision import SinglePrecision
+from tuner.data.source import Source
 from tuner.export.tuned import Quantity
+from tuner.problem.exported import Exported
 from tuner.problem.parameters import Positive
 from tuner.problem.problem import Problem
 from tuner.problem.space import Space
 from tuner.run.comparison import claim, number
 from tuner.run.figure import Chart, Line
-from tuner.run.study import Plan, Source, Study, Target, Task
+from tuner.run.study import Claim, Plan, Study, Task, best
 from tuner.solvers import make_solver
 
 
@@ -86,7 +87,7 @@ def logarithms(values):
 
 
 SQUARE = Space.of(
-    a=Positive(1.0, low=np.exp(-3), high=np.exp(3), unit="m"),
+    a=Positive(1.0, low=np.exp(-3), high=np.exp(3), unit="m", meaning="the first"),
     b=Positive(1.0, low=np.exp(-3), high=np.exp(3)),
 )
 ANY = Data(np.zeros(2), np.zeros(2))
@@ -115,11 +116,11 @@ class ToySettings(BaseModel):
 
 def toy_plan(settings, log, seed, storage, *, solver=make_solver):
     objective = {"bowl": bowl, "slope": slope, "hollow": hollow}[settings.objective]
-    target = problem(objective, name="toy")
+    main = replace(problem(objective, name="toy"), exported=TOY_EXPORTED)
     side = problem(trench, name="side")
     tasks = tuple(
-        Task(posed, solver(name, seed=seed, starts=settings.starts, storage=storage), name)
-        for posed in (target, side)
+        Task(posed, solver(name, seed=seed, starts=settings.starts, storage=storage))
+        for posed in (main, side)
         for name in settings.solvers
     )
     if log is None:
@@ -129,33 +130,56 @@ def toy_plan(settings, log, seed, storage, *, solver=make_solver):
     return Plan(
         source=source,
         tasks=tasks,
-        targets=(Target(target, "Echo", ("x",), 0.01, toy_quantities, toy_single),),
-        compare=toy_rows,
+        exports=("toy",),
+        case="a curve",
+        claims=TOY_CLAIMS if log is None else (),
         figures=toy_figures,
     )
 
 
-def toy_quantities(solution):
-    return (Quantity("gain", np.array(solution.derived["b_over_a"]), "1", "b over a"),)
+def toy_quantities(params):
+    """From what the filter takes, (ln a, ln b)."""
+    return (Quantity("gain", np.exp(params[1] - params[0]), "1", "b over a"),)
 
 
-def toy_single(solution):
-    return (SinglePrecision("full", 0.5, 0.25, 7, 0.1, "the full form strays"),)
+TOY_EXPORTED = Exported("Echo", ("x",), 0.01, toy_quantities)
 
 
-def toy_rows(solutions):
-    found = min((s for (name, _), s in solutions.items() if name == "toy"), key=lambda s: s.value)
-    ours = found.derived["b_over_a"]
-    return [
-        number("toy.b_over_a", "Table 1", np.exp(-2.0), ours, tolerance=0.05),
-        number("toy.lowest", "equation (1)", 1.25, found.value, tolerance=0.05, unit="m"),
-        claim("toy.known", "section 2", True, ours=None, note="a row | in words"),
-    ]
+def toy_ratio(case, solutions):
+    ours = best("toy", solutions).derived["b_over_a"]
+    return number("toy.b_over_a", "Table 1", np.exp(-2.0), ours, tolerance=0.05)
 
 
-def toy_figures(solutions):
+def toy_lowest(case, solutions):
+    ours = best("toy", solutions).value
+    return number("toy.lowest", "equation (1)", 1.25, ours, tolerance=0.05, unit="m")
+
+
+def toy_known(case, solutions):
+    return claim("toy.known", "section 2", True, ours=None, note="a row | in words")
+
+
+TOY_CLAIMS = (
+    Claim("toy.b_over_a", toy_ratio, ("toy",)),
+    Claim("toy.lowest", toy_lowest, ("toy",)),
+    Claim("toy.known", toy_known),
+)
+
+
+def toy_figures(case, solutions):
     x = np.arange(3.0)
-    yield Chart("curve", "A curve", "x", "y", (Line("line", x, x**2),))
+    yield Chart("curve", case, "x", "y", (Line("line", x, x**2),))
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A solver of one's own: a function of the problem, under a name."""
+
+    name: str
+    solve: Callable
+
+    def __call__(self, problem):
+        return self.solve(problem)
 
 
 def toy_study(**changed):

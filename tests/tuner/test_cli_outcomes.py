@@ -4,11 +4,15 @@ import json
 import os
 import subprocess
 import sys
+from pathlib import Path
 
+import numpy as np
 import pytest
 
-from tests.tuner.helpers import snapshot, toy_study
+from tests.tuner.helpers import Solved, snapshot, toy_study, write_csv
+from tuner import export
 from tuner.cli import invoke
+from tuner.cli.recipe import read_recipe
 from tuner.run.result import read_result
 from tuner.solvers import Sampler
 
@@ -63,27 +67,139 @@ def test_what_did_not_converge_is_exported_by_force_only(cli, here, toy, objecti
     assert snapshot(here) == before
     assert cli("export", "out", "--to", "csv", "--force")[0] == 0
     assert (here / "toy.csv").is_file()
-    # The score of what failed is infinite: null on file, and the file can still be read.
-    (record,) = read_result(here / "out").exports
-    assert (record.score is None) == (objective == "hollow")
+    assert read_result(here / "out").exports == []  # what a run exported itself
+    assert export.load((here / "toy.csv").read_bytes(), "csv").provenance.status == status
     assert cli("compare", "out")[0] in (0, 1)
 
 
-def test_export_adds_its_score_to_the_result(cli, here, toy):
+def test_an_export_leaves_the_run_as_it_is(cli, here, toy):
     cli("run", "toy", "--out", "out")
-    before = read_result(here / "out")
+    before = snapshot(here / "out")
     code, out, err = cli("export", "out", "--to", "toml", "-o", "mine.toml")
     assert (code, out) == (0, "")
-    assert [line.split(":")[0] for line in err.splitlines()] == [
-        "wrote mine.toml",
-        "read back and scored",
-    ]
-    after = read_result(here / "out")
-    *old, new = after.exports
-    assert old == before.exports
-    assert (new.problem, new.format, new.file) == ("toy", "toml", "mine.toml")
-    assert new.score == pytest.approx(1.0, abs=1e-8)  # the bowl's lowest value
-    assert after.model_copy(update={"exports": old}).to_json() == before.to_json()
+    assert err == "wrote mine.toml: 3 quantities, read back equal\n"
+    assert (here / "mine.toml").read_bytes() == (here / "out/exports/toy.toml").read_bytes()
+    assert snapshot(here / "out") == before
+
+
+def damaging(monkeypatch, suffix, old, new):
+    """Make files differ from what they should hold, as a bad disk would."""
+    whole = Path.read_bytes
+
+    def damaged(path):
+        data = whole(path)
+        return data.replace(old, new) if path.suffix == suffix else data
+
+    monkeypatch.setattr(Path, "read_bytes", damaged)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        (b'unit = "m"', b'unit = "k"', "mine.toml does not hold what was written; the disk may"),
+        (b"[", b"(", "no tuned filter can be read as toml"),
+    ],
+    ids=["another unit", "no TOML"],
+)
+def test_a_damaged_export_is_noticed(cli, here, toy, monkeypatch, old, new, sentence):
+    cli("run", "toy", "--out", "out")
+    with monkeypatch.context() as patch:
+        damaging(patch, ".toml", old, new)
+        code, out, err = cli("export", "out/result.json", "--to", "toml", "-o", "mine.toml")
+    assert (code, out) == (2, "")
+    assert err.startswith(f"tuner: {sentence}")
+    assert len(err.splitlines()) == 1
+
+
+# Claims.
+
+
+def test_a_claim_alone(cli, here, toy):
+    code, out, err = cli("run", "toy", "--claim", "toy.lowest", "--out", "out")
+    assert (code, err) == (0, "")
+    result = read_result(here / "out")
+    assert [row.quantity for row in result.comparisons] == ["toy.lowest"]
+    assert "toy.lowest" in out
+    for other in ("toy.b_over_a", "toy.known", "side"):
+        assert other not in out
+    # Only what it needs is solved; nothing is exported, checked or drawn.
+    assert {s.problem for s in result.solutions} == {"toy"}
+    assert (result.exports, result.single_precision, result.tuned) == ([], [], [])
+    assert set(snapshot(here / "out")) == {"result.json", "study.toml", "environment.json"}
+    code, out, err = cli("export", "out", "--to", "c")
+    assert (code, out) == (2, "")
+    assert err == (
+        "tuner: the run of toy tuned no filter that is exported; run it without --claim\n"
+    )
+    assert cli("compare", "out", "--tol", "25%")[0] == 0
+
+
+def test_a_claim_that_needs_no_solution(cli, here, toy):
+    code, out, err = cli("run", "toy", "--claim", "toy.known")
+    assert (code, err) == (0, "")
+    assert "Solutions" not in out
+    assert "toy.known" in out
+    assert read_result(here / "runs" / "toy-001").solutions == []
+
+
+def test_several_claims_by_name_and_pattern(cli, here, toy):
+    words = ("--claim", "toy.k*", "--claim", "toy.?owest", "--json")
+    rows = json.loads(cli("run", "toy", *words)[1])["comparisons"]
+    assert [row["quantity"] for row in rows] == ["toy.lowest", "toy.known"]
+
+
+def test_claims_do_not_converge_and_that_is_no_failure(cli, here, toy):
+    """Nothing is exported that could be trusted or not; the row says what was found."""
+    words = ("--set", "objective=slope", "--claim", "toy.lowest", "--json")
+    code, out, _ = cli("run", "toy", *words)
+    assert code == 0
+    assert json.loads(out)["solutions"][0]["status"] == "at bound"
+
+
+def test_an_unknown_claim_is_told_the_near_ones(cli, here, toy):
+    code, out, err = cli("run", "toy", "--claim", "toy.lowets")
+    assert (code, out) == (2, "")
+    assert err == (
+        "tuner: unknown claim 'toy.lowets'; did you mean toy.lowest or toy.known? "
+        "There are: toy.b_over_a, toy.known, toy.lowest\n"
+    )
+    assert snapshot(here) == {}
+
+
+def test_a_run_on_a_log_has_no_claims(cli, here, toy):
+    write_csv(here / "rest.csv", np.arange(50) / 10, np.sin(np.arange(50.0)))
+    words = ("run", "toy", "--log", "rest.csv", "--map", "x=g", "--out", "out")
+    code, _, err = cli(*words, "--claim", "toy.lowest")
+    assert code == 2
+    assert err.splitlines()[-1] == "tuner: unknown claim 'toy.lowest'; There are none"
+    assert not (here / "out").exists()
+    code, out, _ = cli(*words)
+    assert code == 0
+    assert "Comparison" not in out
+    assert read_result(here / "out").comparisons == []
+
+
+def test_the_recipe_keeps_the_claims(cli, here, toy):
+    cli("run", "toy", "--claim", "toy.lowest", "--claim", "toy.known", "--out", "out")
+    assert read_recipe(here / "out/study.toml").claims == ["toy.lowest", "toy.known"]
+    assert cli("run", "out/study.toml", "--out", "again")[0] == 0
+    one, other = (read_result(here / name) for name in ("out", "again"))
+    assert one.comparisons == other.comparisons
+    assert (here / "out/study.toml").read_bytes() == (here / "again/study.toml").read_bytes()
+    # The command line wins.
+    assert cli("run", "out/study.toml", "--claim", "toy.known", "--out", "third")[0] == 0
+    assert [row.quantity for row in read_result(here / "third").comparisons] == ["toy.known"]
+    # A whole run says nothing of claims.
+    cli("run", "toy", "--out", "whole")
+    assert b"claims" not in (here / "whole/study.toml").read_bytes()
+
+
+def test_dry_run_names_the_claims(cli, here, toy):
+    lines = cli("run", "toy", "--dry-run")[1].splitlines()
+    assert lines[-1] == "would try toy.b_over_a, toy.lowest, toy.known"
+    lines = cli("run", "toy", "--dry-run", "--claim", "toy.known")[1].splitlines()
+    assert lines[2:] == ["would try toy.known"]
+    assert snapshot(here) == {}
 
 
 def test_comparison_decides_its_exit_code(cli, here, toy):
@@ -152,7 +268,7 @@ def test_an_error_while_solving_is_told_in_one_line(cli, here, offer):
         def solve(problem):
             raise ValueError("this cannot\nbe solved")
 
-        return solve
+        return Solved(name, solve)
 
     offer(toy_study(solver=failing))
     assert cli("run", "toy") == (2, "", "tuner: this cannot be solved\n")

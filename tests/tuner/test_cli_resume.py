@@ -14,8 +14,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.tuner.helpers import snapshot, toy_study, write_csv
+from tests.tuner.helpers import Solved, snapshot, toy_study, write_csv
 from tuner.run.result import read_result
+from tuner.run.study import Claim
 from tuner.solvers import make_solver
 
 GO_ON = "tuner: finished parts are saved; go on with: tuner "
@@ -37,7 +38,7 @@ class Interrupted:
             self.solved.append((problem.name, name))
             return solver(problem)
 
-        return solve
+        return Solved(name, solve)
 
 
 def comparable(folder):
@@ -137,8 +138,25 @@ def test_the_same_words_with_resume_go_on_as_well(cli, here, interrupted):
     assert solver.solved == [("side", "l-bfgs-b")]
 
 
+def test_a_run_of_a_claim_goes_on_as_one(cli, here, interrupted):
+    solver = interrupted("toy", "l-bfgs-b")
+    code, _, err = cli("run", "toy", "--claim", "toy.lowest", "--out", "out", "--jobs", 1)
+    assert code == 130
+    solver.at, solver.solved = None, []
+    assert cli(*shlex.split(err.strip().removeprefix(GO_ON)))[0] == 0
+    assert solver.solved == [("toy", "l-bfgs-b")]
+    assert [row.quantity for row in read_result(here / "out").comparisons] == ["toy.lowest"]
+
+
 @pytest.mark.parametrize(
-    "words", [("--set", "starts=4"), ("--seed", 1), ("--set", 'solvers=["tpe"]')], ids=str
+    "words",
+    [
+        ("--set", "starts=4"),
+        ("--seed", 1),
+        ("--set", 'solvers=["tpe"]'),
+        ("--claim", "toy.lowest"),
+    ],
+    ids=str,
 )
 def test_other_settings_cannot_be_mixed_into_a_run(cli, here, interrupted, words):
     solver = interrupted("side", "l-bfgs-b")
@@ -148,7 +166,7 @@ def test_other_settings_cannot_be_mixed_into_a_run(cli, here, interrupted, words
     code, out, err = cli("run", "toy", "--out", "out", "--resume", *words)
     assert (code, out) == (2, "")
     assert len(err.splitlines()) == 1
-    assert err.startswith("tuner: --resume: out/study.toml has other settings, another seed or log")
+    assert err.startswith("tuner: --resume: out/study.toml has other settings or claims")
     assert snapshot(here) == before
 
 
@@ -194,12 +212,12 @@ def test_ctrl_c_is_heard_at_the_next_step_where_python_drops_it(cli, here, offer
     def plan(*given):
         made = study.plan(*given)
 
-        def compare(solutions):
+        def rows(case, solutions):
             with contextlib.suppress(KeyboardInterrupt):
                 signal.raise_signal(signal.SIGINT)
-            return made.compare(solutions)
+            return ()
 
-        return replace(made, compare=compare)
+        return replace(made, claims=(Claim("lost", rows),))
 
     offer(replace(study, plan=plan))
     handler = signal.getsignal(signal.SIGINT)

@@ -176,9 +176,9 @@ def of_jax(tuned, kind, z):
 
     numbers = {q.name: jnp.asarray(q.value, z.dtype) for q in tuned.quantities}
     params = {
-        "AccelerometerFilter": filters.Noise,
-        "GyroscopeFilter": filters.Noise,
-        "FixedGainFilter": filters.Gains,
+        "AccelerometerFilter": filters.KownackiNoise,
+        "GyroscopeFilter": filters.KownackiNoise,
+        "FixedGainFilter": filters.FixedGains,
     }[kind]
     params = params(*(numbers[name] for name in params._fields))
     _, y = filters.run(getattr(filters, kind)(tuned.dt), params, jnp.asarray(z))

@@ -66,7 +66,7 @@ def test_suggestions_never_list_a_crowd():
 
 names = st.text(
     st.characters(codec="ascii", exclude_characters="[]*:=", min_codepoint=33), min_size=1
-)
+).filter(lambda name: not name.startswith("-"))
 factors = st.one_of(
     st.none(),
     st.floats(allow_nan=False, allow_infinity=False).filter(bool),
@@ -80,9 +80,10 @@ factors = st.one_of(
     index=st.none() | st.integers(0, 99),
     factor=factors,
     unit=st.none() | names,
+    minus=st.booleans(),
     blank=st.sampled_from(["", " "]),
 )
-def test_what_is_written_is_read_back(column, index, factor, unit, blank):
-    mapping = Mapping("theta", column, index, factor, unit)
+def test_what_is_written_is_read_back(column, index, factor, unit, minus, blank):
+    mapping = Mapping("theta", column, index, factor, unit, minus)
     suffix = "" if unit is None else f"{blank}:{blank}{unit}"
     assert parse_mapping(f"theta{blank}={blank}{mapping.source}{suffix}", CHANNELS) == mapping

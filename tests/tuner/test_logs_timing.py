@@ -109,6 +109,55 @@ def test_named_time_column(tmp_path, time):
     assert log.findings.time_column == time.split(":")[0].split("*")[0].split("[")[0]
 
 
+def test_bursts_are_spread_since_the_time_before(tmp_path):
+    times = np.arange(N) / 100
+    burst = times.copy()
+    burst[10:13] = times[12]
+    burst[200:202] = times[201]
+    findings = read(tmp_path, t=burst).findings
+    assert findings.notes == ("time 't': 3 repeated times spread over their time",)
+    assert (findings.gaps, findings.rate_hz) == ((), pytest.approx(100))
+    assert findings.jitter < 1e-6
+
+
+def test_a_clock_of_coarse_ticks_is_spread(tmp_path):
+    findings = read(tmp_path, t=np.floor(np.arange(N) / 7.3) / 10).findings
+    assert findings.rate_hz == pytest.approx(73, rel=0.05)  # ticks of 7 and 8 samples
+    assert (findings.gaps, findings.jitter < 0.2) == ((), True)
+
+
+def test_a_rate_overrules_a_clock_that_stands_still(tmp_path):
+    findings = read(tmp_path, rate_hz=100.0, t=np.floor(np.arange(N) / 7)).findings
+    assert (findings.rate_hz, findings.rate_source, findings.time_column) == (100, "--rate", None)
+    assert "342" in findings.notes[0]  # 400 samples of 58 times
+
+
+@pytest.mark.parametrize(("unit", "scale"), [("s", 1), ("ms", 10**3), ("us", 10**6), ("ns", 10**9)])
+def test_times_since_1970_tell_their_unit(tmp_path, unit, scale):
+    ticks = 1_700_000_000 * scale + np.arange(N) * (2 * scale)
+    findings = read(tmp_path, t=ticks).findings
+    assert findings.rate_hz == pytest.approx(0.5)
+    assert findings.notes == (f"time 't': taken as {unit} since 1970",)
+
+
+@pytest.mark.parametrize(("name", "scale"), [("millis", 1e3), ("micros", 1e6)])
+def test_names_of_arduino_clocks(tmp_path, name, scale):
+    assert read(tmp_path, **{name: np.arange(N) * scale / 50}).rate_hz == pytest.approx(50)
+
+
+def test_single_precision_times_are_widened(tmp_path):
+    findings = read(tmp_path, t=STEADY.astype(np.float32)).findings
+    assert (findings.rate_hz, findings.jitter) == (pytest.approx(100, rel=1e-6), 0.0)
+
+
+def test_steps_in_turn_are_uneven_and_no_gaps(tmp_path):
+    times = np.cumsum(np.resize([0.005, 0.015], N))
+    findings = read(tmp_path, t=times).findings
+    assert findings.gaps == ()
+    assert findings.rate_hz == pytest.approx(100, rel=1e-2)
+    assert findings.jitter == pytest.approx(0.5, rel=1e-2)
+
+
 def test_a_rate_that_agrees_is_kept(tmp_path):
     log = read(tmp_path, rate_hz=100.5, t=np.arange(N) / 100)
     assert (log.rate_hz, log.findings.rate_source) == (100.5, "--rate")
@@ -148,16 +197,21 @@ STEADY = np.arange(N) / 100
         ({"time": "clock"}, {"t": STEADY}, ["no column 'clock'", "'t'"]),
         ({"time": "t:h"}, {"t": STEADY}, ["'h', no unit of time", "ms"]),
         ({"time": "u"}, {"t": STEADY, "u": STEADY[:9]}, ["9 rows", "channels have 400"]),
+        ({}, {"t": np.ones(N)}, ["stands still", "--rate"]),
         (
             {},
-            {"t": np.r_[STEADY[:9], STEADY[8:-1]]},
-            ["stands still", "row 9 (counted from 0)", "--rate"],
+            {"t": np.insert(STEADY, 9, STEADY[8])[:N]},  # a row twice
+            ["stands still at row 9 ", "repeated rows", "--by", "--rate"],
         ),
+        ({}, {"t": np.r_[STEADY[:200], np.repeat(STEADY[200:300], 2)]}, ["row 201 ", "--by"]),
         ({}, {"t": np.r_[STEADY[:9], STEADY[2:-7]]}, ["runs backwards", "row 9 ", "sort"]),
         ({"time": "t:ms"}, {"t": np.arange(N).astype(np.uint8)}, ["runs backwards", "row 256 "]),
         ({}, {"t": np.where(STEADY > 3, np.nan, STEADY)}, ["'t'", "99 rows", "row 301 "]),
-        ({}, {"t": STEADY.astype(np.float32)}, ["'t'", "float32"]),
-        ({}, {"t": np.arange(N) * 10}, ["steps by 10", "'t:ms'", ":s where it is seconds"]),
+        (
+            {},
+            {"t": np.arange(N) * 10},
+            ["steps by 10", "'t:ms' (100 Hz)", ":s where it is seconds"],
+        ),
     ],
     ids=lambda value: "; ".join(value) if isinstance(value, list) else "",
 )
@@ -211,6 +265,6 @@ def test_a_limit_cuts_the_time_too(tmp_path):
 
 def test_a_text_log_tells_the_line(tmp_path):
     path = tmp_path / "log.csv"
-    path.write_text("# two\n# lines\nt,x\n0,1\n0.1,2\n\n0.1,3\n")
-    with pytest.raises(LogError, match="stands still at line 7"):
+    path.write_text("# two\n# lines\nt,x\n0,1\n0.1,2\n\n0.05,3\n")
+    with pytest.raises(LogError, match="runs backwards by 0.05 s at line 7"):
         read_log(path, [parse_mapping("omega=x", ["omega"])])

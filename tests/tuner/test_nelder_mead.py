@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize, rosen
 
-from studies.kownacki2010.bench import ACC, GYRO, Settings, benches
+from studies.kownacki2010 import problems
+from studies.kownacki2010.data import benches
+from studies.kownacki2010.paper import ACC, GYRO
+from studies.kownacki2010.settings import Settings
 from tuner.solvers import fminsearch, nelder_mead
 
 
@@ -126,7 +129,7 @@ def lowest(posed, R):
 @cache
 def search(sensor):
     made = benches(Settings(seconds=2.0, rate_hz=1e3), None, 0)
-    posed = next(bench for bench in made if bench.sensor is sensor).paper()
+    posed = problems.paper(next(bench for bench in made if bench.sensor is sensor))
     start = np.array(sensor.table1)
 
     def cost(values):

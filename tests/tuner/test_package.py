@@ -1,7 +1,10 @@
 """The package: light imports, its public names, its siblings."""
 
+import ast
 import subprocess
 import sys
+import zipfile
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -13,6 +16,7 @@ import tuner
 
 HEAVY = {"jax", "jaxlib", "scipy", "cvxpy", "casadi", "matplotlib", "pydantic", "optuna", "numpy"}
 ROOT = Path(tuner.__file__).parents[1]
+STUB = Path(tuner.__file__).with_suffix(".pyi")
 LOADED = "import sys; print(' '.join(sorted(set(sys.modules))))"
 
 
@@ -45,9 +49,27 @@ def test_help_is_light(arguments):
     assert not loaded(code) & (HEAVY - {"pydantic"} if len(arguments) > 1 else HEAVY)
 
 
+def test_the_stub_holds_nothing_but_names():
+    about, *imports = ast.parse(STUB.read_text(encoding="utf-8")).body
+    assert isinstance(about, ast.Expr)
+    assert all(isinstance(statement, ast.ImportFrom) for statement in imports)
+    # `from module import name as name` alone hands a name on, for a type checker
+    given = [alias for statement in imports for alias in statement.names]
+    assert all(alias.name == alias.asname for alias in given)
+    assert tuner.__all__ == sorted(alias.name for alias in given)
+    assert len(given) == len(set(tuner.__all__))
+    assert 25 < len(given) < 45  # what a person can look through
+
+
+def test_the_loader_takes_what_a_stub_may_say(tmp_path):
+    stub = tmp_path / "stub.pyi"
+    stub.write_text('"""Words."""\nfrom a.b import C, D as E\nfrom a import f as f\n')
+    assert tuner._listed(stub) == {"C": ("a.b", "C"), "E": ("a.b", "D"), "f": ("a", "f")}
+    with pytest.raises(ImportError, match=r"none\.pyi is missing, .*; install filter-tuner again$"):
+        tuner._listed(tmp_path / "none.pyi")
+
+
 def test_every_public_name_is_there():
-    assert len(tuner.__all__) == len(set(tuner.__all__)) > 40
-    assert tuner.__all__ == sorted(tuner.__all__)
     for name in tuner.__all__:
         thing = getattr(tuner, name)
         assert thing.__name__ == name
@@ -55,8 +77,9 @@ def test_every_public_name_is_there():
 
 
 def test_public_names_can_be_imported():
-    from tuner import Bounded, NelderMead, Problem, Space, find_study, read_log
+    from tuner import Bounded, Data, NelderMead, Problem, Space, find_study, read_log
 
+    assert Data is objectives.Data
     assert Problem is tuner.problem.problem.Problem
     assert Space is tuner.problem.space.Space
     assert NelderMead is tuner.solvers.NelderMead
@@ -71,6 +94,13 @@ def test_unknown_names_are_attribute_errors():
     with pytest.raises(ImportError, match="cannot import name 'Nonsense'"):
         from tuner import Nonsense  # noqa: F401
     assert not hasattr(tuner, "__path_to_nowhere__")
+
+
+def test_filters_and_objectives_are_in_packages_of_their_own():
+    foreign = set(filters.__all__) | set(objectives.__all__) - {"Data"}
+    assert not foreign & set(tuner.__all__)
+    with pytest.raises(ImportError, match="cannot import name 'GyroscopeFilter'"):
+        from tuner import GyroscopeFilter  # noqa: F401
 
 
 def test_siblings_are_the_ones_that_were_installed():
@@ -119,6 +149,23 @@ def test_all_packages_are_typed():
         assert (Path(package.__file__).parent / "py.typed").is_file()
 
 
+def test_a_wheel_holds_types_and_names(tmp_path):
+    pytest.importorskip("hatchling")
+    source = Path(__file__).resolve().parents[2]
+    build = ("-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path))
+    assert python(*build, cwd=source).returncode == 0
+    (wheel,) = tmp_path.glob("*.whl")
+    with zipfile.ZipFile(wheel) as packed:
+        packed.extractall(tmp_path / "site")
+    held = {path.relative_to(tmp_path / "site").as_posix() for path in tmp_path.rglob("site/*/*")}
+    packages = ("filters", "objectives", "studies", "tuner")
+    assert {*(f"{name}/py.typed" for name in packages), "tuner/__init__.pyi"} <= held
+    code = "import sys; sys.path.insert(0, 'site'); import tuner; print(tuner.__file__, tuner.Log)"
+    ran = python("-P", "-c", code, cwd=tmp_path)
+    assert ran.stdout.split()[0].endswith("site/tuner/__init__.py"), ran.stderr
+    assert "tuner.data.logs.log.Log" in ran.stdout
+
+
 def test_imports_go_one_way():
     use = "import tuner; tuner.Problem, tuner.Sampler, tuner.grid"
     ran = python("-c", f"import objectives\n{LOADED}\n{use}\n{LOADED}")
@@ -127,3 +174,30 @@ def test_imports_go_one_way():
     assert not lower & {"tuner", "studies"}
     assert "tuner.problem.surface" in upper
     assert "studies" not in upper
+
+
+def needs(file, modules):
+    """The modules of tuner that a file imports anywhere, for type checkers alone included."""
+    for statement in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(statement, ast.ImportFrom) and statement.module:
+            for alias in statement.names:
+                within = f"{statement.module}.{alias.name}"
+                yield within if within in modules else statement.module
+
+
+def test_no_imports_go_in_a_circle():
+    root = Path(tuner.__file__).parent
+    modules = {
+        ".".join(("tuner", *file.relative_to(root).with_suffix("").parts)).removesuffix(
+            ".__init__"
+        ): file
+        for file in root.rglob("*.py")
+    }
+    graph = {name: {*needs(file, modules)} & {*modules} for name, file in modules.items()}
+    assert "tuner.convex.reading" in graph["tuner.convex.program"]
+    circle = None
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        circle = " <- ".join(error.args[1])
+    assert circle is None

@@ -7,16 +7,17 @@ import numpy as np
 import pytest
 
 from tests.tuner.helpers import (
+    Solved,
     ToySettings,
     bowl,
     logarithms,
     problem,
     snapshot,
     toy_plan,
-    toy_study,
 )
 from tuner import export
 from tuner.certificate.solution import Status
+from tuner.data.source import Source
 from tuner.export import FORMATS
 from tuner.problem.parameters import Positive
 from tuner.problem.problem import Problem
@@ -32,9 +33,7 @@ def begin(folder, *, solver=make_solver, progress=lambda *_: None, **settings):
     """A run of the toy study with settings of its own."""
     chosen = ToySettings(**settings)
     plan = toy_plan(chosen, None, 0, "", solver=solver)
-    return Run(
-        toy_study(), chosen.model_dump(mode="json"), plan, 0, RunFolder(folder, False), progress
-    )
+    return Run("toy", chosen.model_dump(mode="json"), plan, 0, RunFolder(folder, False), progress)
 
 
 def finish(run, solutions):
@@ -48,6 +47,10 @@ class Interrupting:
     inner: object
     at: str
 
+    @property
+    def name(self):
+        return self.inner.name
+
     def __call__(self, problem):
         if problem.name == self.at:
             raise KeyboardInterrupt
@@ -59,10 +62,7 @@ def interrupting(at):
 
 
 def refusing(name, **options):
-    def solve(problem):
-        pytest.fail(f"{problem.name} is solved again")
-
-    return solve
+    return Solved(name, lambda problem: pytest.fail(f"{problem.name} is solved again"))
 
 
 def test_solutions_in_the_order_of_the_tasks(tmp_path):
@@ -144,7 +144,7 @@ def test_going_on_skips_what_is_finished(tmp_path):
             solved.append((problem.name, name))
             return solver(problem)
 
-        return solve
+        return Solved(name, solve)
 
     rest = begin(tmp_path / "rest", solver=noting).solve(1, finished)
     assert sorted(solved) == [("side", "l-bfgs-b"), ("side", "nelder-mead")]
@@ -167,7 +167,7 @@ def test_an_error_in_a_solver_comes_through(tmp_path):
         def solve(problem):
             raise ValueError(f"{name} cannot")
 
-        return solve
+        return Solved(name, solve)
 
     with pytest.raises(ValueError, match="cannot$"):
         begin(tmp_path, solver=failing).solve(2, {})
@@ -190,7 +190,9 @@ def test_a_finished_run(tmp_path):
     assert [(s.problem, s.solver) for s in result.solutions] == list(run.solve(1, {}))
     assert [c.quantity for c in result.comparisons] == ["toy.b_over_a", "toy.lowest", "toy.known"]
     assert result.single_precision[0].problem == "toy"
-    assert result.single_precision[0].warning == "the full form strays"
+    (check,) = result.single_precision
+    assert (check.form, check.warning) == ("full", "")
+    assert 0 < check.share < 1e-6  # logarithms of 1 and less in single precision
 
 
 def test_exports_are_read_back_and_score_as_the_solution_did(tmp_path):
@@ -205,11 +207,14 @@ def test_exports_are_read_back_and_score_as_the_solution_did(tmp_path):
         assert record.score == pytest.approx(value, rel=1e-14)
         assert record.relative_change == pytest.approx(0.0, abs=1e-14)
         loaded = export.load((tmp_path / record.file).read_bytes(), record.format)
-        assert loaded == run.tuned(run.plan.targets[0], solutions)
+        assert loaded == run.tuned(run.plan.tasks[0].problem, best("toy", solutions))
         named = {quantity.name: quantity for quantity in loaded.quantities}
         assert named["a"].value == best("toy", solutions).parameters["a"].value
         assert named["a"].unit == "m"
-        assert named["gain"].value == best("toy", solutions).derived["b_over_a"]
+        assert named["a"].meaning == "the first"
+        ours = best("toy", solutions).derived["b_over_a"]
+        # From logarithms and from the numbers themselves: a rounding or two.
+        assert named["gain"].value == pytest.approx(ours, rel=1e-14)
         assert (loaded.name, loaded.filter, loaded.dt) == ("toy", "Echo", 0.01)
         assert loaded.provenance.status == "converged"
 
@@ -263,6 +268,63 @@ def test_a_value_of_zero_can_be_scored():
     assert record.relative_change == record.score == pytest.approx(1.0, rel=1e-14)
 
 
+def test_a_file_that_was_written_wrong_ends_the_run(tmp_path, monkeypatch):
+    """The score alone would not notice a gain, for it scores the parameters."""
+    run = begin(tmp_path)
+    solutions = run.solve(1, {})
+    dump = export.dump
+    monkeypatch.setattr(
+        export, "dump", lambda *given: dump(*given).replace(b"b over a", b"a over b")
+    )
+    with pytest.raises(ValueError, match=r"toy.json does not hold what was written; the disk may"):
+        finish(run, solutions)
+
+
+@dataclass(frozen=True)
+class Doubling:
+    """Echo in double precision, whatever comes in."""
+
+    def init(self, params):
+        return ()
+
+    def step(self, params, state, inputs):
+        return state, params.astype(float)
+
+
+def test_a_filter_that_cannot_be_checked_in_single_precision_ends_no_run(tmp_path):
+    run = begin(tmp_path)
+    posed = replace(run.plan.tasks[0].problem, filter=Doubling())
+    tasks = tuple(replace(task, problem=posed) for task in run.plan.tasks[:2])
+    run = replace(run, plan=replace(run.plan, tasks=tasks))
+    result = finish(run, run.solve(1, {}))
+    (check,) = result.single_precision
+    assert check.warning == (
+        "single precision was not checked: the output '' is float64 for float32 inputs"
+    )
+    assert read_result(tmp_path).single_precision[0].share is None
+    assert len(result.exports) == len(FORMATS)
+
+
+def test_an_export_names_the_data_of_its_problem(tmp_path):
+    run = begin(tmp_path)
+    posed, solutions = run.plan.tasks[0].problem, run.solve(1, {})
+    assert run.tuned(posed, best("toy", solutions)).provenance.log_name == "nothing"
+    own = Source.simulated("its own", [np.ones(3)], 10.0)
+    provenance = run.tuned(replace(posed, source=own), best("toy", solutions)).provenance
+    assert (provenance.log_name, provenance.log_sha256) == ("its own", own.sha256)
+
+
+def test_a_run_of_claims(tmp_path):
+    run = begin(tmp_path)
+    run = replace(run, plan=run.plan.only(["toy.lowest"]), claims=("toy.lowest",))
+    solutions = run.solve(1, {})
+    assert {name for name, _ in solutions} == {"toy"}
+    result = finish(run, solutions)
+    assert [row.quantity for row in result.comparisons] == ["toy.lowest"]
+    assert result.artifacts == ["study.toml", "environment.json", "result.json"]
+    assert trusted(run.plan, solutions)
+
+
 @pytest.mark.parametrize("objective", ["slope", "hollow"])
 def test_what_did_not_converge_is_not_exported(tmp_path, objective):
     run = begin(tmp_path, objective=objective)
@@ -277,7 +339,7 @@ def test_what_did_not_converge_is_not_exported(tmp_path, objective):
     assert read_result(tmp_path).to_json() == result.to_json()
 
 
-def test_trust_asks_for_the_targets_only(tmp_path):
+def test_trust_asks_for_what_is_exported_only(tmp_path):
     run = begin(tmp_path)
     solutions = dict(run.solve(1, {}))
     assert trusted(run.plan, solutions)

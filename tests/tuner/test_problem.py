@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 from scipy.signal import get_window, welch
 
-from filters import AccelerometerFilter, GyroscopeFilter, Noise
+from filters import AccelerometerFilter, GyroscopeFilter, KownackiNoise
 from objectives import Crossing, Data, Reading, StepResponse, Welch
-from studies.kownacki2010.bench import ACC, GYRO, Settings, benches
+from studies.kownacki2010 import problems
+from studies.kownacki2010.data import benches
+from studies.kownacki2010.paper import ACC, GYRO
+from studies.kownacki2010.settings import Settings
 from tests.oracles import central_difference, lag_below, lag_to_first_crossing
 from tests.tuner.helpers import ANY, SQUARE, Echo, bowl, hollow, logarithms, problem, ratio
 from tuner.problem.parameters import Covariance, Fixed, Positive
@@ -73,7 +76,8 @@ def plain_cost(made, R, Q, reading, crossing):
 )
 def test_value_is_that_of_a_plain_computation(sensor, reading, crossing):
     made = bench(sensor)
-    posed = made._problem("", made.objective(reading, crossing), free_R=True)
+    settings = made.settings.model_copy(update={"reading": reading, "crossing": crossing})
+    posed = problems.paper(dataclasses.replace(made, settings=settings))
     for R, Q in ((1e-6, 1e-3), (2e-4, 0.5)):
         value = posed.value(np.log([R, Q]))
         # 2001 samples summed in another order and another form of the covariance: 2001 eps.
@@ -84,7 +88,7 @@ def test_value_is_that_of_a_plain_computation(sensor, reading, crossing):
 @pytest.mark.parametrize("sensor", [GYRO, ACC], ids=["gyro", "acc"])
 @pytest.mark.parametrize("q_over_r", [30.0, 3000.0])
 def test_gradient_equals_finite_differences(sensor, q_over_r):
-    posed = bench(sensor).paper()
+    posed = problems.paper(bench(sensor))
     z = np.log([1e-4, 1e-4 * q_over_r])
     value, gradient = posed.value_and_gradient(z)
     # Steps of 1e-3 in a logarithm: truncation 1e-6 of the value, rounding far below; the hinge
@@ -102,7 +106,7 @@ def test_hessian_of_a_quadratic():
 
 
 def test_hessian_of_the_study_is_symmetric_and_that_of_its_values():
-    posed = bench(GYRO).paper()
+    posed = problems.paper(bench(GYRO))
     z = np.log([1e-4, 0.05])
     hessian = posed.hessian(z)
     assert (hessian == hessian.T).all()
@@ -286,7 +290,7 @@ def test_new_numbers_in_the_data_need_no_new_compilation():
 
 
 def unit_noise(values):
-    return Noise(1.0, values["Q"], jnp.ones((2, 2)))
+    return KownackiNoise(1.0, values["Q"], jnp.ones((2, 2)))
 
 
 def test_a_problem_is_frozen():

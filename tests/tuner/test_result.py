@@ -123,7 +123,7 @@ def row(**changed):
 
 def result(**changed):
     fields = {
-        "schema": "tuner.run.result/1",
+        "schema": "tuner.result/1",
         "study": "kownacki2010",
         "seed": 3,
         "log": LogRecord(name="log.csv", sha256="0f" * 32, samples=100, rate_hz=100.0),
@@ -135,7 +135,14 @@ def result(**changed):
         ],
         "single_precision": [
             SingleRecord(
-                problem="gyro", form="f", largest=1.0, share=2.0, sample=3, rms=4.0, warning="w"
+                problem="gyro",
+                form="f",
+                output="rate",
+                largest=1.0,
+                share=2.0,
+                sample=3,
+                rms=4.0,
+                warning="w",
             )
         ],
         "tuned": [{"name": "gyro"}],
@@ -156,7 +163,7 @@ def test_result_round_trip(tmp_path):
 def test_first_entries_are_the_fixed_ones():
     plain = json.loads(result().to_json())
     assert list(plain)[:4] == ["schema", "study", "seed", "log"]
-    assert plain["schema"] == "tuner.run.result/1"
+    assert plain["schema"] == "tuner.result/1"
     assert set(plain["log"]) == {"name", "sha256", "samples", "rate_hz"}
     fixed = {"problem", "solver", "status", "value", "parameters", "derived", "evaluations"}
     assert fixed | {"seconds", "certificate"} <= set(plain["solutions"][0])
@@ -182,6 +189,7 @@ def test_infinite_rows_scores_and_checks_can_be_read_back(tmp_path):
             SingleRecord(
                 problem="g",
                 form="f",
+                output="",
                 largest=math.inf,
                 share=math.inf,
                 sample=0,
@@ -212,8 +220,8 @@ def test_rows_come_back(verdict):
         ("{", "the file: Invalid JSON"),
         ("[]", "the file: Input should be an object"),
         ("{}", "schema: Field required"),
-        ('{"schema": "tuner.run.result/2"}', "schema: Input should be 'tuner.run.result/1'"),
-        ('{"schema": "other", "points": [1]}', "schema: Input should be 'tuner.run.result/1'"),
+        ('{"schema": "tuner.result/2"}', "schema: Input should be 'tuner.result/1'"),
+        ('{"schema": "other", "points": [1]}', "schema: Input should be 'tuner.result/1'"),
         ("\0\1\2", "the file: Invalid JSON"),
     ],
 )
@@ -234,7 +242,7 @@ def test_unknown_entries_are_refused(tmp_path):
     with pytest.raises(ValueError, match=r"is no result of a run: extra: Extra inputs"):
         read_result(tmp_path)
     with pytest.raises(ValidationError):
-        result(schema="tuner.run.result/2")
+        result(schema="tuner.result/2")
 
 
 def test_no_result(tmp_path):

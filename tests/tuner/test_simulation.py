@@ -154,9 +154,9 @@ def test_same_seed_same_numbers():
 
 def test_perfect_sensors_measure_the_truth():
     sample = measure(motion(), gyroscope=Sensor(), accelerometer=Sensor(), seed=1)
-    np.testing.assert_array_equal(sample.rate, motion().rate)
-    np.testing.assert_array_equal(sample.acceleration, motion().force)
-    assert sample.field is None
+    np.testing.assert_array_equal(sample.gyr, motion().rate)
+    np.testing.assert_array_equal(sample.acc, motion().force)
+    assert sample.mag is None
 
 
 def test_noise_and_bias_are_as_large_as_they_say_and_the_two_sensors_independent():
@@ -164,7 +164,7 @@ def test_noise_and_bias_are_as_large_as_they_say_and_the_two_sensors_independent
     gyroscope = Sensor(0.02, (0.1, -0.2, 0.3))
     accelerometer = Sensor(0.5, (1.0, 2.0, -3.0))
     sample = measure(found, gyroscope=gyroscope, accelerometer=accelerometer, seed=7)
-    errors = [np.asarray(sample.rate) - found.rate, np.asarray(sample.acceleration) - found.force]
+    errors = [np.asarray(sample.gyr) - found.rate, np.asarray(sample.acc) - found.force]
     for error, sensor in zip(errors, (gyroscope, accelerometer), strict=True):
         # 2000 samples: a deviation is known to 1/sqrt(4000) = 1.6 %, a mean to noise/45
         np.testing.assert_allclose(error.std(axis=0), sensor.noise, rtol=0.06)

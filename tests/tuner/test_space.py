@@ -2,6 +2,7 @@
 
 import dataclasses
 import re
+from typing import Annotated, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -10,8 +11,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from filters import FixedGainFilter, Param
+from filters.declared import assembled
+from objectives import covariance
 from tests.strategies import seeds
-from tuner.problem.parameters import Bounded, Covariance, Fixed, Positive, covariance
+from tuner.problem.parameters import Bounded, Covariance, Fixed, Limited, Positive
 from tuner.problem.space import Space
 
 EYE = ((1.0, 0.0), (0.0, 1.0))
@@ -337,3 +341,91 @@ def test_the_copy_that_is_returned_is_its_own():
 def test_an_empty_matrix_is_refused():
     with pytest.raises(ValueError, match="must be a square matrix"):
         covariance(np.zeros((0, 0)))
+
+
+# Spaces of filters.
+
+
+class Inner(NamedTuple):
+    bias: Annotated[jax.Array, Param("rad/s", "offset of the gyroscope", 0.0, -0.1, 0.3)]
+
+
+class Facts(NamedTuple):
+    R: Annotated[jax.Array, Param("m^2", "variance of the measurement", 0.5, 1e-3, 1e3)]
+    share: Annotated[jax.Array, Param("1", "share of the new", 0.25, 0.0, 1.0)]
+    inner: Inner
+    g: Annotated[jax.Array, Param("m/s^2", "gravity", 9.81)]
+    low: Annotated[jax.Array, Param("s", "half a range", 2.0, low=1.0)]
+    P0: Annotated[jax.Array, Param("m^2", "at the start", ((1.0, 0.0), (0.0, 2.0)), shape=(2, 2))]
+
+
+class Declaring:
+    params = Facts
+
+
+def test_facts_suggest_a_space():
+    assert Space.of_filter(Declaring) == Space.of(
+        R=Positive(0.5, 1e-3, 1e3, "m^2", meaning="variance of the measurement"),
+        share=Bounded(0.25, 0.0, 1.0, "1", meaning="share of the new"),
+        bias=Bounded(0.0, -0.1, 0.3, "rad/s", meaning="offset of the gyroscope"),
+        g=Fixed(9.81, "m/s^2", meaning="gravity"),
+        low=Fixed(2.0, "s", meaning="half a range"),
+        P0=Fixed(((1.0, 0.0), (0.0, 2.0)), "m^2", meaning="at the start"),
+    )
+    assert Space.of_filter(Declaring()) == Space.of_filter(Declaring)
+
+
+def test_overrides_decide_and_the_facts_keep_unit_and_meaning():
+    space = Space.of_filter(
+        Declaring,
+        R=Positive(2.0, 1.0, 4.0),
+        share=Limited(0.5, 0.0, 1.0, unit="%", meaning="in words of one's own"),
+        bias=0,
+        g=Bounded(9.8, 9.7, 9.9),
+        low=np.float64(3.0),
+        P0=Covariance(EYE, 1e-3, 1e3),
+    )
+    assert space == Space.of(
+        R=Positive(2.0, 1.0, 4.0, "m^2", meaning="variance of the measurement"),
+        share=Limited(0.5, 0.0, 1.0, "%", meaning="in words of one's own"),
+        bias=Fixed(0.0, "rad/s", meaning="offset of the gyroscope"),
+        g=Bounded(9.8, 9.7, 9.9, "m/s^2", meaning="gravity"),
+        low=Fixed(3.0, "s", meaning="half a range"),
+        P0=Covariance(EYE, 1e-3, 1e3, "m^2", meaning="at the start"),
+    )
+    fixed = dict(Space.of_filter(Declaring, P0=((3.0, 0.0), (0.0, 3.0))).parameters)["P0"]
+    assert fixed == Fixed(((3.0, 0.0), (0.0, 3.0)), "m^2", meaning="at the start")
+
+
+def test_the_space_makes_what_the_filter_takes():
+    space = Space.of_filter(Declaring, P0=4.0)
+    made = assembled(Declaring, space.constrain(jnp.asarray(space.start())))
+    assert (float(made.R), float(made.inner.bias)) == (pytest.approx(0.5), pytest.approx(0.0))
+    np.testing.assert_array_equal(made.P0, np.full((2, 2), 4.0))
+
+
+def test_unknown_names_of_a_filters_parameters():
+    sentence = "unknown parameter 'bais'; did you mean bias? There are: P0, R, bias, g, low, share"
+    with pytest.raises(ValueError, match=exactly(sentence)):
+        Space.of_filter(Declaring, bais=0.0)
+    with pytest.raises(ValueError, match=r"^FixedGainFilter declares no params; give the class "):
+        Space.of_filter(FixedGainFilter, K1=0.1)
+
+
+@pytest.mark.parametrize(
+    ("fact", "sentence"),
+    [
+        (Param("s", "", 20.0, 1.0, 10.0), "a positive parameter needs 0 < low <= init <= high"),
+        (Param("s", "", 0.0, 0.0, 10.0), "a bounded parameter needs finite low < init < high"),
+        (Param("s", "", (1.0, 2.0), 0.5, 10.0), "only "),
+    ],
+)
+def test_facts_that_suggest_nothing(fact, sentence):
+    facts = {"tau": fact}
+
+    class Odd:
+        params = facts
+
+    with pytest.raises(ValueError, match=f"^the facts of tau suggest no parameter: {sentence}"):
+        Space.of_filter(Odd)
+    assert Space.of_filter(Odd, tau=1.0).names == ("tau",)

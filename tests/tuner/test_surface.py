@@ -8,7 +8,10 @@ import pytest
 
 import tuner.problem.surface
 from objectives import kept_bytes
-from studies.kownacki2010.bench import ACC, GYRO, Settings, benches
+from studies.kownacki2010 import problems
+from studies.kownacki2010.data import benches
+from studies.kownacki2010.paper import ACC, GYRO
+from studies.kownacki2010.settings import Settings
 from tests.tuner.helpers import bowl, crater, problem
 from tuner.problem.parameters import Fixed, Positive
 from tuner.problem.space import Space
@@ -18,7 +21,7 @@ from tuner.problem.surface import MEMORY, _lanes, grid, values, values_and_gradi
 @cache
 def posed(sensor, reading="R6"):
     made = benches(Settings(seconds=0.5, rate_hz=1e3, cutoff_hz=5.0, reading=reading), None, 0)
-    return next(bench for bench in made if bench.sensor is sensor).paper()
+    return problems.paper(next(bench for bench in made if bench.sensor is sensor))
 
 
 def points(count):

@@ -12,10 +12,18 @@ from jax.test_util import check_grads
 
 import tests.oracles_tanaka as oracle
 from filters.fuzzy_regression import line, regression
-from tuner import tanaka, tanaka_program, tanaka_simplex, tanaka_windows
 from tuner.certificate.solution import Status
 from tuner.convex import solve
-from tuner.regression import Outcome, corners, interior, many
+from tuner.regression import (
+    Outcome,
+    corners,
+    interior,
+    many,
+    tanaka,
+    tanaka_program,
+    tanaka_simplex,
+    tanaka_windows,
+)
 
 EXACT = 1e-9
 # Without the compiler's optimisation, which changes no formula and takes most of the time.

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from filters import AnyFilter, run
+from filters.declared import Channel, bare, channel_facts, output
 
 HARMLESS = 0.01
 """A deviation below this share of the signal's scale is not worth a warning."""
@@ -18,15 +19,18 @@ class SinglePrecision:
     """How far a filter in float32 strays from the same filter in float64 on the same record.
 
     Attributes:
-        form: which form of the filter was run, "full covariance".
-        largest: largest deviation of the output, in its unit.
-        share: the same over the scale of the signal.
+        form: which form of the filter was run, "full" or "steady".
+        output: which output strays most, "" where the filter has but one.
+        largest: largest deviation of it, in its unit.
+        share: the same over the scale of that output: how far it goes up and down over the record,
+            its size where it never moves; 1 for an attitude.
         sample: where it occurs.
         rms: root mean square of the deviation.
         warning: a sentence where it matters, otherwise "".
     """
 
     form: str
+    output: str
     largest: float
     share: float
     sample: int
@@ -34,70 +38,98 @@ class SinglePrecision:
     warning: str
 
 
-@dataclass(frozen=True)
-class Part:
-    """A filter of whose outputs one part alone is put out.
+def single_precision(form: str, filter: AnyFilter, params: Any, inputs: Any) -> SinglePrecision:
+    """Run a filter in both precisions and compare what it returns.
 
-    Attributes:
-        filter: the filter.
-        key: which part, the name of a field or an index along the first axis.
-
-    >>> from filters import GyroscopeFilter, Noise
-    >>> part = Part(GyroscopeFilter(dt=0.01, shape=(2,)), 1)
-    >>> run(part, Noise.of(R=1e-4, Q=1.0), jnp.ones((500, 2)))[1].shape
-    (500,)
-    """
-
-    filter: AnyFilter
-    key: str | int
-
-    def init(self, params: Any) -> Any:
-        """The filter's own state before the first sample."""
-        return self.filter.init(params)
-
-    def step(self, params: Any, state: Any, inputs: Any) -> tuple[Any, jax.Array]:
-        """Take one sample: the filter's next state and the part of what it puts out."""
-        state, whole = self.filter.step(params, state, inputs)
-        return state, getattr(whole, self.key) if isinstance(self.key, str) else whole[self.key]
-
-
-def single_precision(
-    form: str, filter: AnyFilter, params: Any, inputs: Any, scale: float
-) -> SinglePrecision:
-    """Run a filter whose outputs are one array ``(N, ...)`` in both precisions.
+    Outputs that are details (innovations and their variances) are not compared.
 
     Args:
         form: what to call it.
-        filter: the filter.
+        filter: the filter; its declared outputs are compared, or all of them.
         params: its parameters, float64.
         inputs: its inputs, float64, time first.
-        scale: size of the signal that counts, in the output's unit.
 
     Raises:
         TypeError: where the filter falls back to float64, for then nothing would be tested.
     """
-    exact = np.asarray(_outputs(filter, params, inputs))
+    exact = _compared(filter, _outputs(filter, params, inputs))
     with np.errstate(over="ignore"):  # what overflows is infinite, and counts as such
-        halved = jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), (params, inputs))
-    rounded = _outputs(filter, *halved)
-    if rounded.dtype != jnp.float32:
-        raise TypeError(f"{type(filter).__name__} puts out {rounded.dtype} for float32 inputs")
-    deviation = np.abs(np.asarray(rounded, float) - exact)
+        halved = jax.tree.map(_half, (params, inputs))
+    rounded = _compared(filter, _outputs(filter, *halved))
+    found = [_strays(form, name, exact[name], rounded[name]) for name in exact]
+    if not found:
+        raise TypeError(f"{type(filter).__name__} has no output that can be compared")
+    return max(found, key=lambda each: (each.share != each.share, each.share))
+
+
+def _half(leaf: Any) -> jax.Array:
+    array = jnp.asarray(leaf)
+    return array.astype(jnp.float32) if jnp.issubdtype(array.dtype, jnp.floating) else array
+
+
+def _compared(filter: Any, outputs: Any) -> dict[str, tuple[np.ndarray, Channel | None]]:
+    """The outputs by name, with what is known of them; whole numbers and truth values left out."""
+    if hasattr(bare(filter), "outputs"):
+        facts = channel_facts(filter, "outputs")
+        declared: dict[str, tuple[np.ndarray, Channel | None]] = {
+            name: (np.asarray(output(filter, outputs, name)), fact)
+            for name, fact in facts.items()
+            if fact.kind != "detail"
+        }
+        return {name: pair for name, pair in declared.items() if pair[0].dtype.kind == "f"}
+    leaves = jax.tree_util.tree_leaves_with_path(outputs)
+    arrays = {jax.tree_util.keystr(path): np.asarray(leaf) for path, leaf in leaves}
+    return {name: (array, None) for name, array in arrays.items() if array.dtype.kind == "f"}
+
+
+def _strays(
+    form: str,
+    name: str,
+    exact: tuple[np.ndarray, Channel | None],
+    rounded: tuple[np.ndarray, Channel | None],
+) -> SinglePrecision:
+    (right, fact), (near, _) = exact, rounded
+    if near.dtype != np.float32:
+        raise TypeError(f"the output {name!r} is {near.dtype} for float32 inputs")
+    with np.errstate(invalid="ignore"):  # infinity minus infinity: equal, as is missing to missing
+        deviation = np.abs(_difference(near.astype(float), right, fact))
+    alike = (near == right) | (np.isnan(near) & np.isnan(right))
     deviation[np.isnan(deviation)] = np.inf
+    deviation[alike] = 0.0
     sample = int(np.unravel_index(np.argmax(deviation), deviation.shape)[0])
-    largest = float(deviation.max())
-    share = largest / scale
+    largest, scale = float(deviation.max()), _scale(right, fact)
+    share = largest / scale if largest else 0.0
     warning = ""
     if not share < HARMLESS:
+        of = f" of the output {name!r}" if fact is not None else ""
         warning = (
-            f"in single precision the {form} form strays by {100 * share:.3g} % of {scale:g} at "
-            f"sample {sample}; run it in double precision or use a fixed-gain form"
+            f"in single precision the {form} form strays by {100 * share:.3g} % of {scale:.3g}{of} "
+            f"at sample {sample}; run it in double precision or use a fixed-gain form"
         )
     rms = float(np.sqrt(np.mean(deviation**2)))
-    return SinglePrecision(form, largest, share, sample, rms, warning)
+    return SinglePrecision(form, name, largest, share, sample, rms, warning)
+
+
+def _difference(near: np.ndarray, right: np.ndarray, fact: Channel | None) -> np.ndarray:
+    """What is between them: of angles within half a turn, of quaternions whatever their sign."""
+    if fact is not None and fact.kind == "attitude":
+        turned = np.sum(near * right, axis=-1, keepdims=True) < 0
+        near = np.where(turned, -near, near)
+    apart: np.ndarray = near - right
+    if fact is not None and fact.kind == "angle":
+        apart = apart - 2 * np.pi * np.round(apart / (2 * np.pi))
+    return apart
+
+
+def _scale(right: np.ndarray, fact: Channel | None) -> float:
+    if fact is not None and fact.kind == "attitude":
+        return 1.0
+    finite = right[np.isfinite(right)]
+    if not finite.size:
+        return 1.0
+    return float(np.ptp(finite)) or float(np.abs(finite[0])) or 1.0
 
 
 @jax.jit(static_argnums=0)
-def _outputs(filter: AnyFilter, params: Any, inputs: Any) -> jax.Array:
-    outputs: jax.Array = run(filter, params, inputs)[1]
-    return outputs
+def _outputs(filter: AnyFilter, params: Any, inputs: Any) -> Any:
+    return run(filter, params, inputs)[1]

@@ -26,12 +26,16 @@ def list_(
     what: Annotated[
         str, typer.Argument(help="studies, filters, objectives, solvers or formats")
     ] = "studies",
+    name: Annotated[
+        str | None, typer.Argument(help="A filter: its inputs, parameters, states and outputs.")
+    ] = None,
     json: Json = False,
+    md: Annotated[bool, typer.Option("--md", help="A Markdown page of filters.")] = False,
 ) -> None:
-    """List what there is."""
+    """List what there is, or what a filter takes, keeps and returns."""
     from tuner.cli.listing import show
 
-    show(what, json)
+    show(what, name, json=json, md=md)
 
 
 @app.command()
@@ -39,7 +43,7 @@ def run(
     study: Annotated[
         str, typer.Argument(help="A study's name, or a study.toml of an earlier run.")
     ],
-    log: Annotated[Path | None, typer.Option(help="Sensor log: CSV, NPZ or MAT.")] = None,
+    log: Annotated[list[Path] | None, typer.Option(help="Sensor log: CSV, NPZ or MAT.")] = None,
     map: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME=COLUMN", help="Channel: column[index][*factor][:unit]."),
@@ -50,6 +54,10 @@ def run(
     time: Annotated[str | None, typer.Option(metavar="COLUMN", help="Time column.")] = None,
     set: Annotated[
         list[str] | None, typer.Option(metavar="KEY=VALUE", help="A setting of the study.")
+    ] = None,
+    claim: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Try this row of the comparison alone; * for any."),
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the results.")] = None,
     seed: Annotated[
@@ -67,15 +75,103 @@ def run(
     json: Json = False,
 ) -> None:
     """Run a study, on its own data or on a log; write a folder with results and exports."""
-    from tuner.cli.run import Request, execute
+    from tuner.cli.request import Request
+    from tuner.cli.run import execute
 
     request = Request(
         study=study,
-        log=log,
+        logs=tuple(log or ()),
         maps=tuple(map or ()),
         rate=rate,
         time=time,
         sets=tuple(set or ()),
+        claims=tuple(claim or ()),
+        out=out,
+        seed=seed,
+        storage=storage,
+        jobs=jobs or os.cpu_count() or 1,
+        resume=resume,
+        dry_run=dry_run,
+        force=force,
+        json=json,
+    )
+    raise typer.Exit(execute(request))
+
+
+@app.command()
+def fit(
+    logs: Annotated[list[Path], typer.Argument(help="Recordings: CSV, NPZ or MAT.")],
+    filter: Annotated[str, typer.Option(help="Of tuner list filters.")],
+    map: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=COLUMN", help="Channel: column[,column...][*factor][:unit]."),
+    ] = None,
+    truth: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=COLUMN", help="What an output should have been."),
+    ] = None,
+    rate: Annotated[float | None, typer.Option(metavar="HZ", help="Sample rate.")] = None,
+    time: Annotated[str | None, typer.Option(metavar="COLUMN", help="Time column.")] = None,
+    by: Annotated[
+        str | None, typer.Option(metavar="COLUMN", help="Tells the recordings of a file apart.")
+    ] = None,
+    start: Annotated[
+        list[str] | None, typer.Option(metavar="NAME=VALUE", help="Where the search begins.")
+    ] = None,
+    fix: Annotated[
+        list[str] | None, typer.Option(metavar="NAME=VALUE", help="Hold a parameter.")
+    ] = None,
+    bound: Annotated[
+        list[str] | None, typer.Option(metavar="NAME=LOW..HIGH", help="Ends of the search.")
+    ] = None,
+    set: Annotated[
+        list[str] | None, typer.Option(metavar="KEY=VALUE", help="An option of the filter.")
+    ] = None,
+    objective: Annotated[
+        str | None, typer.Option(help="Of tuner list objectives; the error or the likelihood.")
+    ] = None,
+    solver: Annotated[str, typer.Option(help="Of tuner list solvers.")] = "l-bfgs-b",
+    starts: Annotated[int, typer.Option(min=1, help="Starts of the search.")] = 4,
+    hold_out: Annotated[bool, typer.Option(help="Judge on what a second fit left out.")] = True,
+    out: Annotated[Path | None, typer.Option(help="Folder for the results.")] = None,
+    seed: Annotated[
+        int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all random numbers; 0.")
+    ] = None,
+    storage: Annotated[
+        str | None, typer.Option(metavar="URL", help="Database for samplers; SQLite in the folder.")
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="Problems solved at once; one per processor.")
+    ] = None,
+    resume: Annotated[bool, typer.Option(help="Go on with an interrupted run in --out.")] = False,
+    dry_run: Annotated[bool, typer.Option(help="Say what would be done, and stop.")] = False,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Tune a filter on recordings of your own; write a folder with results and exports."""
+    from tuner.cli.pairs import bounds, numbers, words
+    from tuner.cli.request import Request
+    from tuner.cli.run import execute
+
+    request = Request(
+        study="fit",
+        logs=tuple(logs),
+        maps=tuple(map or ()),
+        truths=tuple(truth or ()),
+        rate=rate,
+        time=time,
+        by=by,
+        values={
+            "filter": filter,
+            "start": numbers("--start", start or ()),
+            "fix": numbers("--fix", fix or ()),
+            "bound": bounds("--bound", bound or ()),
+            "options": words("--set", set or ()),
+            "objective": objective,
+            "solver": solver,
+            "starts": starts,
+            "hold_out": hold_out,
+        },
         out=out,
         seed=seed,
         storage=storage,
@@ -114,17 +210,14 @@ def export(
     problem: Annotated[
         str | None, typer.Option(help="Which one, where the run has several.")
     ] = None,
-    log: Annotated[
-        Path | None, typer.Option(help="The run's log, to score what was written.")
-    ] = None,
     force: Annotated[
         bool, typer.Option(help="Replace the file; export what did not converge.")
     ] = False,
 ) -> None:
-    """Write a tuned filter as a file, read it back and score it again."""
+    """Write a tuned filter as a file and read it back."""
     from tuner.cli.export import write
 
-    write(run, to, output, problem=problem, log=log, force=force)
+    write(run, to, output, problem=problem, force=force)
 
 
 @app.command()

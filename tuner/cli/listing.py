@@ -1,44 +1,95 @@
 """tuner list: studies, filters, objectives, solvers and formats."""
 
-import inspect
 import json as json_
-from types import ModuleType
+from typing import Any
 
+from tuner.catalogue import Group, find, names
 from tuner.names import unknown
-from tuner.run.study import find_study, study_names
 
 
-def show(what: str, json: bool) -> None:
-    """Print names with a line each.
+def show(what: str, name: str | None = None, *, json: bool = False, md: bool = False) -> None:
+    """Print names with a line each, or the facts of one filter.
+
+    Args:
+        what: which list.
+        name: of one filter.
+        json: one JSON object.
+        md: a Markdown page of the filter, or of all filters.
 
     Raises:
-        ValueError: for anything that there is no list of.
+        ValueError: for anything that there is no list of, and for a name or a page of anything
+            but filters.
     """
     if what not in _LISTS:
         raise unknown("list", what, _LISTS)
+    if what != "filters" and (name is not None or md):
+        asked = "--md" if name is None else repr(name)
+        raise ValueError(f"only filters have a page of facts; leave out {asked}")
+    if json and md:
+        raise ValueError("--json and --md are two forms of one list; give one of them")
+    if name is not None or md:
+        _show_facts(names("tuner.filters") if name is None else [name], json=json, md=md)
+        return
+    _show_list(what, json)
+
+
+def _show_list(what: str, json: bool) -> None:
     entries = _LISTS[what]()
     if json:
-        print(json_.dumps({"schema": "tuner.list/1", what: entries}, indent=1))
+        _print_json({what: entries})
         return
     width = max(map(len, entries), default=0)
     for name, line in entries.items():
         print(f"{name:{width}}  {line}")
 
 
+def _show_facts(chosen: list[str], *, json: bool, md: bool) -> None:
+    from tuner.cli.sheet import as_json, grids, page, sheet_of
+
+    sheets = [sheet_of(name, find("tuner.filters", name)) for name in chosen]
+    if json:
+        _print_json({"filters": {sheet.name: as_json(sheet) for sheet in sheets}})
+        return
+    if md:
+        print(page(sheets), end="")
+        return
+    from tuner.cli.tables import show_grid
+
+    for sheet in sheets:
+        print(f"{sheet.name}: {sheet.about} ({sheet.home})\n")
+        for grid in grids(sheet):
+            show_grid(*grid)
+
+
+def _print_json(entries: dict[str, Any]) -> None:
+    print(json_.dumps({"schema": "tuner.list/1", **entries}, indent=1))
+
+
+def _offered(group: Group) -> dict[str, str]:
+    """The names of a group with a line each; what cannot be loaded says so in its line."""
+    return {name: _line(group, name) for name in names(group)}
+
+
+def _line(group: Group, name: str) -> str:
+    from tuner.cli.sheet import first_line
+
+    try:
+        thing = find(group, name)
+    except ValueError as error:
+        return str(error)
+    return str(thing.title) if group == "tuner.studies" else first_line(thing)
+
+
 def _studies() -> dict[str, str]:
-    return {name: find_study(name).title for name in study_names()}
+    return _offered("tuner.studies")
 
 
 def _filters() -> dict[str, str]:
-    import filters
-
-    return _classes(filters, "step")
+    return _offered("tuner.filters")
 
 
 def _objectives() -> dict[str, str]:
-    import objectives
-
-    return {n: line for n, line in _classes(objectives, "update").items() if n != "Fold"}
+    return _offered("tuner.objectives")
 
 
 def _solvers() -> dict[str, str]:
@@ -51,18 +102,6 @@ def _formats() -> dict[str, str]:
     from tuner.export import FORMATS, suffix
 
     return {name: f"*{suffix(name)}" for name in FORMATS}
-
-
-def _classes(module: ModuleType, method: str) -> dict[str, str]:
-    """The concrete classes of a package that have a method, with their first line."""
-    public = ((name, getattr(module, name)) for name in module.__all__)
-    return {
-        name: (inspect.getdoc(thing) or "").partition("\n")[0]
-        for name, thing in public
-        if inspect.isclass(thing)
-        and hasattr(thing, method)
-        and hasattr(thing, "__dataclass_fields__")
-    }
 
 
 _LISTS = {

@@ -17,28 +17,32 @@ class _Entries(BaseModel):
 
 
 class LogEntries(_Entries):
-    """Which log, and how it is read; no folder, for a recipe may be passed on."""
+    """Which logs, and how they are read; no folder, for a recipe may be passed on."""
 
-    file: str
-    sha256: str
+    files: list[str]
+    sha256: list[str]
     map: list[str]
+    truth: list[str] = []
     rate_hz: float | None = None
     time: str | None = None
+    by: str | None = None
 
 
 class Recipe(_Entries):
-    """A study with its settings, seed and log."""
+    """A study with its settings, seed and log, and the claims that are tried alone; none: all."""
 
     study: str
     seed: int = Field(0, ge=0, le=LARGEST_SEED)
     settings: dict[str, Any] = {}
+    claims: list[str] = []
     log: LogEntries | None = None
 
     def to_toml(self) -> bytes:
         """The text of a study.toml."""
         import tomli_w
 
-        return tomli_w.dumps(self.model_dump(exclude_none=True)).encode()
+        left_out = set() if self.claims else {"claims"}
+        return tomli_w.dumps(self.model_dump(exclude_none=True, exclude=left_out)).encode()
 
 
 def read_recipe(path: Path) -> Recipe:
@@ -68,21 +72,26 @@ def _first(error: ValidationError) -> str:
     return f"{'.'.join([*outer, name])}: {first['msg']}"
 
 
-def log_beside(path: Path, log: LogEntries) -> Path:
-    """The log that a study.toml names: in this folder, or beside it.
+def logs_beside(path: Path, log: LogEntries) -> tuple[Path, ...]:
+    """The logs that a study.toml names: in this folder, or beside it.
 
     Raises:
-        ValueError: where it is in neither, or another file has its name.
+        ValueError: where one is in neither, or another file has its name.
     """
+    pairs = zip(log.files, log.sha256, strict=True)
+    return tuple(_log_beside(path, name, digest) for name, digest in pairs)
+
+
+def _log_beside(path: Path, name: str, digest: str) -> Path:
     for folder in (Path(), path.parent):
-        file = folder / log.file
+        file = folder / name
         if file.is_file():
             with file.open("rb") as stream:
-                digest = hashlib.file_digest(stream, "sha256").hexdigest()
-            if digest != log.sha256:
+                found = hashlib.file_digest(stream, "sha256").hexdigest()
+            if found != digest:
                 raise ValueError(
                     f"{file} is not the log of {path.name}: its SHA-256 differs; "
                     "to run it all the same, name it with --log"
                 )
             return file
-    raise ValueError(f"the log {log.file} of {path} is not here; say where with --log FILE")
+    raise ValueError(f"the log {name} of {path} is not here; say where with --log FILE")

@@ -5,15 +5,14 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 from tuner.certificate.solution import Solution
 from tuner.cli.interrupt import interruptible
-from tuner.cli.recipe import LogEntries, Recipe, log_beside, read_recipe
+from tuner.cli.recipe import Recipe
+from tuner.cli.request import Request, from_toml, load_records, log_entries
 from tuner.cli.settings import parse_settings
-from tuner.data.logs import Log, describe, parse_mapping, read_log
+from tuner.data.record import Record
 from tuner.export import FORMATS
 from tuner.problem.problem import Problem
 from tuner.run.cache import use_cache
@@ -23,25 +22,8 @@ from tuner.run.pipeline import Progress, Run, recorded, trusted
 from tuner.run.result import pretty
 from tuner.run.study import Plan, Study, find_study
 
-
-@dataclass(frozen=True)
-class Request:
-    """What was asked for on the command line; None where nothing was said."""
-
-    study: str
-    log: Path | None
-    maps: tuple[str, ...]
-    rate: float | None
-    time: str | None
-    sets: tuple[str, ...]
-    out: Path | None
-    seed: int | None
-    storage: str | None
-    jobs: int
-    resume: bool
-    dry_run: bool
-    force: bool
-    json: bool
+SHOWN = 3
+"""How many of several recordings are described."""
 
 
 def execute(request: Request) -> int:
@@ -50,22 +32,24 @@ def execute(request: Request) -> int:
     use_cache()
     request, base = from_toml(request)
     study = find_study(request.study)
-    settings = parse_settings(study.settings, request.sets, base)
+    settings = parse_settings(study.settings, request.sets, base | dict(request.values))
     seed = request.seed or 0
-    log = load_log(study, request)
-    if log is not None:
-        print("\n".join(describe(log)), file=sys.stderr)
+    records = load_records(study, settings, request)
+    for record in records[:SHOWN]:
+        print("\n".join(record.describe()), file=sys.stderr)
+    if len(records) > SHOWN:
+        print(f"... and {len(records) - SHOWN} recordings more", file=sys.stderr)
     if request.dry_run:
-        _say_plan(study, study.plan(settings, log, seed, ""))
+        _say_plan(study, _chosen(study.plan(settings, records, seed, ""), request))
         return 0
     folder = open_folder(request.out, study.name, force=request.force, resume=request.resume)
     storage = request.storage or f"sqlite:///{folder.path / 'trials.sqlite3'}"
-    plan = study.plan(settings, log, seed, storage)
+    plan = _chosen(study.plan(settings, records, seed, storage), request)
     values = settings.model_dump(mode="json")
-    recipe = _recipe(study, request, values, plan)
+    recipe = _recipe(study, request, values, records)
     finished = _finished(folder, recipe) if request.resume else {}
     with interruptible() as check, _progress(check) as progress:
-        run = Run(study, values, plan, seed, folder, progress)
+        run = Run(study.name, values, plan, seed, folder, progress, request.claims)
         try:
             _write_down(folder, recipe, plan)
             solutions = run.solve(request.jobs, finished)
@@ -82,67 +66,23 @@ def execute(request: Request) -> int:
     return 0 if trusted(plan, solutions) else 1
 
 
-def from_toml(request: Request) -> tuple[Request, dict[str, Any]]:
-    """Fill a request from a study.toml where one was named; the command line wins.
-
-    Raises:
-        ValueError: where the file is not one, names what a study.toml does not have, or a log
-            that is not here.
-    """
-    path = Path(request.study)
-    if path.suffix != ".toml":
-        return request, {}
-    recipe = read_recipe(path)
-    filled = replace(
-        request,
-        study=recipe.study,
-        seed=recipe.seed if request.seed is None else request.seed,
-    )
-    if recipe.log is not None:
-        filled = replace(
-            filled,
-            log=request.log or log_beside(path, recipe.log),
-            maps=request.maps or tuple(recipe.log.map),
-            rate=recipe.log.rate_hz if request.rate is None else request.rate,
-            time=recipe.log.time if request.time is None else request.time,
-        )
-    return filled, recipe.settings
+def _chosen(plan: Plan, request: Request) -> Plan:
+    """The whole plan, or what the claims that are asked for take."""
+    return plan.only(request.claims) if request.claims else plan
 
 
-def load_log(study: Study, request: Request) -> Log | None:
-    """Read the log that a request names, if it does.
-
-    Raises:
-        ValueError: where the study takes none, or the request says how to read none.
-    """
-    if request.log is None:
-        told = {"--map": request.maps, "--rate": request.rate, "--time": request.time}
-        stray = [option for option, given in told.items() if given is not None and given != ()]
-        if stray:
-            raise ValueError(f"{stray[0]} says how to read a log, but there is no --log FILE")
-        return None
-    if not study.channels:
-        raise ValueError(f"{study.name} takes no log")
-    if not request.maps:
-        known = ", ".join(f"{name} ({what})" for name, what in study.channels.items())
-        raise ValueError(f"--log needs --map NAME=COLUMN; {study.name} knows {known}")
-    mappings = [parse_mapping(text, list(study.channels)) for text in request.maps]
-    return read_log(request.log, mappings, rate_hz=request.rate, time=request.time)
-
-
-def _recipe(study: Study, request: Request, settings: dict[str, Any], plan: Plan) -> Recipe:
+def _recipe(
+    study: Study, request: Request, settings: dict[str, Any], records: tuple[Record, ...]
+) -> Recipe:
     """The run as it can be run again; no absolute path."""
-    log = None
-    if request.log is not None:
-        log = LogEntries(
-            file=plan.source.name,
-            sha256=plan.source.sha256,
-            map=list(request.maps),
-            rate_hz=request.rate,
-            time=request.time,
-        )
     given = {key: value for key, value in settings.items() if value is not None}
-    return Recipe(study=study.name, seed=request.seed or 0, settings=given, log=log)
+    return Recipe(
+        study=study.name,
+        seed=request.seed or 0,
+        settings=given,
+        claims=list(request.claims),
+        log=log_entries(request, records),
+    )
 
 
 def _finished(folder: RunFolder, recipe: Recipe) -> dict[tuple[str, str], Solution]:
@@ -153,8 +93,8 @@ def _finished(folder: RunFolder, recipe: Recipe) -> dict[tuple[str, str], Soluti
     """
     if (folder.path / "study.toml").read_bytes() != recipe.to_toml():
         raise ValueError(
-            f"--resume: {folder.path / 'study.toml'} has other settings, another seed or log; "
-            "run that file, or start anew in another folder"
+            f"--resume: {folder.path / 'study.toml'} has other settings or claims, another seed or "
+            "log; run that file, or start anew in another folder"
         )
     progress = folder.path / "progress.json"
     # A run that was interrupted as it began has written none.
@@ -172,7 +112,7 @@ def _how_to_go_on(request: Request, folder: RunFolder) -> str:
     if not (folder.path / "study.toml").exists():
         return "interrupted before anything was saved"
     words = ["tuner", "run", str(folder.path / "study.toml"), "--out", str(folder.path)]
-    words += [] if request.log is None else ["--log", str(request.log)]
+    words += [word for log in request.logs for word in ("--log", str(log))]
     again = f"finished parts are saved; go on with: {shlex.join([*words, '--resume'])}"
     return again + (" and the same --storage" if request.storage else "")
 
@@ -186,7 +126,9 @@ def _say_plan(study: Study, plan: Plan) -> None:
         free = ""
         if isinstance(task.problem, Problem):
             free = f" over {', '.join(task.problem.space.coordinates)}"
-        print(f"would solve {task.problem.name}{free} by {task.solver_name}")
+        print(f"would solve {task.problem.name}{free} by {task.solver.name}")
+    if plan.claims:
+        print(f"would try {', '.join(claim.name for claim in plan.claims)}")
 
 
 @contextmanager

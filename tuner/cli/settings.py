@@ -22,7 +22,7 @@ def parse_settings(model: type[BaseModel], pairs: Sequence[str], base: dict[str,
         key, equals, text = pair.partition("=")
         if not equals:
             raise ValueError(f"--set {pair} has no '='; write --set KEY=VALUE")
-        values[key.strip()] = _value(text.strip())
+        values[key.strip()] = value_of(text.strip())
     for key in values:
         if key not in model.model_fields:
             raise unknown("setting", key, model.model_fields)
@@ -41,7 +41,8 @@ def parse_settings(model: type[BaseModel], pairs: Sequence[str], base: dict[str,
         raise ValueError(f"setting {where}: {reason}, got {first['input']!r}") from None
 
 
-def _value(text: str) -> Any:
+def value_of(text: str) -> Any:
+    """A value as TOML has it, or the text where it is none."""
     try:
         return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:

@@ -35,6 +35,7 @@ def number_text(value: float | None) -> str:
 WIDE = 120
 """Columns of a terminal that hold everything; below, the explanations are left out."""
 _EXPLANATIONS = {"where", "note", "what it means", "evaluations", "s"}
+_FOLDED = _EXPLANATIONS | {"parameters", "meaning", "smaller", "larger"}
 
 
 def show_grid(title: str, lines: list[list[str]]) -> None:
@@ -50,8 +51,7 @@ def show_grid(title: str, lines: list[list[str]]) -> None:
         pad_edge=False,
     )
     for i in shown:
-        folds = lines[0][i] in _EXPLANATIONS or lines[0][i] == "parameters"
-        table.add_column(lines[0][i], overflow="fold", no_wrap=not folds)
+        table.add_column(lines[0][i], overflow="fold", no_wrap=lines[0][i] not in _FOLDED)
     for line in lines[1:]:
         table.add_row(*(Text(line[i], style=_COLOURS.get(line[i], "")) for i in shown))
     out.print(table)
@@ -71,28 +71,37 @@ def show_result(result: Result, folder: Path) -> None:
         "s",
         "what it means",
     ]
-    show_grid("Solutions", [head, *(_solution(solution) for solution in result.solutions)])
+    if result.solutions:
+        show_grid("Solutions", [head, *(_solution(solution) for solution in result.solutions)])
     rows = [
         [r.quantity, r.where, number_text(r.paper), number_text(r.ours), r.verdict.value, r.note]
         for r in result.comparisons
     ]
-    show_grid(
-        "Comparison",
-        [["quantity", "where", "paper", "ours", "verdict", "note"], *rows],
-    )
+    if rows:
+        show_grid(
+            "Comparison",
+            [["quantity", "where", "paper", "ours", "verdict", "note"], *rows],
+        )
     out = console()
     for export in result.exports:
         if abs(export.relative_change or 0.0) > 1e-12:
             out.print(f"{export.file}: read back and scored, cost {export.relative_change:+.1e}")
     if result.exports:
-        out.print(f"{len(result.exports)} exports, each read back and scored again")
+        out.print(f"{len(result.exports)} exports, each read back, compared and scored again")
     for check in result.single_precision:
         share = "without bound" if check.share is None else f"by {100 * check.share:.2g} %"
-        told = f"in single precision the {check.form} form strays {share} of the signal"
+        told = f"in single precision the {check.form} form strays {share}{_of(check.output)}"
         out.print(
             f"{check.problem}: {check.warning or told}", style="yellow" if check.warning else ""
         )
-    out.print(f"{result.seconds:.1f} s; results, exports and figures in {folder}", soft_wrap=True)
+    out.print(f"{result.seconds:.1f} s; all files are in {folder}", soft_wrap=True)
+    for line in () if result.fit is None else result.fit.lines:
+        out.print(line.replace(" RUN ", f" {folder} "), soft_wrap=True, highlight=False)
+
+
+def _of(output: str) -> str:
+    """Of which output."""
+    return f" of the output {output!r}" if output else " of the signal"
 
 
 def _solution(solution: SolutionRecord) -> list[str]:

@@ -1,7 +1,8 @@
 """From a run of the solver to a checked answer."""
 
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -12,15 +13,37 @@ from tuner.convex.clarabel import Run
 if TYPE_CHECKING:
     import cvxpy as cp
 
-    from tuner.convex.program import ConvexProgram
-
 ADMISSIBLE = 1e-6
 """A point that breaks a constraint by a larger share of the constraint's terms is not trusted."""
 
 _WITHOUT_POINT = {Status.INFEASIBLE: np.inf, Status.UNBOUNDED: -np.inf}
 
 
-def read(program: "ConvexProgram", run: Run, begun: float) -> Answer:
+class Readable(Protocol):
+    """What a program says of itself: its name, and its parts by theirs."""
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        ...
+
+    @property
+    def problem(self) -> "cp.Problem":
+        """The cvxpy problem that was solved."""
+        ...
+
+    @property
+    def variables(self) -> Mapping[str, "cp.Variable"]:
+        """The variables to be read."""
+        ...
+
+    @property
+    def constraints(self) -> Mapping[str, "cp.Constraint"]:
+        """The constraints whose dual variables are read."""
+        ...
+
+
+def read(program: Readable, run: Run, begun: float) -> Answer:
     """The answer that a run amounts to, checked by the constraints themselves.
 
     Args:
@@ -75,9 +98,7 @@ def _violation(constraint: "cp.Constraint") -> float:
     return float(np.max(constraint.violation(), initial=0.0) / (1.0 + max(terms, default=0.0)))
 
 
-def _multipliers(
-    program: "ConvexProgram", duals: dict[str, np.ndarray], value: float
-) -> dict[str, float]:
+def _multipliers(program: Readable, duals: dict[str, np.ndarray], value: float) -> dict[str, float]:
     from cvxpy.constraints.nonpos import Inequality
     from cvxpy.constraints.zero import Equality
 

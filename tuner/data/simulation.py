@@ -12,7 +12,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from filters.attitude import ImuSample
+from filters.imu import ImuSample
 from filters.rotation import rotate_back
 
 GRAVITY = 9.80665

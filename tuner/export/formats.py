@@ -135,6 +135,25 @@ def write(tuned: Tuned, path: Path | str, format: str, *, overwrite: bool = Fals
     return Path(path)
 
 
+def read_back(tuned: Tuned, path: Path | str, format: str) -> Tuned:
+    """Read a file that was just written, and hold it against what it should hold.
+
+    Args:
+        tuned: what was written.
+        path: the file.
+        format: one of :data:`FORMATS`.
+
+    Raises:
+        ExportError: where the file does not hold the same, to the bit.
+    """
+    found = load(Path(path).read_bytes(), format)
+    if found != tuned:
+        raise ExportError(
+            f"{path} does not hold what was written; the disk may be damaged: choose another place"
+        )
+    return found
+
+
 def _known(name: str) -> Format:
     if name not in _FORMATS:
         near = difflib.get_close_matches(name.lower(), FORMATS) or FORMATS

@@ -7,8 +7,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from numpy.typing import ArrayLike
 
-from tuner.observers.model import LinearDesign
+from objectives import LinearSystem
 from tuner.problem.parameters import Limited, Parameter
 from tuner.problem.problem import Problem, Static
 
@@ -37,6 +38,26 @@ class Variance:
 
     error: np.ndarray
 
+    @classmethod
+    def of(cls, system: LinearSystem, error: ArrayLike) -> "Variance":
+        """Of an error of a system.
+
+        Raises:
+            ValueError: where the weights do not fit the states, or are all zero.
+        """
+        row = np.asarray(error, float)
+        n = len(system.A)
+        if row.shape != (n,) or not np.isfinite(row).all() or not row.any():
+            raise ValueError(
+                f"the error that counts is {row.tolist()}; give {n} finite weights of the states "
+                f"{', '.join(system.states)}, not all zero"
+            )
+        return cls(row)
+
+    def under(self, P: np.ndarray) -> float:
+        """Of the error that counts where the states' errors have the covariance P, ``(n, n)``."""
+        return float(self.error @ P @ self.error)
+
     def __call__(self, observer: Observer, _: None) -> Array:
         """Of the error that counts, ``()``."""
         row = jnp.asarray(self.error)
@@ -54,9 +75,9 @@ class Spread:
     weights: np.ndarray
 
     @classmethod
-    def beyond(cls, design: LinearDesign, L: np.ndarray) -> "Spread":
+    def beyond(cls, system: LinearSystem, L: np.ndarray) -> "Spread":
         """Over the variances under a gain; a state without error there does not count."""
-        variances = np.diag(design.covariance(L))
+        variances = np.diag(system.covariance(L))
         counts = variances > 1e-12 * variances.max()
         return cls(counts / np.where(counts, variances, 1.0) / counts.sum())
 

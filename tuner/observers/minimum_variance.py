@@ -1,52 +1,71 @@
-"""The observer with the least variance: the Kalman filter, by a search and by its equation."""
+"""The observer of minimum variance: the Kalman filter, by a search and by its equation."""
 
 from dataclasses import dataclass
 
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from numpy.typing import ArrayLike
 
+from objectives import LinearSystem, steady_kalman
 from tuner.observers.gains import Entries, Observer, Variance
-from tuner.observers.model import LinearDesign
 from tuner.problem.problem import Problem
 from tuner.problem.space import Space
 from tuner.solvers.known import Known
 
 
-def quietest(name: str, design: LinearDesign) -> Problem:
+def minimum_variance(name: str, system: LinearSystem, error: ArrayLike) -> Problem:
     """The observer with the least variance of the error: the Kalman filter, as a search.
 
-    The model must be driven (:meth:`LinearDesign.driven`), and continuous measurements noisy.
+    Args:
+        name: of the problem.
+        system: the system; noise must drive what never dies out
+            (:func:`objectives.without_undriven` takes out what it does not).
+        error: weights of the error that counts, ``(n,)``.
 
     Raises:
-        ValueError: where a measurement has no noise: better observers have ever larger gains.
+        ValueError: where a continuous measurement has no noise (better observers have ever larger
+            gains), no observer is stable, or no gain is needed.
     """
-    if not design.finite:
-        raise ValueError(
-            "a measurement has no noise (the matrix of v is singular) and may be followed ever "
-            "faster, so no gain is the best one; give the noise that it has, a bound, or the "
-            "sample_time of the measurements"
-        )
-    best = _best(design)
+    variance = Variance.of(system, error)
+    best = steady_kalman(system).predictor
     if not best.any():
         raise ValueError(
             "no gain is needed: nothing disturbs what the measurements could correct; give the "
             "noise w that there is, or a bound"
         )
-    gains = _Gains(design, _entries(design))
+    gains = _Gains(system, _entries(system))
     unit = np.maximum(np.abs(best), 1e-3 * np.abs(best).max())
     return Problem(
         name=name,
-        space=Space.of(**gains.entries.parameters(_beside(design, best), unit)),
+        space=Space.of(**gains.entries.parameters(_beside(system, best), unit)),
         filter=None,
         build=gains,
-        objective=Variance(design.error),
+        objective=variance,
     )
 
 
-def riccati(design: LinearDesign) -> Known:
-    """The quietest observer by the Riccati equation."""
-    found = _entries(design).named(_best(design))
+def least_variance(system: LinearSystem, error: ArrayLike) -> float:
+    """The least variance of an error over all observers.
+
+    Where a continuous measurement has no noise it is not known here, and 0 is returned.
+
+    Args:
+        system: the system.
+        error: weights of the error that counts, ``(n,)``.
+
+    >>> least_variance(LinearSystem([[0.0]], [[1.0]], [[4.0]], [[1.0]]), [1.0])
+    2.0
+    """
+    variance = Variance.of(system, error)
+    if not (system.discrete or system.noisy):
+        return 0.0
+    return variance.under(steady_kalman(system).predicted)
+
+
+def riccati(system: LinearSystem) -> Known:
+    """The same observer by the Riccati equation."""
+    found = _entries(system).named(steady_kalman(system).predictor)
     return Known("riccati", lambda _: found, "the Riccati equation's solution")
 
 
@@ -54,22 +73,18 @@ def riccati(design: LinearDesign) -> Known:
 class _Gains:
     """From single gains to a point of the design."""
 
-    design: LinearDesign
+    system: LinearSystem
     entries: Entries
 
     def __call__(self, values: dict[str, Array]) -> Observer:
         L = self.entries.matrix(values)
-        return Observer(jnp.ones(()), L, self.design.steady(L))
+        return Observer(jnp.ones(()), L, self.system.steady(L))
 
 
-def _entries(design: LinearDesign) -> Entries:
-    return Entries("L", (len(design.states), len(design.C)))
+def _entries(system: LinearSystem) -> Entries:
+    return Entries("L", (len(system.A), len(system.C)))
 
 
-def _best(design: LinearDesign) -> np.ndarray:
-    return design.predictor_gain(design.kalman().gain)
-
-
-def _beside(design: LinearDesign, best: np.ndarray) -> np.ndarray:
+def _beside(system: LinearSystem, best: np.ndarray) -> np.ndarray:
     """A stable gain beside the best one, to start from."""
-    return next((f * best for f in (1.5, 1.2, 1.1, 1.02) if design.decay(f * best) > 0), best)
+    return next((f * best for f in (1.5, 1.2, 1.1, 1.02) if system.decay(f * best) > 0), best)

@@ -14,9 +14,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from objectives import Factors, place, unobservable
+from objectives import Factors, LinearSystem, place, unobservable
 from tuner.observers.gains import Entries, Observer
-from tuner.observers.model import LinearDesign
 from tuner.problem.parameters import Limited, Parameter, Positive
 
 WIDEST = 100.0
@@ -28,17 +27,17 @@ _SAME = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Placed:
+class PolePlacement:
     """From coordinates of the poles, and gains of the measurements beside the guide, to a gain.
 
     Attributes:
-        design: the design.
+        system: the system.
         T: x = T x', the model's own units, seen states first, ``(n, n)``.
         H: y' = H y, the guide first, ``(m, m)``.
         seen: how many states the measurements show.
     """
 
-    design: LinearDesign
+    system: LinearSystem
     T: np.ndarray
     H: np.ndarray
     seen: int
@@ -46,7 +45,7 @@ class Placed:
     @property
     def factors(self) -> Factors:
         """Of the characteristic polynomial of what is seen."""
-        return Factors(self.seen, self.design.discrete)
+        return Factors(self.seen, self.system.discrete)
 
     @property
     def side(self) -> Entries:
@@ -65,13 +64,13 @@ class Placed:
             (values[f"damping_{i + 1}"], values[f"stiffness_{i + 1}"])
             for i in range(self.factors.pairs)
         ]
-        rate = decay if self.design.dt is None else jnp.exp(-decay * self.design.dt)
+        rate = decay if self.system.dt is None else jnp.exp(-decay * self.system.dt)
         coefficients = self.factors.coefficients(rate, values.get("spread"), pairs)
         A, C = self._seen()
         guide = place(jnp.asarray(A) - side @ jnp.asarray(C[1:]), jnp.asarray(C[0]), coefficients)
         L = jnp.concatenate([jnp.column_stack([guide, side]), self.hidden.matrix(values)])
         L = jnp.asarray(self.T) @ L @ jnp.asarray(self.H)
-        return Observer(decay, L, self.design.steady(L))
+        return Observer(decay, L, self.system.steady(L))
 
     def coordinates(self, L: np.ndarray) -> dict[str, float] | None:
         """The coordinates of a gain ``(n, m)``; None where they are out of reach.
@@ -80,8 +79,8 @@ class Placed:
         """
         own = np.linalg.solve(self.T, L) @ np.linalg.inv(self.H)
         A, C = self._seen()
-        decay = _SLOWER * min(self.design.decay(L), self.limit())
-        rate = decay if self.design.dt is None else np.exp(-decay * self.design.dt)
+        decay = _SLOWER * min(self.system.decay(L), self.limit())
+        rate = decay if self.system.dt is None else np.exp(-decay * self.system.dt)
         poles = np.linalg.eigvals(A - own[: self.seen] @ C)
         values = self._named(*self.factors.coordinates(rate, poles))
         if not all(0 <= values[name] <= most for name, most in self._most().items()):
@@ -100,10 +99,8 @@ class Placed:
 
     def limit(self) -> float:
         """The slowest decay rate of what is not seen, 1/s: no observer is faster."""
-        A = np.linalg.solve(self.T, self.design.A @ self.T)[self.seen :, self.seen :]
-        speed = np.linalg.eigvals(A)
-        rates = -np.log(np.abs(speed)) / self.design.dt if self.design.dt else -speed.real
-        return float(rates.min(initial=np.inf))
+        A = np.linalg.solve(self.T, self.system.A @ self.T)[self.seen :, self.seen :]
+        return float(self.system.rates(np.linalg.eigvals(A)).min(initial=np.inf))
 
     def parameters(self, start: dict[str, float]) -> dict[str, Parameter]:
         """The coordinates as parameters that start at given values."""
@@ -135,32 +132,34 @@ class Placed:
         return entries.parameters(values, np.full(entries.shape, unit))
 
     def _seen(self) -> tuple[np.ndarray, np.ndarray]:
-        A = np.linalg.solve(self.T, self.design.A @ self.T)
-        C = self.H @ self.design.C @ self.T
+        A = np.linalg.solve(self.T, self.system.A @ self.T)
+        C = self.H @ self.system.C @ self.T
         return A[: self.seen, : self.seen], C[:, : self.seen]
 
 
 @jax.jit(static_argnums=0)
-def _gain(placed: Placed, values: dict[str, Array]) -> Array:
-    return placed(values).L
+def _gain(placement: PolePlacement, values: dict[str, Array]) -> Array:
+    return placement(values).L
 
 
-def guided(design: LinearDesign, size: np.ndarray) -> list[Placed]:
-    """The ways to place a design's poles, one with each measurement as guide.
+def pole_placements(system: LinearSystem, size: np.ndarray) -> list[PolePlacement]:
+    """The ways to place a system's poles, one with each measurement as guide.
 
     Args:
-        design: the design.
+        system: the system.
         size: a typical error of every state, ``(n,)``.
     """
-    A, C = design.A * size / size[:, None], design.C * size
-    hidden = unobservable(A, C, discrete=design.discrete)
-    count = hidden.shape[1]
-    turned = np.linalg.svd(hidden)[0][:, ::-1] if count else np.eye(len(A))
+    n, C = len(size), system.C * size
+    hidden = unobservable(system.in_units(np.diag(size), np.ones(len(C)), 1.0))
+    count = len(hidden.values)
+    turned = np.eye(n)
+    if count:
+        turned = np.linalg.svd(hidden.scale[:, None] * hidden.basis)[0][:, ::-1]
     T = size[:, None] * turned
     height = np.sqrt((C**2).sum(axis=1))
     scale = np.where(height > 0, height, 1.0)
     own = np.diag(1 / scale)
     return [
-        Placed(design, T, np.roll(own, -guide, axis=0), len(A) - count)
+        PolePlacement(system, T, np.roll(own, -guide, axis=0), n - count)
         for guide in np.flatnonzero(height)
     ]

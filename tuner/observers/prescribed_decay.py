@@ -1,11 +1,15 @@
-"""Observers that are fast within a bound already, to begin a search from."""
+"""Kalman filters with a prescribed degree of stability: fast within a bound already.
+
+A search for the fastest observer begins from them.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from objectives import steady_kalman
-from tuner.observers.model import LinearDesign
+from objectives import LinearSystem, steady_kalman
+from objectives.linear_systems.model import derived
+from tuner.observers.gains import Variance
 
 DRAWS = 24
 """How many weightings are tried beside the model's own noise."""
@@ -25,66 +29,73 @@ class Weights(NamedTuple):
     V: np.ndarray
 
 
-def hurried(design: LinearDesign, bound: float) -> np.ndarray:
-    """The fastest of the hurried Kalman gains for the model's own noise, ``(n, m)``.
+def prescribed_decay(system: LinearSystem, variance: Variance, bound: float) -> np.ndarray:
+    """The fastest Kalman gain of prescribed decay for the system's own noise, ``(n, m)``.
 
-    A hurried gain is that of a model which grows faster by e^(alpha t): all poles of the true model
+    It is the Kalman gain of a system which grows faster by e^(alpha t): all poles of the true one
     then decay faster than alpha (Anderson and Moore, 1969). alpha is as large as the bound allows.
     """
-    found = _fastest(design, _own(design), bound)
-    return _gain(design, _own(design), 0.0) if found is None else found
+    found = _largest(system, _own(system), variance, bound)
+    return _gain(system, _own(system), 0.0) if found is None else found
 
 
-def several(design: LinearDesign, bound: float, size: np.ndarray) -> list[np.ndarray]:
-    """Hurried gains that keep the bound, for the model's noise and for drawn ones; fastest first.
+def starting_gains(
+    system: LinearSystem, variance: Variance, bound: float, size: np.ndarray
+) -> list[np.ndarray]:
+    """Such gains that keep the bound, for the system's noise and for drawn ones; fastest first.
 
     The draws (their seed is fixed: they belong to the problem, not to a solver) break symmetries
     in which a search would be caught.
 
     Args:
-        design: the design.
+        system: the system.
+        variance: that of the error that counts.
         bound: of the variance.
         size: a typical error of every state, ``(n,)``.
     """
     draw = np.random.default_rng(0)
-    n, m = len(design.states), len(design.C)
-    own = _own(design)
+    n, m = len(system.A), len(system.C)
+    own = _own(system)
     weights = [own]
     for _ in range(DRAWS):
         G = size[:, None] * draw.normal(size=(n, n))
         V = np.diag(np.diag(own.V) * 10.0 ** draw.uniform(-3, 3, m))
         weights.append(Weights(G @ G.T, V))
-    gains = [gain for each in weights if (gain := _fastest(design, each, bound)) is not None]
-    return sorted(gains, key=lambda gain: -design.decay(gain))
+    found = [_largest(system, each, variance, bound) for each in weights]
+    gains = [gain for gain in found if gain is not None]
+    return sorted(gains, key=lambda gain: -system.decay(gain))
 
 
-def _own(design: LinearDesign) -> Weights:
-    """The model's noise; measurements that have none get some, small enough not to count."""
-    size = np.trace(design.V) or np.trace(design.C @ design.W @ design.C.T) or 1.0
-    return Weights(design.W, design.V + 1e-9 * size * np.eye(len(design.V)))
+def _own(system: LinearSystem) -> Weights:
+    """The system's noise; measurements that have none get some, small enough not to count."""
+    size = np.trace(system.V) or np.trace(system.C @ system.W @ system.C.T) or 1.0
+    return Weights(system.W, system.V + 1e-9 * size * np.eye(len(system.V)))
 
 
-def _gain(design: LinearDesign, weights: Weights, alpha: float) -> np.ndarray:
-    grown = np.exp(alpha * design.dt) if design.dt else 1.0
-    A = design.A * grown if design.discrete else design.A + alpha * np.eye(len(design.A))
-    K = steady_kalman(A, design.C, weights.W, weights.V, discrete=design.discrete).gain
-    return np.asarray((A @ K if design.discrete else K) / grown)
+def _gain(system: LinearSystem, weights: Weights, alpha: float) -> np.ndarray:
+    grown = np.exp(alpha * system.dt) if system.dt else 1.0
+    A = system.A * grown if system.discrete else system.A + alpha * np.eye(len(system.A))
+    parts = {"A": A, "C": system.C, "W": weights.W, "V": weights.V, "S": np.zeros_like(system.S)}
+    return np.asarray(steady_kalman(derived(parts, system.dt)).predictor / grown)
 
 
-def _fastest(design: LinearDesign, weights: Weights, bound: float) -> np.ndarray | None:
+def _largest(
+    system: LinearSystem, weights: Weights, variance: Variance, bound: float
+) -> np.ndarray | None:
     """The gain with the largest alpha that keeps the bound, by bisection; None where none does."""
 
     def kept(alpha: float) -> np.ndarray | None:
         try:
-            L = _gain(design, weights, alpha)
+            L = _gain(system, weights, alpha)
         except ValueError:
             return None
-        return L if design.decay(L) > 0 and design.variance(L) <= _ROOM * bound else None
+        within = variance.under(system.covariance(L)) <= _ROOM * bound
+        return L if system.decay(L) > 0 and within else None
 
-    unit = 1 / design.dt if design.dt else max(np.abs(np.linalg.eigvals(design.A)).max(), 1e-3)
+    unit = 1 / system.dt if system.dt else max(np.abs(np.linalg.eigvals(system.A)).max(), 1e-3)
     found: np.ndarray | None = None
     slow = fast = 0.0
-    for fast in unit * np.geomspace(1e-4, 1e2 if design.dt else 1e4, 19):
+    for fast in unit * np.geomspace(1e-4, 1e2 if system.dt else 1e4, 19):
         gain = kept(fast)
         if gain is not None:
             found, slow = gain, fast

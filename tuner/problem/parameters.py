@@ -6,12 +6,14 @@ allowed set. A fixed parameter takes no place in z.
 """
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+
+from objectives import covariance
 
 
 class Parameter(Protocol):
@@ -25,6 +27,11 @@ class Parameter(Protocol):
     @property
     def unit(self) -> str:
         """The value's unit, "" for none."""
+        ...
+
+    @property
+    def meaning(self) -> str:
+        """What it is, in a short sentence; "" where nobody said."""
         ...
 
     @property
@@ -68,6 +75,7 @@ class Positive:
     size: int = 1
     limited: bool = False
     threshold: bool = False
+    meaning: str = ""
 
     def __post_init__(self) -> None:
         if not 0 < self.low <= self.init <= self.high < np.inf:
@@ -110,6 +118,7 @@ class Bounded:
     unit: str = ""
     size: int = 1
     limited: bool = False
+    meaning: str = ""
 
     def __post_init__(self) -> None:
         if not -np.inf < self.low < self.init < self.high < np.inf:
@@ -161,6 +170,7 @@ class Limited:
     scale: float = 1.0
     size: int = 1
     limited: bool = True
+    meaning: str = ""
 
     def __post_init__(self) -> None:
         if not -np.inf < self.low <= self.init <= self.high < np.inf or self.low == self.high:
@@ -203,6 +213,7 @@ class Covariance:
         init: the initial matrix as nested tuples, symmetric positive definite.
         low, high: bounds of the factor's diagonal, that is of standard deviations.
         unit: unit of the entries.
+        meaning: what it is.
     """
 
     init: tuple[tuple[float, ...], ...]
@@ -210,6 +221,7 @@ class Covariance:
     high: float
     unit: str = ""
     limited: bool = False
+    meaning: str = ""
 
     def __post_init__(self) -> None:
         if not 0 < self.low < self.high < np.inf:
@@ -267,12 +279,13 @@ class Covariance:
 
 @dataclass(frozen=True)
 class Fixed:
-    """A parameter that is not tuned: a number, or a matrix as nested tuples."""
+    """A parameter that is not tuned: a number, or a vector or matrix as nested tuples."""
 
-    value: float | tuple[tuple[float, ...], ...]
+    value: float | tuple[Any, ...]
     unit: str = ""
     size: int = 0
     limited: bool = False
+    meaning: str = ""
 
     def constrain(self, z: Array) -> Array:
         """The value itself."""
@@ -302,36 +315,3 @@ def _number(value: np.ndarray) -> float:
     if np.size(value) != 1:
         raise ValueError(f"must be one number, got the shape {np.shape(value)}")
     return float(np.reshape(value, ()))
-
-
-def covariance(value: object, *, definite: bool = False) -> np.ndarray:
-    """Check a covariance matrix: square, symmetric and positive (semi-)definite.
-
-    Args:
-        value: nested sequences or an array, ``(n, n)``.
-        definite: whether zero eigenvalues are refused as well.
-
-    Returns:
-        The matrix as float64.
-
-    Raises:
-        ValueError: says what is wrong, with the shape or the eigenvalue.
-
-    >>> covariance([[1.0, 2.0], [2.0, 1.0]])
-    Traceback (most recent call last):
-    ValueError: must be positive semi-definite, but has the eigenvalue -1
-    """
-    matrix = np.array(value, dtype=float)
-    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.size:
-        raise ValueError(f"must be a square matrix, got the shape {matrix.shape}")
-    if not np.isfinite(matrix).all():
-        raise ValueError("must be finite")
-    if not np.allclose(matrix, matrix.T, rtol=1e-12, atol=0):
-        raise ValueError("must be symmetric")
-    eigenvalues = np.linalg.eigvalsh(matrix)
-    lowest = eigenvalues[0]
-    rounding = 1e-12 * np.abs(eigenvalues).max()
-    if lowest < -rounding or (definite and lowest <= rounding):
-        kind = "definite" if definite else "semi-definite"
-        raise ValueError(f"must be positive {kind}, but has the eigenvalue {lowest:g}")
-    return matrix

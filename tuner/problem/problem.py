@@ -1,7 +1,7 @@
 """A tuning problem: what is tuned, on which data, judged by what. One number per point z."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple, TypeAlias
 
 import jax
@@ -9,15 +9,31 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import AnyFilter
+from filters import AnyFilter, assembled, bare, run
 from objectives import Data, Objective, score, score_and_gradient
+from tuner.certificate.single_precision import SinglePrecision, single_precision
+from tuner.certificate.solution import Solution
+from tuner.data.source import Source
+from tuner.export.tuned import Quantity
 from tuner.problem.constraint import Constraint
+from tuner.problem.exported import Exported, exported_of, held_of, once, quantities_of
 from tuner.problem.space import Space
 
 Build: TypeAlias = Callable[[dict[str, Array]], Any]
 """From parameters by name to what the filter takes."""
 NO_DATA = Data(None, None)
 """The data of a design, which is judged without any."""
+
+
+@dataclass(frozen=True)
+class Assemble:
+    """Makes the parameters of a filter that declares them, from values by name."""
+
+    filter: Any
+
+    def __call__(self, values: dict[str, Array]) -> Any:
+        """What the filter's ``init`` and ``step`` take."""
+        return assembled(self.filter, values)
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,14 +45,18 @@ class Problem:
         space: the parameters.
         filter: the filter that is tuned; None where nothing is run: the objective and the
             constraints then judge what ``build`` makes.
-        build: makes the filter's parameters from the space's, by name. A module-level function
-            is compiled once; a new lambda is compiled anew.
+        build: makes the filter's parameters from the space's, by name; None where the space has
+            the names that the filter declares. A module-level function is compiled once; a new
+            lambda is compiled anew.
         objective: what is minimised.
         data: the filter's inputs and the truth, float64 throughout; NaN means missing.
-        derive: quantities of interest that follow from the parameters, by name.
+        derive: numbers of interest that follow from the parameters, by name; None: those that the
+            filter derives.
         constraints: what a solution has to keep; not every solver takes them.
         known_starts: points z ``(space.size,)`` from which a search is worth beginning, after the
             initial values and before random points.
+        source: where the data come from.
+        exported: what is written down beside the parameters; None: what the filter declares.
 
     Raises:
         ValueError: where the data holds single precision, infinite values or unequal lengths.
@@ -45,12 +65,15 @@ class Problem:
     name: str
     space: Space
     filter: AnyFilter | None
-    build: Build
+    build: Build | None
     objective: Objective
     data: Data = NO_DATA
     derive: Callable[[dict[str, Array]], dict[str, Array]] | None = None
     constraints: tuple[Constraint, ...] = ()
     known_starts: tuple[np.ndarray, ...] = ()
+    source: Source | None = None
+    exported: Exported | None = None
+    _runs: dict[bytes, Any] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
         for path, leaf in jax.tree_util.tree_leaves_with_path(self.data):
@@ -127,15 +150,75 @@ class Problem:
 
     def derived(self, z: np.ndarray) -> dict[str, float]:
         """The derived quantities at z, by name."""
-        if self.derive is None:
+        values = self.space.constrain(jnp.asarray(z))
+        if self.derive is not None:
+            return {name: float(value) for name, value in self.derive(values).items()}
+        own = bare(self.filter)
+        if not hasattr(own, "derive"):
             return {}
-        derived = self.derive(self.space.constrain(jnp.asarray(z)))
-        return {name: float(value) for name, value in derived.items()}
+        found = own.derive(self.static.build(values))
+        return {name: float(n) for name, n in found.items() if np.ndim(n) == 0}
+
+    def params(self, solution: Solution) -> Any:
+        """The filter's parameters that a solution stands for."""
+        values = {name: jnp.asarray(p.value, float) for name, p in solution.parameters.items()}
+        return self.static.build(values)
+
+    def outputs(self, solution: Solution) -> Any:
+        """What the filter returns for a solution over the problem's own data, time first.
+
+        It is run once a solution and remembered.
+
+        Raises:
+            ValueError: for a design, which runs no filter.
+        """
+        if self.filter is None:
+            raise ValueError(f"{self.name} runs no filter, so it has no outputs")
+        key = b"".join(p.value.tobytes() for p in solution.parameters.values())
+        if key not in self._runs:
+            self._runs[key] = run_filter(self.filter, self.params(solution), self.data.inputs)
+        return self._runs[key]
+
+    def single_precision(self, solution: Solution) -> tuple[SinglePrecision, ...]:
+        """How far the tuned filter strays in float32; nothing for a design, which runs no filter.
+
+        The steady form of a filter that offers one (a method ``steady``) is checked as well.
+        """
+        if self.filter is None:
+            return ()
+        params = self.params(solution)
+        forms = {"full": (self.filter, params)}
+        if hasattr(self.filter, "steady"):
+            forms["steady"] = self.filter.steady(params)
+        return tuple(
+            single_precision(form, *filter_and_params, self.data.inputs)
+            for form, filter_and_params in forms.items()
+        )
+
+    def what_is_exported(self) -> Exported:
+        """The filter's name, its states, its sample time and what follows from its parameters."""
+        return exported_of(self.filter) if self.exported is None else self.exported
+
+    def quantities(self, solution: Solution) -> tuple[Quantity, ...]:
+        """What is exported for a solution: its parameters, the filter's own, and what follows.
+
+        No name is there twice: what comes first stays. Names that differ in capitals alone cannot
+        stand in one C header; the later one, such as the variance a sample Q beside the density q,
+        is called ``Q_derived``.
+        """
+        params = self.params(solution)
+        told = (
+            *quantities_of(self.space, solution),
+            *held_of(self.filter, params, self.what_is_exported().unit),
+            *self.what_is_exported().derived(params),
+        )
+        return once(told)
 
     @property
     def static(self) -> "Static":
         """What is compiled for: everything but the numbers."""
-        return Static(self.space, self.filter, self.objective, self.build, self.constraints)
+        build = Assemble(self.filter) if self.build is None else self.build
+        return Static(self.space, self.filter, self.objective, build, self.constraints)
 
 
 class Static(NamedTuple):
@@ -160,6 +243,12 @@ class Static(NamedTuple):
         params = self.built(z)
         found = [c.excess(score(self.filter, c.measure, params, data)) for c in self.constraints]
         return jnp.stack(found) if found else jnp.zeros(0)
+
+
+@jax.jit(static_argnums=0)
+def run_filter(filter: AnyFilter, params: Any, inputs: Any) -> Any:
+    """What a filter returns over a record, compiled; equal filters share it."""
+    return run(filter, params, inputs)[1]
 
 
 @jax.jit(static_argnums=0)

@@ -1,13 +1,15 @@
 """What is tuned: named parameters in a fixed order, as one unconstrained vector z."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, is_dataclass, replace
+from typing import Any
 
 import numpy as np
 from jax import Array
 
+from filters.declared import Param, parameter_facts
 from tuner.names import unknown
-from tuner.problem.parameters import Parameter, Positive
+from tuner.problem.parameters import Bounded, Fixed, Parameter, Positive
 
 
 @dataclass(frozen=True)
@@ -26,6 +28,35 @@ class Space:
     def of(cls, **parameters: Parameter) -> "Space":
         """A space of the parameters given by name."""
         return cls(tuple(parameters.items()))
+
+    @classmethod
+    def of_filter(cls, filter: Any, **overrides: Parameter | float | tuple[Any, ...]) -> "Space":
+        """The space of a filter's parameters, as its facts suggest it.
+
+        What has a search range is free, positive where the range is, otherwise bounded; the rest
+        keeps its typical value.
+
+        Args:
+            filter: a filter that declares its parameters, or its class.
+            overrides: other decisions by name: a parameter of any kind, or what it is fixed at, a
+                number or nested tuples. Unit and meaning come from the facts where they are left
+                out.
+
+        Raises:
+            ValueError: for an unknown name, with the near ones, a filter without facts, and facts
+                whose typical value lies outside their range.
+
+        >>> from filters import Complementary
+        >>> space = Space.of_filter(Complementary, tau=Positive(2.0, low=0.1, high=50.0))
+        >>> space.coordinates
+        ['ln tau']
+        """
+        facts = parameter_facts(filter)
+        for name in overrides:
+            if name not in facts:
+                raise unknown("parameter", name, facts)
+        decided = {name: _decided(name, fact, overrides.get(name)) for name, fact in facts.items()}
+        return cls(tuple(decided.items()))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -108,3 +139,28 @@ class Space:
         low, high = self.box()
         random = np.random.default_rng(seed).uniform(low, high, (max(count - 1, 0), self.size))
         return np.vstack([self.start(), random])[:count]
+
+
+def _decided(name: str, fact: Param, own: Any) -> Parameter:
+    """One parameter as it was decided, or as the facts suggest it."""
+    if own is None:
+        return _suggested(name, fact)
+    if not is_dataclass(own):
+        value = own if isinstance(own, tuple) else float(own)
+        return Fixed(value, fact.unit, meaning=fact.meaning)
+    known: Any = own  # every kind of parameter is a frozen dataclass
+    told: Parameter = replace(
+        known, unit=known.unit or fact.unit, meaning=known.meaning or fact.meaning
+    )
+    return told
+
+
+def _suggested(name: str, fact: Param) -> Parameter:
+    if fact.low is None or fact.high is None:
+        return Fixed(fact.typical, fact.unit, meaning=fact.meaning)
+    kind = Positive if fact.low > 0 else Bounded
+    try:
+        begin = float(np.asarray(fact.typical))
+        return kind(begin, fact.low, fact.high, fact.unit, meaning=fact.meaning)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"the facts of {name} suggest no parameter: {error}") from None

@@ -1,5 +1,6 @@
 """From a study to a run's folder: solve, compare, export, read back, draw, write down."""
 
+import io
 import json
 import time
 from collections.abc import Callable, Mapping
@@ -12,20 +13,22 @@ import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from tuner import export
+from tuner.certificate.single_precision import SinglePrecision
 from tuner.certificate.solution import Solution
-from tuner.export.tuned import Provenance, Quantity, Tuned
+from tuner.export.tuned import Provenance, Tuned
 from tuner.problem.problem import Problem
 from tuner.run.drawing import picture, table
 from tuner.run.folder import RunFolder
 from tuner.run.result import (
     ComparisonRecord,
     ExportRecord,
+    FitRecord,
     LogRecord,
     Result,
     SingleRecord,
     SolutionRecord,
 )
-from tuner.run.study import Plan, Solutions, Study, Target, Task, best
+from tuner.run.study import Plan, Solutions, Task, best
 
 Progress: TypeAlias = Callable[[str, int, int], None]
 """Called with what is being done, and how many of how many parts are finished."""
@@ -35,23 +38,25 @@ VERSIONS = ("filter-tuner", "jax", "numpy", "scipy", "optuna")
 
 @dataclass(frozen=True)
 class Run:
-    """A study under way.
+    """A study or a fit under way.
 
     Attributes:
-        study: the study.
+        study: its name.
         settings: its settings, as JSON-able values.
         plan: what it does.
         seed: where its random numbers come from.
         folder: where its files go.
         progress: told of every part.
+        claims: names of the claims that are asked for; all if empty.
     """
 
-    study: Study
+    study: str
     settings: dict[str, Any]
     plan: Plan
     seed: int
     folder: RunFolder
     progress: Progress
+    claims: tuple[str, ...] = ()
 
     def solve(self, jobs: int, finished: Mapping[tuple[str, str], Solution]) -> Solutions:
         """Solve all tasks that are not finished yet, in several threads.
@@ -70,7 +75,7 @@ class Run:
                     task = futures[future]
                     solutions[_key(task)] = future.result()
                     self._save(solutions)
-                    words = f"{task.problem.name}: {task.solver_name}"
+                    words = f"{task.problem.name}: {task.solver.name}"
                     self.progress(words, len(solutions), len(self.plan.tasks))
             except BaseException:
                 pool.shutdown(wait=False, cancel_futures=True)
@@ -86,27 +91,28 @@ class Run:
         """Compare, export, check in single precision and draw; write the result."""
         artifacts = ["study.toml", "environment.json"]
         self.progress("comparing", 0, 4)
-        comparisons = self.plan.compare(solutions)
+        comparisons = self.plan.compare(solutions, self.claims)
         exports: list[ExportRecord] = []
         singles: list[SingleRecord] = []
-        tuned = [self.tuned(target, solutions) for target in self.plan.targets]
-        for target, what in zip(self.plan.targets, tuned, strict=True):
+        found = [(problem, best(problem.name, solutions)) for problem in exported(self.plan)]
+        tuned = [self.tuned(problem, solution) for problem, solution in found]
+        for (problem, solution), what in zip(found, tuned, strict=True):
             self.progress(f"exporting {what.name}", 1, 4)
-            solution = best(target.problem.name, solutions)
             if solution.status.trusted:
-                exports += [self._export(target.problem, solution, what, f) for f in formats]
+                exports += [self._export(problem, solution, what, f) for f in formats]
             self.progress(f"single precision {what.name}", 2, 4)
-            checks = target.single(solution)
-            singles += [SingleRecord(problem=what.name, **asdict(check)) for check in checks]
+            singles += _in_single_precision(problem, solution)
         artifacts += [record.file for record in exports]
-        for figure in self.plan.figures(solutions):
+        if self.plan.report is not None:
+            artifacts += [self._outputs(problem, solution) for problem, solution in found]
+        for figure in self.plan.figures(self.plan.case, solutions):
             self.progress(f"drawing {figure.name}", 3, 4)
             stem = f"figures/{figure.name}"
             artifacts.append(self.folder.write(f"{stem}.csv", table(figure)))
             artifacts.append(self.folder.write(f"{stem}.png", picture(figure)))
         result = Result(
-            schema="tuner.run.result/1",
-            study=self.study.name,
+            schema="tuner.result/1",
+            study=self.study,
             seed=self.seed,
             log=LogRecord(**asdict(self.plan.source)),
             settings=self.settings,
@@ -117,34 +123,48 @@ class Run:
             tuned=[json.loads(export.dump(one, "json")) for one in tuned],
             artifacts=[*artifacts, "result.json"],
             seconds=time.perf_counter() - begun,
+            fit=self._report(solutions),
         )
         self.folder.write("result.json", result.to_json().encode())
         self.folder.remove("progress.json")
         self.progress("done", 4, 4)
         return result
 
-    def tuned(self, target: Target, solutions: Solutions) -> Tuned:
-        """What is exported for a target: its parameters, and what follows from them."""
-        solution = best(target.problem.name, solutions)
-        parameters = [
-            Quantity(name, p.value, p.unit, target.meanings.get(name, ""))
-            for name, p in solution.parameters.items()
-        ]
+    def _outputs(self, problem: Problem, solution: Solution) -> str:
+        """What the tuned filter returns over the recording, in full."""
+        from filters.declared import bare, channel_facts, output
+
+        outputs = problem.outputs(solution)
+        facts = channel_facts(bare(problem.filter), "outputs")
+        arrays = {name: np.asarray(output(problem.filter, outputs, name)) for name in facts}
+        stream = io.BytesIO()
+        np.savez_compressed(stream, allow_pickle=False, **arrays)
+        return self.folder.write("outputs.npz", stream.getvalue())
+
+    def _report(self, solutions: Solutions) -> FitRecord | None:
+        """What a fit is worth; nothing for a published study."""
+        if self.plan.report is None:
+            return None
+        return self.plan.report(self.plan.case, solutions)
+
+    def tuned(self, problem: Problem, solution: Solution) -> Tuned:
+        """What is exported for a problem: its parameters, and what follows from them."""
+        what, source = problem.what_is_exported(), problem.source or self.plan.source
         return Tuned(
             name=solution.problem,
-            filter=target.filter,
-            quantities=(*parameters, *target.quantities(solution)),
-            convention="discrete" if target.dt else "continuous",
-            dt=target.dt,
-            states=target.states,
+            filter=what.filter,
+            quantities=problem.quantities(solution),
+            convention="discrete" if what.dt else "continuous",
+            dt=what.dt,
+            states=what.states,
             provenance=Provenance(
-                study=self.study.name,
+                study=self.study,
                 problem=solution.problem,
                 solver=solution.solver,
                 status=solution.status.value,
                 seed=self.seed,
-                log_name=self.plan.source.name,
-                log_sha256=self.plan.source.sha256,
+                log_name=source.name,
+                log_sha256=source.sha256,
                 versions=tuple((name, version(name)) for name in VERSIONS),
             ),
         )
@@ -154,8 +174,18 @@ class Run:
     ) -> ExportRecord:
         name = f"exports/{tuned.name}{export.suffix(form)}"
         self.folder.write(name, export.dump(tuned, form))
-        read_back = export.load((self.folder.path / name).read_bytes(), form)
+        read_back = export.read_back(tuned, self.folder.path / name, form)
         return score_export(problem, solution.value, read_back, form, name)
+
+
+def _in_single_precision(problem: Problem, solution: Solution) -> list[SingleRecord]:
+    """The checks, or why there are none: a filter that cannot be checked ends no run."""
+    try:
+        checks = problem.single_precision(solution)
+    except TypeError as error:
+        said = f"single precision was not checked: {error}"
+        checks = (SinglePrecision("full", "", np.inf, np.inf, 0, np.inf, said),)
+    return [SingleRecord(problem=problem.name, **asdict(check)) for check in checks]
 
 
 def score_export(
@@ -184,17 +214,22 @@ def recorded(progress: bytes) -> dict[tuple[str, str], Solution]:
     return {(s.problem, s.solver): s for s in solutions}
 
 
+def exported(plan: Plan) -> list[Problem]:
+    """The problems of a plan whose solutions are exported, in the order it names them."""
+    problems = {task.problem.name: task.problem for task in plan.tasks}
+    return [p for name in plan.exports if isinstance(p := problems[name], Problem)]
+
+
 def trusted(plan: Plan, solutions: Solutions) -> bool:
     """Whether every problem that is exported has a best solution that converged.
 
     Problems that are solved for the comparison alone may be ill posed; their rows say so.
     """
-    names = [target.problem.name for target in plan.targets]
-    return all(best(name, solutions).status.trusted for name in names)
+    return all(best(name, solutions).status.trusted for name in plan.exports)
 
 
 def _key(task: Task) -> tuple[str, str]:
-    return task.problem.name, task.solver_name
+    return task.problem.name, task.solver.name
 
 
 def _agreement(solutions: Solutions) -> dict[tuple[str, str], Solution]:

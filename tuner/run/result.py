@@ -3,13 +3,16 @@
 import json
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from tuner.certificate.solution import Certificate, Parameter, Solution, Starts, Status
 from tuner.run.comparison import Comparison, Verdict
+
+if TYPE_CHECKING:
+    from tuner.run.judged import Judged
 
 
 class _Record(BaseModel):
@@ -110,7 +113,7 @@ class ComparisonRecord(_Record):
 
 
 class LogRecord(_Record):
-    """The data of a run; see :class:`tuner.run.study.Source`."""
+    """The data of a run; see :class:`tuner.data.source.Source`."""
 
     name: str
     sha256: str
@@ -139,6 +142,7 @@ class SingleRecord(_Record):
 
     problem: str
     form: str
+    output: str
     largest: float | None
     share: float | None
     sample: int
@@ -146,10 +150,64 @@ class SingleRecord(_Record):
     warning: str
 
 
+class HeldOutRecord(_Record):
+    """See :class:`tuner.run.judged.HeldOut`."""
+
+    what: str
+    start: float | None
+    tuned: float | None
+
+
+class ConsistencyRecord(_Record):
+    """See :class:`tuner.run.judged.Consistency`."""
+
+    nis: float | None
+    low: float
+    high: float
+    lag_one: float | None
+    numbers: int
+
+
+class FitRecord(_Record):
+    """What a fit is worth; see :class:`tuner.run.judged.Judged`.
+
+    Attributes:
+        filter: name of the filter's class.
+        objective, unit, start, tuned: the objective before and after.
+        held_out: the same on data that was not used.
+        consistency: of the innovations, before and after; empty without a variance.
+        lines: the five lines that a run ends with.
+    """
+
+    filter: str
+    objective: str
+    unit: str
+    start: float | None
+    tuned: float | None
+    held_out: HeldOutRecord | None
+    consistency: list[ConsistencyRecord]
+    lines: list[str]
+
+    @classmethod
+    def of(cls, judged: "Judged", filter: str, lines: list[str]) -> "FitRecord":
+        """The record of a judgement."""
+        held = judged.held_out
+        return cls(
+            filter=filter,
+            objective=judged.objective,
+            unit=judged.unit,
+            start=judged.start,
+            tuned=judged.tuned,
+            held_out=None if held is None else HeldOutRecord(**asdict(held)),
+            consistency=[ConsistencyRecord(**asdict(each)) for each in judged.consistency or ()],
+            lines=lines,
+        )
+
+
 class Result(_Record):
     """Everything a run found; ``result.json``."""
 
-    schema_: Literal["tuner.run.result/1"] = Field(alias="schema")
+    schema_: Literal["tuner.result/1"] = Field(alias="schema")
     study: str
     seed: int
     log: LogRecord
@@ -161,6 +219,7 @@ class Result(_Record):
     tuned: list[dict[str, Any]] = Field(description="what is exported, as JSON exports have it")
     artifacts: list[str]
     seconds: float
+    fit: FitRecord | None = Field(None, description="of a fit: what it is worth")
 
     def to_json(self) -> str:
         """JSON text; infinite numbers become null."""

@@ -1,13 +1,11 @@
 """What a study is, and how studies are found."""
 
-import hashlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from importlib.metadata import entry_points
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-import numpy as np
-
+from tuner.catalogue import find, names
+from tuner.data.source import Source
 from tuner.names import unknown
 from tuner.run.comparison import Comparison
 from tuner.run.figure import Figure
@@ -16,47 +14,13 @@ if TYPE_CHECKING:
     from jax import Array
     from pydantic import BaseModel
 
-    from tuner.certificate.single_precision import SinglePrecision
+    from filters.declared import Channel
     from tuner.certificate.solution import Solution
-    from tuner.data.logs import Log
-    from tuner.export.tuned import Quantity
+    from tuner.data.record import Record
     from tuner.problem.problem import Problem
+    from tuner.run.result import FitRecord
     from tuner.solvers.convex import ConvexTask
-
-Solver: TypeAlias = "Callable[[Any], Solution]"
-"""A solver of a :class:`Problem`, or of a convex program."""
-
-
-@dataclass(frozen=True)
-class Source:
-    """Which data a run used.
-
-    Attributes:
-        name: the log's file name, or what was made up instead.
-        sha256: of the log's bytes, or of the made-up samples; of the model where there are none.
-        samples: how many samples; 0 for a design, which needs none.
-        rate_hz: sample rate; 0 for a design.
-    """
-
-    name: str
-    sha256: str
-    samples: int
-    rate_hz: float
-
-    @classmethod
-    def simulated(cls, name: str, made: Sequence[np.ndarray], rate_hz: float) -> "Source":
-        """Made-up records side by side.
-
-        Args:
-            name: what was made up.
-            made: one array ``(N, k, ...)`` or several, of k records of N samples each.
-            rate_hz: sample rate.
-
-        >>> Source.simulated("two steps", [np.zeros((500, 2, 3))], 100.0).samples
-        1000
-        """
-        digest = hashlib.sha256(b"".join(array.tobytes() for array in made)).hexdigest()
-        return cls(name, digest, made[0].shape[0] * made[0].shape[1], rate_hz)
+    from tuner.solvers.solver import Solver
 
 
 @dataclass(frozen=True)
@@ -64,8 +28,7 @@ class Task:
     """One problem, or convex program, for one solver."""
 
     problem: "Problem | ConvexTask"
-    solver: Solver
-    solver_name: str
+    solver: "Solver"
 
 
 Solutions: TypeAlias = "Mapping[tuple[str, str], Solution]"
@@ -88,26 +51,32 @@ def tuned_values(solution: "Solution") -> "dict[str, Array]":
 
 
 @dataclass(frozen=True)
-class Target:
-    """A problem whose solution goes onto a machine.
+class Claim:
+    """One claim or number of a paper, and the function that tries it.
 
     Attributes:
-        problem: the problem.
-        filter: name of the filter.
-        states: the order of its states.
-        dt: sample time, s; 0 where it is continuous.
-        quantities: what is exported besides the parameters, given the solution.
-        single: the same solution run in single precision.
-        meanings: of the parameters, a short sentence by name.
+        name: the row's name, "exp2.order_S_phi"; with * or ? where the function returns a row for
+            each of several things: "*.q_over_r".
+        rows: from the study's case and the solutions to its row or rows.
+        needs: names of the problems, with * and ?, whose solutions it asks for.
     """
 
-    problem: "Problem"
-    filter: str
-    states: tuple[str, ...]
-    dt: float
-    quantities: "Callable[[Solution], tuple[Quantity, ...]]"
-    single: "Callable[[Solution], tuple[SinglePrecision, ...]]"
-    meanings: Mapping[str, str] = field(default_factory=dict)
+    name: str
+    rows: "Callable[[Any, Solutions], Comparison | Iterable[Comparison]]"
+    needs: tuple[str, ...] = ()
+
+    def compare(self, case: Any, solutions: Solutions) -> list[Comparison]:
+        """Its rows.
+
+        Raises:
+            ValueError: for a row that the claim's name does not cover: nobody could ask for it.
+        """
+        found = self.rows(case, solutions)
+        rows = [found] if isinstance(found, Comparison) else list(found)
+        for row in rows:
+            if not _meet(row.quantity, self.name):
+                raise ValueError(f"the claim {self.name} returned the row {row.quantity!r}")
+        return rows
 
 
 @dataclass(frozen=True)
@@ -117,16 +86,80 @@ class Plan:
     Attributes:
         source: the data.
         tasks: what is solved.
-        targets: what is exported.
-        compare: the rows of the comparison, given all solutions.
-        figures: the figures, given all solutions.
+        exports: names of the problems, of those solved, whose best solution goes onto a machine.
+        case: what the claims and figures are about: the study's own data.
+        claims: what is compared, in the order of the rows.
+        figures: the figures, given the case and all solutions.
+        report: what a fit is worth; None for a published study.
+
+    Raises:
+        ValueError: where a problem is to be exported that nobody solves.
     """
 
     source: Source
     tasks: tuple[Task, ...]
-    targets: tuple[Target, ...]
-    compare: Callable[[Solutions], list[Comparison]]
-    figures: Callable[[Solutions], Iterable[Figure]]
+    exports: tuple[str, ...]
+    case: Any
+    claims: tuple[Claim, ...]
+    figures: Callable[[Any, Solutions], Iterable[Figure]]
+    report: "Callable[[Any, Solutions], FitRecord] | None" = None
+
+    def __post_init__(self) -> None:
+        solved = {task.problem.name for task in self.tasks}
+        for name in self.exports:
+            if name not in solved:
+                raise unknown("problem", name, solved)
+
+    def only(self, names: Iterable[str]) -> "Plan":
+        """What trying some claims alone takes; nothing is exported or drawn.
+
+        Args:
+            names: of claims or of their rows, with * and ?.
+
+        Raises:
+            ValueError: for a claim that there is none of, with the near ones.
+        """
+        wanted = tuple(names)
+        for name in wanted:
+            if not any(_meet(claim.name, name) for claim in self.claims):
+                raise unknown("claim", name, [claim.name for claim in self.claims])
+        claims = tuple(claim for claim in self.claims if _among(claim.name, wanted))
+        needs = tuple(need for claim in claims for need in claim.needs)
+        tasks = tuple(task for task in self.tasks if _among(task.problem.name, needs))
+        return Plan(self.source, tasks, (), self.case, claims, no_figures)
+
+    def compare(self, solutions: Solutions, names: Iterable[str] = ()) -> list[Comparison]:
+        """The rows of all claims, or those of some names, with * and ?.
+
+        Raises:
+            ValueError: for a name that no row has, with the near ones.
+        """
+        rows = [row for claim in self.claims for row in claim.compare(self.case, solutions)]
+        wanted = tuple(names)
+        for name in wanted:
+            if not any(_meet(row.quantity, name) for row in rows):
+                raise unknown("claim", name, [row.quantity for row in rows])
+        return [row for row in rows if not wanted or _among(row.quantity, wanted)]
+
+
+def no_figures(case: Any, solutions: Solutions) -> tuple[Figure, ...]:
+    """Nothing is drawn."""
+    return ()
+
+
+def _among(name: str, others: tuple[str, ...]) -> bool:
+    return any(_meet(name, other) for other in others)
+
+
+def _meet(one: str, other: str) -> bool:
+    """Whether there is a name that fits both; in either, * stands for any text, ? for a letter."""
+    if not one or not other:
+        return not one.strip("*") and not other.strip("*")
+    if one[0] == "*":
+        return _meet(one[1:], other) or _meet(one, other[1:])
+    if other[0] == "*":
+        return _meet(other, one)
+    return (one[0] == other[0] or "?" in (one[0], other[0])) and _meet(one[1:], other[1:])
 
 
 @dataclass(frozen=True)
@@ -138,37 +171,33 @@ class Study:
         title: one line.
         paper: the citation.
         settings: the model of its options, a frozen pydantic model that forbids unknown names.
-        channels: what ``--map`` may name, with a description each; empty if it takes no log.
-        plan: from settings, log (or None), seed and database URL to the plan.
+        plan: from settings, recordings (none: its own data), seed and database URL to the plan.
+        channels: what ``--map`` may name; None if it takes no recording.
+        truths: what ``--truth`` may name.
     """
 
     name: str
     title: str
     paper: str
     settings: "type[BaseModel]"
-    channels: Mapping[str, str] = field(hash=False)
-    plan: "Callable[[Any, Log | None, int, str], Plan]"
-
-
-GROUP = "tuner.studies"
+    plan: "Callable[[Any, tuple[Record, ...], int, str], Plan]"
+    channels: "Callable[[Any], Mapping[str, Channel]] | None" = None
+    truths: "Callable[[Any], Mapping[str, Channel]] | None" = None
 
 
 def study_names() -> list[str]:
     """The names of all installed studies, sorted; none of them is imported."""
-    return sorted(point.name for point in entry_points(group=GROUP))
+    return names("tuner.studies")
 
 
 def find_study(name: str) -> Study:
     """Load a study by name, from whichever installed package offers it.
 
     Raises:
-        ValueError: for an unknown name, with the near ones.
+        ValueError: for an unknown name, with the near ones, and for one that cannot be imported.
 
     >>> find_study("kownacki2010").paper.split(",")[0]
     'C. Kownacki'
     """
-    for point in entry_points(group=GROUP):
-        if point.name == name:
-            study: Study = point.load()
-            return study
-    raise unknown("study", name, study_names())
+    study: Study = find("tuner.studies", name)
+    return study

@@ -1,10 +1,6 @@
 """Solvers: different methods on the same Problem, each returning a certified Solution."""
 
-from collections.abc import Callable
-
-from tuner.certificate.solution import Solution
 from tuner.names import unknown
-from tuner.problem.problem import Problem
 from tuner.solvers.alternating import Alternating
 from tuner.solvers.convex import Convex
 from tuner.solvers.gradient import Gradient
@@ -12,6 +8,7 @@ from tuner.solvers.ipopt import Ipopt
 from tuner.solvers.known import Known
 from tuner.solvers.nelder_mead import NelderMead, fminsearch, nelder_mead
 from tuner.solvers.sampling import Sampler
+from tuner.solvers.solver import Solver
 
 SOLVERS = {
     "nelder-mead": "simplex search, no gradient; fminsearch's moves, tolerances made for z",
@@ -30,9 +27,7 @@ CONVEX = {
 """What each solver of a convex program is, by name."""
 
 
-def make_solver(
-    name: str, *, seed: int, starts: int, storage: str
-) -> Callable[[Problem], Solution]:
+def make_solver(name: str, *, seed: int, starts: int, storage: str) -> Solver:
     """A solver by name.
 
     Args:
@@ -68,6 +63,7 @@ __all__ = [
     "Known",
     "NelderMead",
     "Sampler",
+    "Solver",
     "fminsearch",
     "make_solver",
     "nelder_mead",

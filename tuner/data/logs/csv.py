@@ -44,7 +44,11 @@ def open_csv(path: Path, limit: int | None = None) -> Table:
     def place(row: int) -> str:
         return f"line {_line_number(layout, row)}"
 
-    return Table(path.name, layout.names, load, place, numbered=True, texts=layout.texts)
+    def labels(name: str) -> Raw:
+        with _damage_told(path):
+            return _words(layout, layout.names.index(name), limit)
+
+    return Table(path.name, layout.names, load, place, True, layout.texts, labels)
 
 
 @contextmanager
@@ -60,10 +64,10 @@ def _damage_told(path: Path) -> Iterator[None]:
 
 def _fast(layout: Layout, columns: list[int], limit: int | None) -> list[Floats] | None:
     """The columns by numpy's reader; None where it cannot take the file as a whole."""
-    if layout.texts:
+    if layout.texts or layout.comma:
         return None
     with open_text(layout.path) as stream:
-        lines = islice(filter(is_content, stream), int(layout.header), None)
+        lines = islice(filter(is_content, stream), layout.above, None)
         try:
             table = np.loadtxt(
                 lines,
@@ -84,7 +88,7 @@ def _careful(layout: Layout, columns: list[int], limit: int | None) -> list[Floa
     """The columns cell by cell: slower, but able to skip text columns and to say what is wrong."""
     parts: list[list[Floats]] = [[] for _ in columns]
     with open_text(layout.path) as stream:
-        lines = islice(filter(is_content, stream), int(layout.header), None)
+        lines = islice(filter(is_content, stream), layout.above, None)
         rows = islice(split(lines, layout.delimiter), limit)
         start = 0
         while block := list(islice(rows, _BLOCK)):
@@ -93,6 +97,14 @@ def _careful(layout: Layout, columns: list[int], limit: int | None) -> list[Floa
                 part.append(_numbers(layout, start, [row[column] for row in block], column))
             start += len(block)
     return [np.concatenate(part) for part in parts]
+
+
+def _words(layout: Layout, column: int, limit: int | None) -> Raw:
+    """One column as it is written."""
+    with open_text(layout.path) as stream:
+        lines = islice(filter(is_content, stream), layout.above, None)
+        rows = islice(split(lines, layout.delimiter), limit)
+        return np.array([row[column].strip() for row in rows if len(row) > column])
 
 
 def _check_widths(layout: Layout, start: int, block: list[list[str]]) -> None:
@@ -108,6 +120,8 @@ def _check_widths(layout: Layout, start: int, block: list[list[str]]) -> None:
 
 def _numbers(layout: Layout, start: int, cells: list[str], column: int) -> Floats:
     """One block of one column; an empty cell is a missing value, NaN."""
+    if layout.comma:
+        cells = [cell.replace(",", ".") for cell in cells]
     try:
         return np.array([float(cell.strip() or "nan") for cell in cells])
     except ValueError:
@@ -133,4 +147,4 @@ def _line_number(layout: Layout, row: int) -> int:
     """The line of a row of numbers, counted from 1; read again, since only errors ask for it."""
     with open_text(layout.path) as stream:
         numbers = (number for number, line in enumerate(stream, 1) if is_content(line))
-        return next(islice(numbers, row + int(layout.header), None), row + 1)
+        return next(islice(numbers, row + layout.above, None), row + 1)

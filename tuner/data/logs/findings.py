@@ -31,6 +31,8 @@ class ChannelFindings:
             as continuous (see :func:`resolution`).
         saturated: how many samples rest at the limit of the range (see :func:`saturation`).
         constant: whether all samples are equal.
+        missing: how many samples are not there.
+        note: what else there is to say, such as that it was rounded.
     """
 
     name: str
@@ -43,6 +45,8 @@ class ChannelFindings:
     resolution: float | None
     saturated: int
     constant: bool
+    missing: int = 0
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -60,6 +64,7 @@ class Findings:
         jitter: largest relative deviation of the other steps from the median step; 0 where the
             digits of the time column explain it, None without a time column.
         channels: one entry per channel, in the order they were mapped.
+        notes: what was taken for granted about the times.
     """
 
     samples: int
@@ -70,15 +75,24 @@ class Findings:
     gaps: tuple[tuple[int, float], ...]
     jitter: float | None
     channels: tuple[ChannelFindings, ...]
+    notes: tuple[str, ...] = ()
 
 
-def find_channel(mapping: Mapping, values: Floats) -> ChannelFindings:
-    """Look at one channel, ``(N,)``, finite."""
+def find_channel(mapping: Mapping, values: Floats, note: str = "") -> ChannelFindings:
+    """Look at one channel, ``(N,)``, of which one sample at least is there."""
+    return find_values(mapping.channel, mapping.source, mapping.unit or "", values, note)
+
+
+def find_values(
+    name: str, source: str, unit: str, samples: Floats, note: str = ""
+) -> ChannelFindings:
+    """Look at the samples of one channel, ``(N,)``, of which one at least is there."""
+    values = samples[~np.isnan(samples)]
     minimum, maximum = float(values.min()), float(values.max())
     return ChannelFindings(
-        name=mapping.channel,
-        source=mapping.source,
-        unit=mapping.unit or "",
+        name=name,
+        source=source,
+        unit=unit,
         mean=float(values.mean()),
         std=float(values.std()),
         minimum=minimum,
@@ -86,6 +100,8 @@ def find_channel(mapping: Mapping, values: Floats) -> ChannelFindings:
         resolution=resolution(values),
         saturated=saturation(values),
         constant=minimum == maximum,
+        missing=len(samples) - len(values),
+        note=note,
     )
 
 

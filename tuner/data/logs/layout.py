@@ -2,6 +2,7 @@
 
 import csv
 import gzip
+from codecs import getincrementaldecoder
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -25,24 +26,39 @@ class Layout:
         path: the file.
         delimiter: one character, or None where blanks separate the cells.
         names: the columns, each name once.
-        header: whether the first line of content holds the names.
+        above: how many lines of content stand above the numbers: titles and names.
         texts: the columns whose first cell is text.
+        comma: whether the numbers have a decimal comma.
     """
 
     path: Path
     delimiter: str | None
     names: tuple[str, ...]
-    header: bool
+    above: int
     texts: frozenset[str]
+    comma: bool = False
 
 
 @contextmanager
 def open_text(path: Path) -> Iterator[TextIO]:
-    """The lines of a plain or gzip-compressed text file, without a byte order mark."""
+    """The lines of a plain or gzip-compressed text file, without a byte order mark.
+
+    What is no UTF-8 at its beginning is taken as cp1252, the usual one where it is not.
+    """
     with path.open("rb") as stream:
         opener = gzip.open if stream.read(len(_GZIP)) == _GZIP else open
-    with opener(path, "rt", encoding="utf-8-sig", errors="replace") as text:
+    with opener(path, "rb") as raw:
+        encoding = _encoding(raw.read(_HEAD))
+    with opener(path, "rt", encoding=encoding, errors="replace") as text:
         yield text
+
+
+def _encoding(head: bytes) -> str:
+    try:
+        getincrementaldecoder("utf-8")().decode(head)  # a letter may be cut at the end
+    except UnicodeDecodeError:
+        return "cp1252"
+    return "utf-8-sig"
 
 
 def is_content(line: str) -> bool:
@@ -81,14 +97,35 @@ def read_layout(path: Path) -> Layout:
     comment, lines = _first_lines(path)
     delimiter = _sniff(lines)
     rows = list(split(lines, delimiter))
-    header = bool(rows) and _is_header(rows[0])
-    data = rows[1:] if header else rows
+    titles = _titles(rows)
+    header = len(rows) > titles and _is_header(rows[titles])
+    data = rows[titles + header :]
     if not data:
         raise LogError(f"{path.name}: there is not one row of numbers in it; record the log again")
-    named = rows[0] if header else _commented_names(comment, delimiter, len(data[0]))
+    named = rows[titles] if header else _commented_names(comment, delimiter, len(data[0]))
     names = _unique(named)
     texts = (name for name, cell in zip(names, data[0], strict=False) if _is_text(cell))
-    return Layout(path, delimiter, names, header, frozenset(texts))
+    comma = delimiter != "," and _decimal_comma(data)
+    return Layout(path, delimiter, names, titles + header, frozenset(texts), comma)
+
+
+def _titles(rows: list[list[str]]) -> int:
+    """How many rows of another width, without a number, stand above the names."""
+    width = len(rows[-1]) if rows else 0
+    for count, row in enumerate(rows):
+        if len(row) == width or any(map(is_number, row)):
+            return count
+    return 0
+
+
+def _decimal_comma(rows: list[list[str]]) -> bool:
+    """Whether some cells are numbers with a comma, and none with a point."""
+    cells = [cell for row in rows for cell in row if _reads_as_number(cell)]
+    return any("," in cell for cell in cells) and not any("." in cell for cell in cells)
+
+
+def _reads_as_number(cell: str) -> bool:
+    return is_number(cell.replace(",", ".", 1))
 
 
 def _first_lines(path: Path) -> tuple[str, list[str]]:

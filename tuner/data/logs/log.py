@@ -14,7 +14,7 @@ from tuner.data.logs.formats import open_table
 from tuner.data.logs.mapping import Mapping, parse_column
 from tuner.data.logs.table import Floats, Raw, Table
 from tuner.data.logs.timing import Timing, find_timing, timing_names
-from tuner.data.logs.values import Columns, load_columns, pick, to_float
+from tuner.data.logs.values import Columns, check_finite, load_columns, pick, rounded, to_float
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,17 +82,32 @@ def read_log(
         mapping.channel: _frozen(to_float(columns, mapping, column[:limit]))
         for mapping, column in zip(mapped, picked, strict=True)
     }
-    found = [find_channel(mapping, channels[mapping.channel]) for mapping in mapped]
+    for mapping in mapped:
+        check_finite(columns, mapping, channels[mapping.channel])
+    found = [
+        find_channel(mapping, channels[mapping.channel], rounded(column))
+        for mapping, column in zip(mapped, picked, strict=True)
+    ]
     _check_alive(columns, mapped, found)
     units = {channel.name: channel.unit for channel in found}
     findings = _findings(timing, found)
-    return Log(path.name, _sha256(path), timing.rate_hz, channels, units, findings)
+    return Log(path.name, sha256_of(path), timing.rate_hz, channels, units, findings)
+
+
+def check_rate(rate_hz: float) -> None:
+    """Refuse what is no rate.
+
+    Raises:
+        LogError: where it is not positive and finite.
+    """
+    if not (math.isfinite(rate_hz) and rate_hz > 0):
+        raise LogError(f"--rate is {rate_hz:g} Hz; it must be positive and finite")
 
 
 def _check_request(mappings: Sequence[Mapping], rate_hz: float | None, limit: int | None) -> None:
     """Refuse what is wrong whatever the file holds."""
-    if rate_hz is not None and not (math.isfinite(rate_hz) and rate_hz > 0):
-        raise LogError(f"--rate is {rate_hz:g} Hz; it must be positive and finite")
+    if rate_hz is not None:
+        check_rate(rate_hz)
     if limit is not None and limit < 2:
         raise LogError(f"the limit is {counted(limit, 'sample')}; a log needs at least 2")
     counts = Counter(mapping.channel for mapping in mappings)
@@ -146,18 +161,21 @@ def _check_alive(columns: Columns, mapped: list[Mapping], found: list[ChannelFin
 
 
 def _findings(timing: Timing, found: list[ChannelFindings]) -> Findings:
+    clock = timing.clock
     return Findings(
-        samples=timing.samples,
-        duration_s=timing.duration_s,
+        samples=len(clock.seconds),
+        duration_s=clock.duration_s,
         rate_hz=timing.rate_hz,
         rate_source=timing.source,
         time_column=timing.column,
-        gaps=timing.gaps,
-        jitter=timing.jitter,
+        gaps=clock.gaps,
+        jitter=None if timing.column is None else clock.jitter,
         channels=tuple(found),
+        notes=clock.notes,
     )
 
 
-def _sha256(path: Path) -> str:
+def sha256_of(path: Path) -> str:
+    """The checksum of a file's bytes, hexadecimal."""
     with path.open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()

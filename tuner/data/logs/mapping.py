@@ -3,11 +3,12 @@
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from tuner.data.logs.error import LogError, suggest
 
 _COLUMN = re.compile(
+    r"(?P<minus>-\s*(?=[^\s-]))?"
     r"(?P<column>.+?)\s*"
     r"(?:\[(?P<index>\d+)\]\s*)?"
     r"(?:\*(?P<factor>[^*:]*))?"
@@ -27,6 +28,7 @@ class Mapping:
         factor: what the column is multiplied by: a number, the name of a scalar in the same
             file, or None.
         unit: the unit after the multiplication; None where none was given.
+        minus: whether the sign is turned.
     """
 
     channel: str
@@ -34,13 +36,41 @@ class Mapping:
     index: int | None = None
     factor: float | str | None = None
     unit: str | None = None
+    minus: bool = False
 
     @property
     def source(self) -> str:
         """The column as it was written, without the unit: ``gyr_degs[0]*gyr_lsb``."""
         index = "" if self.index is None else f"[{self.index}]"
         factor = "" if self.factor is None else f"*{self.factor}"
-        return f"{self.column}{index}{factor}"
+        return f"{'-' * self.minus}{self.column}{index}{factor}"
+
+
+@dataclass(frozen=True)
+class Mapped:
+    """One channel and the columns of its axes, before any file is looked into.
+
+    Attributes:
+        channel: name of the channel.
+        parts: one for each axis, or one that is taken whole.
+        text: the columns as they were written, for a name that holds commas.
+        file: the file that was named before the columns, ``""`` where none was.
+    """
+
+    channel: str
+    parts: tuple[Mapping, ...]
+    text: str
+    file: str = ""
+
+    @property
+    def source(self) -> str:
+        """The columns as they were written, without unit: ``gx,gy,gz``."""
+        return ",".join(part.source for part in self.parts)
+
+    @property
+    def unit(self) -> str | None:
+        """The unit of all parts."""
+        return self.parts[-1].unit
 
 
 def parse_mapping(text: str, channels: Sequence[str]) -> Mapping:
@@ -54,8 +84,8 @@ def parse_mapping(text: str, channels: Sequence[str]) -> Mapping:
         LogError: for a text of another form, an unknown channel or an unusable factor.
 
     Example:
-        >>> parse_mapping("omega=gyr_degs[0]*0.05:deg/s", ["omega", "theta"])
-        Mapping(channel='omega', column='gyr_degs', index=0, factor=0.05, unit='deg/s')
+        >>> parse_mapping("omega=-gyr_degs[0]*0.05:deg/s", ["omega", "theta"]).source
+        '-gyr_degs[0]*0.05'
     """
     channel, equals, column = (part.strip() for part in text.partition("="))
     if not (channel and equals and column):
@@ -66,14 +96,14 @@ def parse_mapping(text: str, channels: Sequence[str]) -> Mapping:
 
 
 def parse_column(channel: str, text: str) -> Mapping:
-    """Read one ``column[index]*factor:unit`` for a channel.
+    """Read one ``column[index]*factor:unit``, a minus before it if wanted, for a channel.
 
     Raises:
         LogError: where the column, the factor or the unit is missing or unusable.
 
     Example:
-        >>> parse_column("time", "t_ms*0.001")
-        Mapping(channel='time', column='t_ms', index=None, factor=0.001, unit=None)
+        >>> parse_column("time", "t_ms*0.001").factor
+        0.001
     """
     match = _COLUMN.fullmatch(text.strip())
     if match is None:
@@ -83,7 +113,69 @@ def parse_column(channel: str, text: str) -> Mapping:
         if parts.get(key) == "":
             raise LogError(f"{text!r} has no {key} after {mark!r}; write it or leave {mark!r} out")
     index = int(parts["index"]) if "index" in parts else None
-    return Mapping(channel, parts["column"], index, _factor(text, parts), parts.get("unit"))
+    factor, unit = _factor(text, parts), parts.get("unit")
+    return Mapping(channel, parts["column"], index, factor, unit, "minus" in parts)
+
+
+def parse_maps(
+    text: str, channels: Sequence[str] | None, files: Sequence[str] = ()
+) -> tuple[Mapped, ...]:
+    """Read one ``NAME=COLUMNS``, or several names of a reading at once.
+
+    COLUMNS is one column for each axis, separated by commas, or one that is taken whole. Each may
+    have a minus sign, an index and a factor; the unit stands at the end and is that of all.
+    Before them, ``FILE/`` says which file is meant.
+
+    Args:
+        text: what the user wrote.
+        channels: the channels that may be mapped; None for any.
+        files: the names of the files that may be named.
+
+    Raises:
+        LogError: for a text of another form, an unknown channel or an unusable factor.
+
+    >>> (acc,) = parse_maps("acc=-ax,ay,-az:g", ["acc"])
+    >>> acc.source, acc.unit
+    ('-ax,ay,-az', 'g')
+    >>> [(m.channel, m.source, m.unit) for m in parse_maps("x,y=lat,lon:lat,lon", None)]
+    [('x', 'lat', 'lat'), ('y', 'lon', 'lon')]
+    >>> parse_maps("acc=imu.csv/ax,ay,az", None, ["imu.csv"])[0].file
+    'imu.csv'
+    """
+    left, equals, right = (part.strip() for part in text.partition("="))
+    names = [name.strip() for name in left.split(",")]
+    if not (equals and right and all(names)):
+        raise LogError(f"{text!r} maps nothing; write NAME=COLUMN, such as 'gyr=gx,gy,gz:deg/s'")
+    for name in names:
+        if channels is not None and name not in channels:
+            raise LogError(f"{text!r} maps no known channel: {suggest(name, channels)}")
+    file = next((name for name in files if right.startswith(f"{name}/")), "")
+    right = right.removeprefix(f"{file}/") if file else right
+    if len(names) == 1:
+        parts = _parts(names[0], right)
+        return (Mapped(names[0], parts, right, file),)
+    columns = _columns(text, right, len(names))
+    found = [parse_column(name, column) for name, column in zip(names, columns, strict=True)]
+    return tuple(Mapped(part.channel, (part,), part.source, file) for part in found)
+
+
+def _parts(channel: str, right: str) -> tuple[Mapping, ...]:
+    """One mapping for each column; the last one's unit is that of those without."""
+    parts = [parse_column(channel, column) for column in right.split(",")]
+    return tuple(replace(part, unit=part.unit or parts[-1].unit) for part in parts)
+
+
+def _columns(text: str, right: str, count: int) -> list[str]:
+    """The columns of several channels, each with its unit."""
+    head, colon, tail = right.rpartition(":")
+    units = tail.split(",") if colon and "," in tail else []
+    columns = head.split(",") if units else right.split(",")
+    if len(columns) != count or len(units) not in (0, count):
+        raise LogError(f"{text!r} has {count} names and {len(columns)} columns; write as many")
+    if units:
+        return [f"{column}:{unit}" for column, unit in zip(columns, units, strict=True)]
+    _, colon, unit = right.rpartition(":")
+    return [column if ":" in column or not colon else f"{column}:{unit}" for column in columns]
 
 
 def _factor(text: str, parts: dict[str, str]) -> float | str | None:

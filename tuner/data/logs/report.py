@@ -29,7 +29,7 @@ def describe(log: Log | Findings) -> list[str]:
         f"{findings.rate_hz:.6g} Hz ({findings.rate_source})"
     )
     rows = [_HEADER, *map(_row, findings.channels)]
-    return [head, *_time_lines(findings), *_align(rows), *_notes(findings)]
+    return [head, *_time_lines(findings), *aligned(rows), *_notes(findings)]
 
 
 def to_dict(log: Log | Findings) -> dict[str, Any]:
@@ -45,6 +45,7 @@ def to_dict(log: Log | Findings) -> dict[str, Any]:
     plain = dataclasses.asdict(log)
     plain["gaps"] = [list(gap) for gap in log.gaps]
     plain["channels"] = list(plain["channels"])
+    plain["notes"] = list(log.notes)
     return plain
 
 
@@ -56,8 +57,8 @@ def _row(channel: ChannelFindings) -> tuple[str, ...]:
     )  # fmt: skip
 
 
-def _align(rows: list[tuple[str, ...]]) -> list[str]:
-    """Columns of equal width: words to the left, numbers to the right."""
+def aligned(rows: list[tuple[str, ...]]) -> list[str]:
+    """Columns of equal width: three of words to the left, numbers to the right."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = []
     for row in rows:
@@ -70,28 +71,34 @@ def _align(rows: list[tuple[str, ...]]) -> list[str]:
 def _time_lines(findings: Findings) -> list[str]:
     if findings.jitter is None:
         return []
-    lines = [f"time {findings.time_column!r}: {_evenness(findings.jitter)}, {_gaps(findings)}"]
+    lines = [
+        f"time {findings.time_column!r}: {evenness(findings.jitter)}, {gaps_told(findings.gaps)}"
+    ]
     lines += [f"  {seconds:.4g} s after row {row}" for row, seconds in findings.gaps[:_GAPS_TOLD]]
     hidden = len(findings.gaps) - _GAPS_TOLD
     return lines + ([f"  and {hidden} more"] if hidden > 0 else [])
 
 
-def _evenness(jitter: float) -> str:
+def evenness(jitter: float) -> str:
+    """How evenly a clock runs."""
     return "even" if jitter < 1e-6 else f"jitter up to {100 * jitter:.2g} % of a step"
 
 
-def _gaps(findings: Findings) -> str:
-    if not findings.gaps:
+def gaps_told(gaps: tuple[tuple[int, float], ...]) -> str:
+    """How many gaps a clock has, and the longest."""
+    if not gaps:
         return "no gaps"
-    longest = max(seconds for _, seconds in findings.gaps)
-    count = counted(len(findings.gaps), "gap")
+    longest = max(seconds for _, seconds in gaps)
+    count = counted(len(gaps), "gap")
     return f"{count} (rows count from 0), longest {longest:.4g} s"
 
 
 def _notes(findings: Findings) -> list[str]:
-    return [
+    saturated = [
         f"{channel.name}: {channel.saturated} samples rest at the end of the range; "
         "the sensor may have been saturated"
         for channel in findings.channels
         if channel.saturated
     ]
+    told = [f"{channel.name}: {channel.note}" for channel in findings.channels if channel.note]
+    return [*findings.notes, *told, *saturated]

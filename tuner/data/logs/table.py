@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tuner.data.logs.error import LogError, suggest
-from tuner.data.logs.mapping import Mapping
+from tuner.data.logs.mapping import Mapped, Mapping
 
 Raw = NDArray[Any]
 Floats = NDArray[np.float64]
@@ -30,6 +30,7 @@ class Table:
         place: where a row, counted from 0, stands in the file: ``line 7``.
         numbered: columns may also be named by their number, from 1.
         texts: the columns that are known to hold text.
+        labels: reads one column as text, ``(N,)`` of str, where the format knows a way.
     """
 
     file: str
@@ -38,6 +39,26 @@ class Table:
     place: Callable[[int], str] = array_row
     numbered: bool = False
     texts: frozenset[str] = frozenset()
+    labels: Callable[[str], Raw] | None = None
+
+    def find(self, mapping: Mapping) -> Mapping | None:
+        """The mapping with its column as the file names it; None where there is none.
+
+        The name to the letter goes before its parts: ``gyro[2]`` may be a column of that name.
+        """
+        column, unit, minus = mapping.column, mapping.unit, "-" * mapping.minus
+        index = "" if mapping.index is None else f"[{mapping.index}]"
+        if minus + column + index in self.names:
+            return replace(mapping, column=minus + column + index, index=None, minus=False)
+        if column + index in self.names:
+            return replace(mapping, column=column + index, index=None)
+        if f"{mapping.source}:{unit}" in self.names:
+            return Mapping(mapping.channel, f"{mapping.source}:{unit}")
+        if column in self.names:
+            return mapping
+        if self.numbered and column.isdecimal() and 0 < int(column) <= len(self.names):
+            return replace(mapping, column=self.names[int(column) - 1])
+        return None
 
     def resolve(self, mapping: Mapping) -> Mapping:
         """The mapping with its column as the file names it.
@@ -45,10 +66,18 @@ class Table:
         Raises:
             LogError: where there is no such column.
         """
-        column = mapping.column
-        if column in self.names:
-            return mapping
-        if self.numbered and column.isdecimal() and 0 < int(column) <= len(self.names):
-            return replace(mapping, column=self.names[int(column) - 1])
-        way_out = suggest(column, self.names)
-        raise LogError(f"{self.file}: there is no column {column!r}; {way_out}")
+        found = self.find(mapping)
+        if found is None:
+            way_out = suggest(mapping.column, self.names)
+            raise LogError(f"{self.file}: there is no column {mapping.column!r}; {way_out}")
+        return found
+
+    def find_parts(self, mapped: Mapped) -> tuple[Mapping, ...] | None:
+        """All columns of a channel as the file names them; None where one is not there."""
+        name, _, unit = mapped.text.rpartition(":")
+        if len(mapped.parts) > 1 and mapped.text in self.names:
+            return (Mapping(mapped.channel, mapped.text),)
+        if len(mapped.parts) > 1 and name in self.names:
+            return (Mapping(mapped.channel, name, unit=unit.strip()),)
+        found = [self.find(part) for part in mapped.parts]
+        return None if None in found else tuple(part for part in found if part is not None)

@@ -4,16 +4,16 @@ import re
 
 UNITS = {
     **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), 1.0),
-    **dict.fromkeys(("ms", "msec", "msecs", "millisecond", "milliseconds"), 1e-3),
-    **dict.fromkeys(("us", "usec", "usecs", "microsecond", "microseconds"), 1e-6),
+    **dict.fromkeys(("ms", "msec", "msecs", "millis", "millisecond", "milliseconds"), 1e-3),
+    **dict.fromkeys(("us", "usec", "usecs", "micros", "microsecond", "microseconds"), 1e-6),
     **dict.fromkeys(("\N{MICRO SIGN}s", "\N{GREEK SMALL LETTER MU}s"), 1e-6),
-    **dict.fromkeys(("ns", "nsec", "nsecs", "nanosecond", "nanoseconds"), 1e-9),
+    **dict.fromkeys(("ns", "nsec", "nsecs", "nanos", "nanosecond", "nanoseconds"), 1e-9),
 }
 _UNIT = "|".join(UNITS)
 _WORD = "|".join(unit for unit in UNITS if unit.startswith(("sec", "mill", "micro", "nano")))
 _TIME = re.compile(
-    rf"(?:ts|times?|time[ _-]?stamps?|elapsed(?:[ _-]?time)?|t)"
-    rf"(?:[ _-]*[(\[]?({_UNIT})[)\]]?)?|({_WORD})"
+    rf"(?:ts|times?|time[ _-]?stamps?|elapsed(?:[ _-]?time)?|t|stamp)"
+    rf"(?:[ _-]*[(\[]?({_UNIT})[)\]]?)?|({_WORD})(?:[ _-]elapsed)?"
 )
 _SUFFIX = re.compile(rf".*[ _\-(\[]({_UNIT})[)\]]?")
 
@@ -44,4 +44,4 @@ def unit_of(name: str) -> str | None:
 
 
 def _bare(name: str) -> str:
-    return name.rsplit(".", 1)[-1].strip().lower()
+    return name.rsplit(".", 1)[-1].strip().lstrip("%").lower()

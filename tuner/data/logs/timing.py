@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from tuner.data.logs.clock import read_clock
+from tuner.data.logs.clock import Clock, read_clock
 from tuner.data.logs.error import LogError, counted, suggest
 from tuner.data.logs.mapping import Mapping
 from tuner.data.logs.table import Table
@@ -14,27 +14,21 @@ _RATES = ("fs", "rate", "rate_hz", "sampling_rate", "sample_rate")
 _CONTRADICTION = 0.01
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Timing:
     """The rate of a log, where it comes from and how evenly it was kept.
 
     Attributes:
-        samples: how many samples count.
         rate_hz: samples per second.
         source: ``time column 't'``, ``--rate`` or ``scalar 'fs'``.
         column: the time column, or None.
-        duration_s: from the first sample to the last.
-        gaps: as in :class:`tuner.data.logs.Findings`.
-        jitter: as in :class:`tuner.data.logs.Findings`.
+        clock: the samples' times.
     """
 
-    samples: int
     rate_hz: float
     source: str
     column: str | None
-    duration_s: float
-    gaps: tuple[tuple[int, float], ...] = ()
-    jitter: float | None = None
+    clock: Clock
 
 
 def timing_names(table: Table) -> list[str]:
@@ -63,9 +57,9 @@ def find_timing(
         return _from_time(columns, mapping, rate_hz, samples, limit)
     wanted = samples if limit is None else min(samples, limit)
     if rate_hz is not None:
-        return Timing(wanted, float(rate_hz), "--rate", None, (wanted - 1) / rate_hz)
+        return _rated(wanted, rate_hz, "--rate")
     name, rate = _scalar_rate(columns)
-    return Timing(wanted, rate, f"scalar {name!r}", None, (wanted - 1) / rate)
+    return _rated(wanted, rate, f"scalar {name!r}")
 
 
 def _time_names(table: Table) -> Iterable[str]:
@@ -97,6 +91,9 @@ def _from_time(
             time, f"has {rows} where the channels have {samples}; name another --time"
         )
     column = column[:limit]
+    if rate_hz is not None and (repeated := int((column[1:] == column[:-1]).sum())):
+        told = f"time {time.column!r}: left out for its {counted(repeated, 'repeated time')}"
+        return _rated(len(column), rate_hz, "--rate", (told,))
     clock = read_clock(columns, time, column)
     found = 1.0 / clock.step
     if rate_hz is not None and abs(rate_hz - found) > _CONTRADICTION * found:
@@ -106,15 +103,11 @@ def _from_time(
             f"or name the unit of time, such as --time '{time.column}:ms'",
         )
     source = f"time column {time.column!r}" if rate_hz is None else "--rate"
-    return Timing(
-        samples=len(column),
-        rate_hz=float(rate_hz or found),
-        source=source,
-        column=time.column,
-        duration_s=clock.duration_s,
-        gaps=clock.gaps,
-        jitter=clock.jitter,
-    )
+    return Timing(float(rate_hz or found), source, time.column, clock)
+
+
+def _rated(samples: int, rate_hz: float, source: str, notes: tuple[str, ...] = ()) -> Timing:
+    return Timing(float(rate_hz), source, None, Clock.rated(samples, float(rate_hz), notes))
 
 
 def _scalar_rate(columns: Columns) -> tuple[str, float]:

@@ -1,9 +1,10 @@
-"""From raw columns to channels: one checked 1-D float64 array per mapping."""
+"""From raw columns to channels: one checked float64 array per mapping."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tuner.data.logs.error import LogError, counted, suggest
 from tuner.data.logs.mapping import Mapping
@@ -40,6 +41,16 @@ class Columns:
             f"{self.table.file}: column {mapping.source!r} (mapped to {mapping.channel}) {rest}"
         )
 
+    def rows(self, rows: NDArray[np.intp], samples: int) -> "Columns":
+        """Some rows of the columns that have so many samples; the others stay."""
+        raw = {
+            name: array[rows] if array.ndim and len(array) == samples else array
+            for name, array in self.raw.items()
+        }
+        place = self.table.place
+        table = replace(self.table, place=lambda row: place(int(rows[row])))
+        return Columns(table, raw)
+
 
 def load_columns(table: Table, mappings: Iterable[Mapping], extra: Iterable[str]) -> Columns:
     """Load what the mappings, resolved by the table, need, and the extra names.
@@ -56,26 +67,27 @@ def load_columns(table: Table, mappings: Iterable[Mapping], extra: Iterable[str]
 
 
 def pick(columns: Columns, mapping: Mapping) -> Raw:
-    """The raw column of a mapping, ``(N,)``, of real numbers that are not rounded.
+    """The raw column of a mapping, ``(N,)``, of real numbers.
 
     Raises:
         LogError: where it is something else, or the index does not fit.
     """
+    array = pick_whole(columns, mapping)
+    if array.ndim == 1:
+        return array
+    name, width = mapping.column, array.shape[1]
+    raise columns.error(mapping, f"has shape {array.shape}; write {name}[0] to {name}[{width - 1}]")
+
+
+def pick_whole(columns: Columns, mapping: Mapping) -> Raw:
+    """The raw column of a mapping, ``(N,)``, or all columns of a 2-D array, ``(N, k)``.
+
+    Raises:
+        LogError: where it does not hold real numbers, or the index does not fit.
+    """
     array = columns.raw[mapping.column]
-    kind = array.dtype.kind
-    if kind in _NOT_REAL:
-        raise columns.error(mapping, _NOT_REAL[kind])
-    if kind == "f" and array.dtype.itemsize < 8:
-        raise columns.error(
-            mapping,
-            f"is {array.dtype.name}; a filter tuned on rounded data learns the rounding, so save "
-            "the original as float64 (np.asarray(x, float))",
-        )
-    return _one_column(columns, mapping, array)
-
-
-def _one_column(columns: Columns, mapping: Mapping, array: Raw) -> Raw:
-    """The column that the index chooses."""
+    if array.dtype.kind in _NOT_REAL:
+        raise columns.error(mapping, _NOT_REAL[array.dtype.kind])
     if array.ndim == 0:
         raise columns.error(mapping, "is a single number; map a column of samples")
     if array.ndim > 2:
@@ -84,18 +96,35 @@ def _one_column(columns: Columns, mapping: Mapping, array: Raw) -> Raw:
         if mapping.index is not None:
             raise columns.error(mapping, "is one-dimensional; leave the index out")
         return array
+    return _of_two(columns, mapping, array)
+
+
+def _of_two(columns: Columns, mapping: Mapping, array: Raw) -> Raw:
+    """What the index chooses of a 2-D array."""
     rows, width = array.shape
     if rows < width:
         raise columns.error(
             mapping, f"has shape {array.shape}, so its samples lie in rows; save it transposed"
         )
-    index = 0 if mapping.index is None and width == 1 else mapping.index
-    if index is None or index >= width:
+    if mapping.index is None:
+        return array[:, 0] if width == 1 else array
+    if mapping.index >= width:
         name = mapping.column
         raise columns.error(
             mapping, f"has shape {array.shape}; write {name}[0] to {name}[{width - 1}]"
         )
-    return array[:, index]
+    return array[:, mapping.index]
+
+
+def rounded(column: Raw) -> str:
+    """A word on numbers of less than 64 bits; empty where there is none to say.
+
+    >>> rounded(np.zeros(3, np.float32)), rounded(np.zeros(3))
+    ('float32, widened to float64; what was rounded away stays lost', '')
+    """
+    if column.dtype.kind != "f" or column.dtype.itemsize >= 8:
+        return ""
+    return f"{column.dtype.name}, widened to float64; what was rounded away stays lost"
 
 
 def factor_of(columns: Columns, mapping: Mapping) -> float:
@@ -128,16 +157,18 @@ def scalar(columns: Columns, name: str) -> float:
 
 
 def to_float(columns: Columns, mapping: Mapping, column: Raw) -> Floats:
-    """The column times its factor as float64, contiguous and finite.
+    """The column times its factor as float64, contiguous; NaN where nothing was measured.
+
+    Missing are NaN, Inf and the huge numbers that some loggers write in their place.
 
     Raises:
-        LogError: for missing values, for integers that float64 cannot hold, and where the
-            factor is unusable.
+        LogError: for integers that float64 cannot hold, and where the factor is unusable.
     """
     _check_exact(columns, mapping, column)
+    factor = factor_of(columns, mapping) * (-1.0 if mapping.minus else 1.0)
     with np.errstate(over="ignore"):
-        values = np.array(column, dtype=np.float64) * factor_of(columns, mapping)
-    check_finite(columns, mapping, values)
+        values = np.array(column, dtype=np.float64, order="C") * factor
+    values[~(np.abs(values) < _HUGE)] = np.nan
     return values
 
 
@@ -155,7 +186,7 @@ def check_finite(columns: Columns, mapping: Mapping, values: Raw) -> None:
     Raises:
         LogError: with the first row and the number of rows.
     """
-    missing = ~(np.abs(values) < _HUGE)  # NaN compares false
+    missing = ~(np.abs(np.asarray(values, float)) < _HUGE)  # NaN compares false
     if not missing.any():
         return
     rows = counted(int(missing.sum()), "row")

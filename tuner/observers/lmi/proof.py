@@ -1,26 +1,26 @@
 """What is proved about a least variance: its lower bound, and whether an observer reaches it."""
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
+from objectives.linear_systems.model import derived
 from tuner.certificate.solution import Status
 from tuner.convex import MARGIN, Answer, solve
-from tuner.observers.lmi.inequalities import gain_of, least_variance
-from tuner.observers.lmi.model import Model
+from tuner.observers.lmi.design import Design
+from tuner.observers.lmi.inequalities import gain_of, variance_program
 
 AGREEMENT = 1e-6
 """Two sides of a certificate that are nearer than this, relative, count as one."""
 
 CAPS = (1e1, 1e2, 1e3)
-"""Bounds on Y, in the model's own units, that show whether an optimum is reached."""
+"""Bounds on Y, in the own units of a system, that show whether an optimum is reached."""
 
 ROUNDING = 1e-11
-"""What rounding may take from an inequality in the model's own units."""
+"""What rounding may take from an inequality in the own units of a system."""
 
 
-def proved(model: Model, gain: np.ndarray, primal: Answer, dual: Answer) -> float:
+def proved(design: Design, gain: np.ndarray, primal: Answer, dual: Answer) -> float:
     """The larger of what both inequalities prove about trace M P M'.
 
     For every stable observer with covariance P, P - X solves a Lyapunov equation whose right-hand
@@ -31,10 +31,11 @@ def proved(model: Model, gain: np.ndarray, primal: Answer, dual: Answer) -> floa
     if primal.lower_bound is not None:
         bounds.append(primal.lower_bound * (1 - MARGIN * ROUNDING))
     if "X" in dual.variables:
-        n, m, _ = model.sizes
-        noisy = replace(model, W=np.eye(n), V=np.eye(m))
-        lacking = MARGIN * max(dual.violation, ROUNDING) * noisy.total(gain)
-        bounds.append(float(model.variances(dual.variables["X"]).sum() - lacking))
+        n, m, _ = design.sizes
+        unit = {"W": np.eye(n), "V": np.eye(m), "S": np.zeros((n, m))}
+        noisy = derived(design.system.matrices | unit, design.system.dt)
+        lacking = MARGIN * max(dual.violation, ROUNDING) * Design(noisy, design.M).total(gain)
+        bounds.append(float(design.variances(dual.variables["X"]).sum() - lacking))
     return max(bound for bound in bounds if np.isfinite(bound))
 
 
@@ -47,7 +48,7 @@ def met(value: float, lower: float) -> tuple[Status, str]:
     return Status.STALLED, f"the variance is {share:.1e} of itself above its lower bound"
 
 
-def limit(model: Model, lower: float) -> tuple[np.ndarray, Status, str]:
+def limit(design: Design, lower: float) -> tuple[np.ndarray, Status, str]:
     """What happens as Y may grow: whether the optimum is a limit that no observer reaches.
 
     It is where each cap holds Y, and where the dual of each proves it worse than the next.
@@ -55,10 +56,10 @@ def limit(model: Model, lower: float) -> tuple[np.ndarray, Status, str]:
     Returns:
         The best gain, how it ended, and that in a sentence.
     """
-    program = least_variance(model, capped=True)
+    program = variance_program(design, capped=True)
     answers = [solve(program, {"cap": cap}) for cap in CAPS]
-    gains = [gain_of(answer, model) for answer in answers]
-    value, best = min((model.total(gain), i) for i, gain in enumerate(gains))
+    gains = [gain_of(answer, design) for answer in answers]
+    value, best = min((design.total(gain), i) for i, gain in enumerate(gains))
     held = all(_held(answer, cap) for answer, cap in zip(answers, CAPS, strict=True))
     if held and all(_worse(before, after) for before, after in pairwise(answers)):
         shares = ", ".join(f"{answer.value / answers[0].value:.4g}" for answer in answers)

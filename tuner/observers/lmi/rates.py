@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from objectives import unobservable
 from tuner.certificate.solution import Status
 from tuner.convex import Answer, solve
-from tuner.observers.lmi.inequalities import gain_of, least_share, values_of
-from tuner.observers.lmi.model import Model, hidden
+from tuner.observers.lmi.design import Design
+from tuner.observers.lmi.inequalities import gain_of, share_program, values_of
 from tuner.observers.lmi.units import scaled
 
 KEPT = 1e-6
@@ -21,7 +22,7 @@ class Point:
     Attributes:
         alpha: the rate.
         answer: the least share there.
-        gain: for the model as it was given.
+        gain: for the design as it was given.
         kept: whether poles and Lyapunov equation confirm the rate and the share 1.
         needed: the proved lower bound of the share; inf where there is no observer.
     """
@@ -46,50 +47,52 @@ class Point:
 class Rates:
     """Least shares at given rates, in coordinates that may be changed; counts what it solves."""
 
-    def __init__(self, model: Model) -> None:
-        self.scaled = scaled(model, np.ones(len(model.M)))
-        self.program = least_share(self.model)
+    def __init__(self, design: Design) -> None:
+        self.scaled = scaled(design, np.ones(len(design.M)))
+        self.program = share_program(self.design)
         self.solved = 0
         # No gain moves a hidden pole.
-        fixed = [self.model.decay(pole) for pole in hidden(self.model)]
-        self.ceiling = min(fixed, default=np.inf) * (1 + KEPT / 10)
+        fixed = self.design.system.rates(unobservable(self.design.system).values)
+        self.ceiling = float(fixed.min(initial=np.inf)) * (1 + KEPT / 10)
 
     @property
-    def model(self) -> Model:
-        """The model in the present coordinates."""
+    def design(self) -> Design:
+        """The design in the present coordinates."""
         return self.scaled.inner
 
     def __call__(self, alpha: float) -> Point:
         """The least share at a rate."""
         self.solved += 1
         answer = solve(self.program, {"decay": self.decay(alpha)})
-        gain = gain_of(answer, self.model)
-        variances = self.model.variances_under(gain)
-        kept = self.model.rate(gain) >= alpha * (1 - KEPT) and np.all(variances <= 1 + KEPT)
+        gain = gain_of(answer, self.design)
+        variances = self.design.variances_under(gain)
+        kept = self.design.system.decay(gain) >= alpha * (1 - KEPT) and np.all(
+            variances <= 1 + KEPT
+        )
         needed = -np.inf if answer.lower_bound is None else answer.lower_bound
         if answer.status is Status.INFEASIBLE or alpha > self.ceiling:
             needed = np.inf
-        return Point(alpha, answer, self.scaled.units.gain(gain), bool(kept), needed)
+        return Point(alpha, answer, self.scaled.gain(gain), bool(kept), needed)
 
     def decay(self, alpha: float) -> float:
         """The parameter that stands for a rate."""
-        return float(np.exp(-2 * alpha)) if self.model.discrete else 2 * alpha
+        return float(np.exp(-2 * alpha)) if self.design.system.discrete else 2 * alpha
 
     def whiten(self, point: Point) -> None:
         """Change to coordinates in which the covariance of the last solved point is about one."""
         covariance = self.scaled.outer.covariance(point.gain)
         if np.isfinite(covariance).all():
-            inside = self.scaled.units.covariance_inside(covariance)
+            inside = self.scaled.covariance_inside(covariance)
             self.scaled = self.scaled.whitened(inside)
-            self.program = self.program.at(values_of(self.model))
+            self.program = self.program.at(values_of(self.design))
 
     def multipliers(self, point: Point) -> np.ndarray:
         """d ln alpha / d ln bound, from the duals: t's slopes in both."""
         duals, Y = point.answer.duals, point.answer.variables["Y"]
-        shares = [float(duals[f"error {i}"][0, 0]) for i in range(len(self.model.M))]
+        shares = [float(duals[f"error {i}"][0, 0]) for i in range(len(self.design.M))]
         n = len(Y)
         block, factor = duals["decay"], 2.0
-        if self.model.discrete:
+        if self.design.system.discrete:
             block, factor = block[n:, n:], 2 * self.decay(point.alpha)
         slope = point.alpha * factor * np.sum(block * Y)
         return np.asarray(np.array(shares) * point.answer.value / slope)

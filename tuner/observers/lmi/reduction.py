@@ -9,29 +9,30 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from objectives.linear_systems.model import derived
 from tuner.certificate.solution import Status
-from tuner.observers.lmi.model import Model
+from tuner.observers.lmi.design import Design
 from tuner.observers.lmi.search import EVERY, ROOM, Ended, search
 
 CLEAN = 1e-10
-"""A measurement with less noise, in the model's own units, counts as one without."""
+"""A measurement with less noise, in the own units of a system, counts as one without."""
 
 
 @dataclass(frozen=True)
 class Reduction:
-    """A model without the errors that measurements free of noise show at once.
+    """A design without the errors that measurements free of noise show at once.
 
     Attributes:
-        full: the model before.
-        reduced: the model after; its measurements are the noisy ones, then the derivatives.
+        full: the design before.
+        reduced: the design after; its measurements are the noisy ones, then the derivatives.
         noisy: the noisy measurements, as combinations of all, ``(m, m1)``.
         clean: the others, ``(m, r)``.
         rest: orthonormal basis of the states that remain, ``(n, n - r)``.
         shown: the states shown, ``(n, r)``: clean' C shown = 1.
     """
 
-    full: Model
-    reduced: Model
+    full: Design
+    reduced: Design
     noisy: np.ndarray
     clean: np.ndarray
     rest: np.ndarray
@@ -40,67 +41,69 @@ class Reduction:
     @property
     def complete(self) -> bool:
         """Whether no state remains."""
-        return not self.reduced.A.size
+        return not self.reduced.system.A.size
 
     def lifted(self, gain: np.ndarray, speed: float) -> np.ndarray:
-        """A gain for the full model: the reduced poles stay, the others go to about -speed."""
+        """A gain for the full design: the reduced poles stay, the others go to about -speed."""
         count = self.noisy.shape[1]
         K, D = gain[:, :count], gain[:, count:]
-        A, N, R, c = self.full.A, self.rest, self.shown, self.clean.T @ self.full.C
-        F = self.reduced.A - gain @ self.reduced.C
-        kept = N.T @ A @ R - K @ self.noisy.T @ self.full.C @ R + D * speed + F @ D
+        A, C, N, R = self.full.system.A, self.full.system.C, self.rest, self.shown
+        c = self.clean.T @ C
+        F = self.reduced.system.A - gain @ self.reduced.system.C
+        kept = N.T @ A @ R - K @ self.noisy.T @ C @ R + D * speed + F @ D
         shown = c @ A @ R + speed * np.eye(R.shape[1])
         return np.asarray(N @ K @ self.noisy.T + (N @ kept + R @ shown) @ self.clean.T)
 
 
-def reduction(model: Model) -> Reduction | None:
-    """What remains of a continuous model with measurements free of noise; None without such."""
-    values, vectors = np.linalg.eigh(model.V)
+def reduction(design: Design) -> Reduction | None:
+    """What remains of a continuous system with measurements free of noise; None without such."""
+    system = design.system
+    values, vectors = np.linalg.eigh(system.V)
     free = values <= CLEAN * max(values[-1], 1.0)
-    if model.discrete or not free.any():
+    if system.discrete or not free.any():
         return None
     noisy, clean = vectors[:, ~free], vectors[:, free]
-    left, sizes, right = np.linalg.svd(clean.T @ model.C)
-    rank = int(np.sum(sizes > 1e-9 * np.linalg.norm(model.C)))
+    left, sizes, right = np.linalg.svd(clean.T @ system.C)
+    rank = int(np.sum(sizes > 1e-9 * np.linalg.norm(system.C)))
     if not rank:
         return None
     clean = clean @ left[:, :rank]
     shown, rest = right[:rank].T / sizes[:rank], right[rank:].T
-    return Reduction(model, _reduced(model, noisy, clean, rest), noisy, clean, rest, shown)
+    return Reduction(design, _reduced(design, noisy, clean, rest), noisy, clean, rest, shown)
 
 
-def _reduced(model: Model, noisy: np.ndarray, clean: np.ndarray, rest: np.ndarray) -> Model:
-    c = clean.T @ model.C
-    shared = c @ model.S @ noisy
-    return Model(
-        A=rest.T @ model.A @ rest,
-        C=np.vstack([noisy.T @ model.C @ rest, c @ model.A @ rest]),
-        W=rest.T @ model.W @ rest,
-        V=np.block([[noisy.T @ model.V @ noisy, shared.T], [shared, c @ model.W @ c.T]]),
-        M=model.M @ rest,
-        S=np.hstack([rest.T @ model.S @ noisy, rest.T @ model.W @ c.T]),
-        discrete=False,
-    )
+def _reduced(design: Design, noisy: np.ndarray, clean: np.ndarray, rest: np.ndarray) -> Design:
+    s = design.system
+    c = clean.T @ s.C
+    shared = c @ s.S @ noisy
+    parts = {
+        "A": rest.T @ s.A @ rest,
+        "C": np.vstack([noisy.T @ s.C @ rest, c @ s.A @ rest]),
+        "W": rest.T @ s.W @ rest,
+        "V": np.block([[noisy.T @ s.V @ noisy, shared.T], [shared, c @ s.W @ c.T]]),
+        "S": np.hstack([rest.T @ s.S @ noisy, rest.T @ s.W @ c.T]),
+    }
+    return Design(derived(parts, None), design.M @ rest)
 
 
-def fastest(model: Model, tolerance: float, bounds: np.ndarray) -> Ended:
-    """The fastest observer of a model, by way of the reduced one where there is one.
+def largest_decay(design: Design, tolerance: float, bounds: np.ndarray) -> Ended:
+    """The fastest observer of a design, by way of the reduced one where there is one.
 
     Args:
-        model, tolerance, bounds: see :func:`tuner.observers.lmi.search.search`; here measurements
+        design, tolerance, bounds: see :func:`tuner.observers.lmi.search.search`; here measurements
             may be free of noise.
     """
-    step = reduction(model)
+    step = reduction(design)
     if step is None:
-        return search(model, tolerance, bounds)
-    ended = _all_shown(step) if step.complete else fastest(step.reduced, tolerance, bounds)
+        return search(design, tolerance, bounds)
+    ended = _all_shown(step) if step.complete else largest_decay(step.reduced, tolerance, bounds)
     gain = _followed(step, ended.slower)
     if gain is None:
         return replace(
             ended,
             status=Status.FAILED,
             message="no finite gain was found that keeps the bounds",
-            gain=np.full((len(model.A), len(model.C)), np.nan),
+            gain=np.full(design.sizes[:2], np.nan),
         )
     if ended.status is Status.CONVERGED:
         ended = replace(
@@ -114,7 +117,7 @@ def fastest(model: Model, tolerance: float, bounds: np.ndarray) -> Ended:
 
 def _all_shown(step: Reduction) -> Ended:
     """What a search comes to where nothing is left to be found out."""
-    nothing = np.zeros((0, len(step.reduced.C)))
+    nothing = np.zeros(step.reduced.sizes[:2])
     return Ended(
         status=Status.UNBOUNDED,
         message=EVERY,
@@ -134,7 +137,7 @@ def _followed(step: Reduction, gain: np.ndarray) -> np.ndarray | None:
     used = np.zeros(len(full.M)) if step.complete else inner.variances_under(gain)
     for speed in 2.0 ** np.arange(0, 60):
         lifted = step.lifted(gain, speed)
-        fast = step.complete or full.rate(lifted) >= inner.rate(gain) * (1 - 1e-6)
+        fast = step.complete or full.system.decay(lifted) >= inner.system.decay(gain) * (1 - 1e-6)
         if fast and np.all(full.variances_under(lifted) <= (1 + used) / 2):
             return lifted
     return None

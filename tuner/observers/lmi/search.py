@@ -11,21 +11,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from tuner.certificate.solution import Status
-from tuner.observers.lmi.model import Model
+from tuner.observers.lmi.design import Design
 from tuner.observers.lmi.rates import Point, Rates
 
 ROOM = 0.01
 """What share of the rate is given away where only infinite gains reach all of it."""
 
 FASTEST = 1e4
-"""A decay rate beyond this, in the model's own unit of time, counts as any."""
+"""A decay rate beyond this, in the own unit of time of a system, counts as any."""
 
 EVERY = "every rate is admissible"
 
 
 @dataclass(frozen=True)
 class Ended:
-    """Where a search for the rate ended, for the model it was given.
+    """Where a search for the rate ended, for the design it was given.
 
     ``slower`` is a gain with room below the bounds, at a share ROOM less of the rate; the others
     are as in :class:`tuner.observers.lmi.FastestObserver`.
@@ -42,22 +42,22 @@ class Ended:
     solved: int
 
 
-def search(model: Model, tolerance: float, bounds: np.ndarray) -> Ended:
+def search(design: Design, tolerance: float, bounds: np.ndarray) -> Ended:
     """Bisect for the largest rate at which t <= 1, and for the least one where t > 1 is proved.
 
     Args:
-        model: with noise in every measurement, and errors in units of their bounds.
+        design: with noise in every measurement, and errors in units of their bounds.
         tolerance: relative, of the rate.
         bounds: of the variances in the user's units, for the words of a refusal.
 
     Raises:
         ValueError: where no rate is admissible.
     """
-    rates = Rates(model)
+    rates = Rates(design)
     low = _first(rates, bounds)
     rates.whiten(low)
     high = rates(2 * low.alpha)
-    while high.admissible and high.alpha < _quickest(model):
+    while high.admissible and high.alpha < _quickest(design):
         low, high = high, rates(2 * high.alpha)
     if high.admissible:
         return _ended(rates, high, None, tolerance)
@@ -75,7 +75,7 @@ def _proof(rates: Rates, high: Point, beyond: Point, tolerance: float) -> Point 
     """The least rate found, from one that is not admissible, where that is proved as well."""
     if high.refused:
         return high
-    while not beyond.refused and beyond.alpha < _quickest(rates.model):
+    while not beyond.refused and beyond.alpha < _quickest(rates.design):
         beyond = rates(2 * beyond.alpha)
     if not beyond.refused:
         return None
@@ -85,9 +85,9 @@ def _proof(rates: Rates, high: Point, beyond: Point, tolerance: float) -> Point 
     return beyond
 
 
-def _quickest(model: Model) -> float:
+def _quickest(design: Design) -> float:
     """The rate that counts as any: of a sample, what leaves 1e-4 of an error."""
-    return float(-np.log(1e-4)) if model.discrete else FASTEST
+    return float(-np.log(1e-4)) if design.system.discrete else FASTEST
 
 
 def _first(rates: Rates, bounds: np.ndarray) -> Point:
@@ -117,7 +117,7 @@ def _listed(values: np.ndarray) -> str:
 def _ended(rates: Rates, low: Point, high: Point | None, tolerance: float) -> Ended:
     limit = np.inf if high is None else high.alpha
     status, message = _verdict(rates, low.alpha, limit, tolerance)
-    unit = rates.scaled.units.time
+    unit = rates.scaled.time
     return Ended(
         status=status,
         message=message,
@@ -133,7 +133,7 @@ def _ended(rates: Rates, low: Point, high: Point | None, tolerance: float) -> En
 
 def _verdict(rates: Rates, alpha: float, limit: float, tolerance: float) -> tuple[Status, str]:
     share = (limit - alpha) / limit if np.isfinite(limit) else np.inf
-    if alpha >= _quickest(rates.model):
+    if alpha >= _quickest(rates.design):
         return Status.UNBOUNDED, EVERY
     if share <= 10 * tolerance:
         words = f"the rate is within {share:.1e} of one that the inequalities cannot reach"

@@ -6,15 +6,15 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
+from objectives import LinearSystem
 from tuner.certificate.solution import Status
 from tuner.convex import Answer, Report
-from tuner.observers.lmi.fastest import FastestObserver, fastest_observer
-from tuner.observers.lmi.least import H2Observer, h2_observer
-from tuner.observers.lmi.model import Model
+from tuner.observers.lmi.fastest_decay import FastestObserver, fastest_observer
+from tuner.observers.lmi.minimum_variance import H2Observer, h2_observer
 
 
 @dataclass(frozen=True, eq=False)
-class LeastTask:
+class MinimumVarianceTask:
     """The observer with the least variance as a task of :class:`tuner.solvers.convex.Convex`.
 
     Its value is the sum of the variances of M e under the gain. Its variables are the gain, the
@@ -22,14 +22,16 @@ class LeastTask:
 
     Attributes:
         name: what it is called.
-        model: what is designed for; without noise that w and v share.
-        errors: names of the errors M e, ``(k,)``.
+        system: what is designed for.
+        M: the errors that count, M e, ``(k, n)``.
+        errors: their names, ``(k,)``.
         units: units of the variables, where they are to be told.
         report: more derived numbers, given the answer.
     """
 
     name: str
-    model: Model
+    system: LinearSystem
+    M: np.ndarray
     errors: tuple[str, ...]
     units: Mapping[str, str] = field(default_factory=dict)
     report: Report | None = None
@@ -37,7 +39,7 @@ class LeastTask:
 
     def design(self) -> H2Observer:
         """The observer itself."""
-        return h2_observer(*self.model.matrices, discrete=self.model.discrete)
+        return h2_observer(self.system, self.M)
 
     def answer(self) -> Answer:
         """The observer as the answer of a convex program."""
@@ -59,7 +61,7 @@ class LeastTask:
 
 
 @dataclass(frozen=True, eq=False)
-class FastestTask:
+class FastestDecayTask:
     """The fastest observer as a task of :class:`tuner.solvers.convex.Convex`.
 
     Its value is the time in which the slowest error falls to 1/e, as far as the inequalities
@@ -69,28 +71,26 @@ class FastestTask:
 
     Attributes:
         name: what it is called.
-        model: what is designed for; without noise that w and v share.
-        bound: of the variances of M e, ``(k,)`` or a number.
-        errors: names of the errors M e, ``(k,)``.
-        dt: sample time where discrete, s.
+        system: what is designed for.
+        M: the errors that count, M e, ``(k, n)``.
+        bound: of their variances, ``(k,)`` or a number.
+        errors: their names, ``(k,)``.
         units: units of the variables ``gain`` and ``poles``, where they are to be told.
         report: more derived numbers, given the answer.
     """
 
     name: str
-    model: Model
+    system: LinearSystem
+    M: np.ndarray
     bound: ArrayLike
     errors: tuple[str, ...]
-    dt: float = 1.0
     units: Mapping[str, str] = field(default_factory=dict)
     report: Report | None = None
     kind: str = field(default="sdp", init=False)
 
     def design(self) -> FastestObserver:
         """The observer itself."""
-        return fastest_observer(
-            *self.model.matrices, self.bound, discrete=self.model.discrete, dt=self.dt
-        )
+        return fastest_observer(self.system, self.M, self.bound)
 
     def answer(self) -> Answer:
         """The observer as the answer of a convex program."""
@@ -119,7 +119,7 @@ class Attempt:
         task: the matrix inequality.
     """
 
-    task: FastestTask
+    task: FastestDecayTask
     kind: str = "sdp"
     report: None = None
 

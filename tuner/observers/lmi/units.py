@@ -1,55 +1,65 @@
-"""Coordinates that a model itself suggests: its own units, and those of a covariance."""
+"""Coordinates that a system itself suggests: its own units, and those of a covariance."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from tuner.observers.lmi.model import Model
+from objectives.linear_systems.scaling import balance
+from tuner.observers.lmi.design import Design
 
 SMALLEST = 1e-8
 """Variances below this share of the largest count as none where coordinates are chosen."""
 
 
 @dataclass(frozen=True)
-class Units:
-    """Coordinates in which a model's entries are near one: x = states @ x inside, and so on."""
+class Scaled:
+    """A design, and the same in coordinates of its own: x = states @ x inside, and so on.
 
+    Attributes:
+        outer: the design as it was given.
+        time: unit of time, s; the sample time where the system is discrete.
+        states: basis of the states, ``(n, n)``.
+        measurements: unit of each, ``(m,)``.
+        errors: unit of each error that counts, ``(k,)``.
+    """
+
+    outer: Design
     time: float
     states: np.ndarray
     measurements: np.ndarray
     errors: np.ndarray
 
-    def inside(self, model: Model) -> Model:
-        """The model in these coordinates."""
-        T, S, y = self.time, self.states, self.measurements
-        return Model(
-            A=T * np.linalg.solve(S, model.A @ S),
-            C=model.C @ S / y[:, None],
-            W=T * self.covariance_inside(model.W),
-            V=model.V / y / y[:, None] / T,
-            M=model.M @ S / self.errors[:, None],
-            S=np.linalg.solve(S, model.S) / y,
-            discrete=model.discrete,
-        )
+    @cached_property
+    def inner(self) -> Design:
+        """The design in these coordinates."""
+        system = self.outer.system.in_units(self.states, self.measurements, self.time)
+        return Design(system, self.outer.M @ self.states / self.errors[:, None])
 
-    def covariance_inside(self, outside: np.ndarray) -> np.ndarray:
-        """A covariance of the states in these coordinates."""
-        return np.asarray(np.linalg.solve(self.states, np.linalg.solve(self.states, outside).T))
-
-    def covariance(self, inside: np.ndarray) -> np.ndarray:
-        """A covariance in the user's units; all inf where it is."""
-        if not np.isfinite(inside).all():
-            return inside
-        return np.asarray(self.states @ inside @ self.states.T)
+    @property
+    def per(self) -> float:
+        """The unit of poles and gains: that of time; 1 where they are of a sample."""
+        return 1.0 if self.outer.system.discrete else self.time
 
     def gain(self, inside: np.ndarray) -> np.ndarray:
-        """A gain in the user's units."""
-        return np.asarray(self.states @ inside / self.measurements / self.time)
+        """A gain of the inner design, for the outer one."""
+        return np.asarray(self.states @ inside / self.measurements / self.per)
 
-    def whitened(self, X: np.ndarray) -> "Units":
-        """Coordinates in which a covariance X, given in these, is the unit matrix.
+    def poles(self, inside: np.ndarray) -> np.ndarray:
+        """Poles under a gain of the inner design, for the outer one."""
+        return self.inner.system.poles(inside) / self.per
+
+    def covariance(self, inside: np.ndarray) -> np.ndarray:
+        """Covariance of the outer design's error under a gain of the inner one; all inf if none."""
+        P = self.inner.covariance(inside)
+        return np.asarray(self.states @ P @ self.states.T) if np.isfinite(P).all() else P
+
+    def covariance_inside(self, outside: np.ndarray) -> np.ndarray:
+        """A covariance of the outer states, for the inner ones."""
+        return np.asarray(np.linalg.solve(self.states, np.linalg.solve(self.states, outside).T))
+
+    def whitened(self, X: np.ndarray) -> "Scaled":
+        """The same in coordinates in which a covariance X, given in these, is the unit matrix.
 
         Directions without variance keep a share of the largest one.
         """
@@ -58,74 +68,23 @@ class Units:
         return replace(self, states=self.states @ (vectors * root))
 
 
-@dataclass(frozen=True)
-class Scaled:
-    """A model, and the same in coordinates of its own.
-
-    Attributes:
-        outer: the model as it was given.
-        units: the coordinates.
-    """
-
-    outer: Model
-    units: Units
-
-    @cached_property
-    def inner(self) -> Model:
-        """The model in these coordinates."""
-        return self.units.inside(self.outer)
-
-    def whitened(self, X: np.ndarray) -> "Scaled":
-        """The same in coordinates in which a covariance X, given in these, is the unit matrix."""
-        return Scaled(self.outer, self.units.whitened(X))
-
-    def poles(self, gain: np.ndarray) -> np.ndarray:
-        """Poles under a gain of the inner model, for the outer one."""
-        return self.inner.poles(gain) / self.units.time
-
-    def covariance(self, gain: np.ndarray) -> np.ndarray:
-        """Covariance of the outer model's error under a gain of the inner one."""
-        return self.units.covariance(self.inner.covariance(gain))
-
-
-def scaled(model: Model, errors: np.ndarray | None = None) -> Scaled:
-    """A model in its own units.
+def scaled(design: Design, errors: np.ndarray | None = None) -> Scaled:
+    """A design in its own units.
 
     Args:
-        model: the model.
-        errors: units of the errors M e, ``(k,)``; without them, one for all that suits the model.
+        design: the design.
+        errors: units of the errors M e, ``(k,)``; without them, one for all that suits the system.
     """
-    return Scaled(model, _own(model, errors))
-
-
-def _own(model: Model, errors: np.ndarray | None) -> Units:
-    """Units in which the logarithms of all entries that are not zero are least, squared.
-
-    They follow the user's units exactly: in other ones, the model inside is the same.
-    """
-    n, m, k = model.sizes
-    # Unknowns: logarithms of the units of time, states, measurements, and errors where not given.
-    unit = np.eye(2 + n + m)
-    T, x, y, e = unit[0], unit[1 : 1 + n], unit[1 + n : 1 + n + m], unit[-1]
-    rows: list[np.ndarray] = []
-    logs: list[float] = []
-
-    def add(matrix: np.ndarray, row: Callable[[int, int], np.ndarray]) -> None:
-        for i, j in np.argwhere(matrix):
-            rows.append(row(i, j))
-            logs.append(-float(np.log(abs(matrix[i, j]))))
-
-    add(model.A, lambda i, j: T + x[j] - x[i])
-    add(model.C, lambda i, j: x[j] - y[i])
-    add(np.diag(np.diag(model.W)), lambda i, j: T - x[i] - x[j])
-    add(np.diag(np.diag(model.V)), lambda i, j: -T - y[i] - y[j])
-    if errors is None:
-        add(model.M, lambda i, j: x[j] - e)
-    else:
-        add(model.M / errors[:, None], lambda i, j: x[j])
-    matrix = np.array(rows)
-    if model.discrete:
-        matrix[:, 0] = 0.0
-    found = np.exp(np.linalg.lstsq(matrix, np.array(logs))[0])
-    own = np.full(k, found[-1]) if errors is None else errors
-    return Units(float(found[0]), np.diag(found[1 : 1 + n]), found[1 + n : 1 + n + m], own)
+    s, M = design.system, design.M
+    fixed = np.ones(len(M)) if errors is None else errors
+    own = balance(
+        s.A, s.C, s.W, s.V, M / fixed[:, None],
+        fixed_time=s.discrete, fixed_errors=errors is not None,
+    )  # fmt: skip
+    return Scaled(
+        outer=design,
+        time=s.dt or own.time,
+        states=np.diag(own.states),
+        measurements=own.measurements,
+        errors=np.full(len(M), own.errors) if errors is None else errors,
+    )

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from objectives import LinearSystem, require_detectable
 from tuner.certificate.solution import Status
-from tuner.observers.lmi.model import observer_model, refuse_undetectable
-from tuner.observers.lmi.reduction import fastest
+from tuner.observers.lmi.design import design_of
+from tuner.observers.lmi.reduction import largest_decay
 from tuner.observers.lmi.search import Ended
 from tuner.observers.lmi.units import Scaled, scaled
 
@@ -53,16 +54,7 @@ class FastestObserver:
 
 
 def fastest_observer(
-    A: ArrayLike,
-    C: ArrayLike,
-    W: ArrayLike,
-    V: ArrayLike,
-    M: ArrayLike,
-    bound: ArrayLike,
-    *,
-    discrete: bool = False,
-    dt: float = 1.0,
-    tolerance: float = 1e-7,
+    system: LinearSystem, errors: ArrayLike, bound: ArrayLike, *, tolerance: float = 1e-7
 ) -> FastestObserver:
     """The observer with the largest decay rate whose variances of M e keep their bounds.
 
@@ -71,42 +63,41 @@ def fastest_observer(
     slower.
 
     Args:
-        A, C, W, V, M, discrete: see :class:`tuner.observers.lmi.Model`.
+        system: the system; where it is discrete, the poles lie within exp(-alpha dt).
+        errors: those that count, M, ``(k, n)``.
         bound: of the variances of M e, ``(k,)`` or a number, positive.
-        dt: sample time where discrete, s: the poles lie within exp(-alpha dt).
         tolerance: relative, of the rate.
 
     Raises:
-        ValueError: for shapes that do not fit, noise that is no covariance, or bounds that no
-            observer keeps, with the least variances.
+        ValueError: for errors that do not fit, a system without any stable observer, or bounds
+            that no observer keeps, with the least variances.
 
     >>> # e' = -(1 + l) e + w - l v has the variance (1 + l^2) / (2 + 2 l): 1 at l = 1 + sqrt(2).
-    >>> fast = fastest_observer([[-1.0]], [[1.0]], [[1.0]], [[1.0]], [[1.0]], 1.0)
+    >>> system = LinearSystem([[-1.0]], [[1.0]], [[1.0]], [[1.0]])
+    >>> fast = fastest_observer(system, [[1.0]], 1.0)
     >>> print(f"{fast.alpha:.5f}")
     3.41421
     """
     begun = time.perf_counter()
-    model = observer_model(A, C, W, V, M, discrete)
-    bounds = _bounds(bound, len(model.M))
-    step = _step(dt, discrete)
-    own = scaled(model, np.sqrt(bounds))
-    refuse_undetectable(own.inner, own.units.time)
-    found = fastest(own.inner, tolerance, bounds)
-    return _outside(own, found, step, time.perf_counter() - begun)
+    design = design_of(system, errors)
+    bounds = _bounds(bound, len(design.M))
+    require_detectable(system)
+    own = scaled(design, np.sqrt(bounds))
+    found = largest_decay(own.inner, tolerance, bounds)
+    return _outside(own, found, time.perf_counter() - begun)
 
 
-def _outside(own: Scaled, found: Ended, step: float, seconds: float) -> FastestObserver:
-    """What was found for the inner model, for the outer one, whose rates are per ``step``."""
-    per = own.units.time * step
+def _outside(own: Scaled, found: Ended, seconds: float) -> FastestObserver:
+    """What was found for the inner design, for the outer one."""
     covariance = own.covariance(found.gain)
     return FastestObserver(
         status=found.status,
         message=found.message,
-        alpha=found.alpha / per,
-        limit=found.limit / per,
-        gain=own.units.gain(found.gain),
+        alpha=found.alpha / own.time,
+        limit=found.limit / own.time,
+        gain=own.gain(found.gain),
         poles=own.poles(found.gain),
-        rate=own.inner.rate(found.gain) / per,
+        rate=own.inner.system.decay(found.gain) / own.time,
         covariance=covariance,
         variances=own.outer.variances(covariance),
         multipliers=found.multipliers,
@@ -123,10 +114,3 @@ def _bounds(bound: ArrayLike, count: int) -> np.ndarray:
     if not (np.isfinite(given) & (given > 0)).all():
         raise ValueError(f"bound is {given.tolist()}; give positive, finite variances")
     return np.array(np.broadcast_to(given, (count,)))
-
-
-def _step(dt: float, discrete: bool) -> float:
-    """The unit of the rates that are found, in s."""
-    if not (dt > 0 and np.isfinite(dt)):
-        raise ValueError(f"the sample time is {dt}; give a positive number of seconds")
-    return dt if discrete else 1.0

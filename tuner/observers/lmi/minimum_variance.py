@@ -15,10 +15,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from objectives import LinearSystem, require_detectable
 from tuner.certificate.solution import Status
 from tuner.convex import Answer, solve
-from tuner.observers.lmi.inequalities import gain_of, largest_covariance, least_variance
-from tuner.observers.lmi.model import Model, observer_model, refuse_undetectable
+from tuner.observers.lmi.design import Design, design_of
+from tuner.observers.lmi.inequalities import gain_of, riccati_program, variance_program
 from tuner.observers.lmi.proof import limit, met, proved
 from tuner.observers.lmi.units import Scaled, scaled
 
@@ -61,44 +62,36 @@ class H2Observer:
     seconds: float
 
 
-def h2_observer(
-    A: ArrayLike,
-    C: ArrayLike,
-    W: ArrayLike,
-    V: ArrayLike,
-    M: ArrayLike,
-    *,
-    discrete: bool = False,
-) -> H2Observer:
+def h2_observer(system: LinearSystem, errors: ArrayLike) -> H2Observer:
     """The observer with the least sum of the variances of M e, proved from both sides.
 
     Args:
-        A, C, W, V, M, discrete: see :class:`tuner.observers.lmi.Model`.
+        system: the system.
+        errors: those that count, M, ``(k, n)``.
 
     Raises:
-        ValueError: for shapes that do not fit, noise that is no covariance, or a model without
-            any stable observer.
+        ValueError: for errors that do not fit, or a system without any stable observer.
 
-    >>> observer = h2_observer([[-1.0]], [[1.0]], [[3.0]], [[1.0]], [[1.0]])
+    >>> observer = h2_observer(LinearSystem([[-1.0]], [[1.0]], [[3.0]], [[1.0]]), [[1.0]])
     >>> print(f"{observer.value:.6f} with gain {observer.gain.item():.6f}")
     1.000000 with gain 1.000000
     """
     begun = time.perf_counter()
-    model = observer_model(A, C, W, V, M, discrete)
-    plain = scaled(model)
-    refuse_undetectable(plain.inner, plain.units.time)
+    design = design_of(system, errors)
+    require_detectable(system)
+    plain = scaled(design)
     found = _least(plain)
     covariance = found.own.covariance(found.gain)
-    variances = model.variances(covariance)
+    variances = design.variances(covariance)
     return H2Observer(
         status=found.status,
         message=found.message,
-        gain=found.own.units.gain(found.gain),
+        gain=found.own.gain(found.gain),
         poles=found.own.poles(found.gain),
         covariance=covariance,
         variances=variances,
         value=float(variances.sum()),
-        lower_bound=found.lower * float(plain.units.errors[0]) ** 2,
+        lower_bound=found.lower * float(plain.errors[0]) ** 2,
         primal=found.primal,
         dual=found.dual,
         seconds=time.perf_counter() - begun,
@@ -121,8 +114,8 @@ class _Found:
 def _least(plain: Scaled) -> _Found:
     """The best gain in coordinates in which all covariances are near one, or else in plain ones."""
     own = _whitened(plain)
-    dual = solve(largest_covariance(own.inner))
-    primal = solve(least_variance(own.inner, capped=False))
+    dual = solve(riccati_program(own.inner))
+    primal = solve(variance_program(own.inner, capped=False))
     gain = gain_of(primal, own.inner)
     for _ in range(POLISHES):
         gain = _polished(own.inner, gain)
@@ -130,7 +123,7 @@ def _least(plain: Scaled) -> _Found:
     lower = proved(own.inner, gain, primal, dual)
     status, message = met(own.inner.total(gain), lower)
     found = _Found(own, gain, lower, primal, dual, status, message)
-    slow = own.inner.rate(gain) < SLOW * np.linalg.norm(own.inner.A)
+    slow = own.inner.system.decay(gain) < SLOW * np.linalg.norm(own.inner.system.A)
     if status is Status.CONVERGED and not slow:
         return found
     capped, ended, why = limit(plain.inner, lower)
@@ -141,25 +134,25 @@ def _least(plain: Scaled) -> _Found:
 
 def _whitened(plain: Scaled) -> Scaled:
     """Coordinates in which the Riccati inequality's solution is the unit matrix."""
-    dual = solve(largest_covariance(plain.inner))
+    dual = solve(riccati_program(plain.inner))
     return plain.whitened(dual.variables["X"]) if "X" in dual.variables else plain
 
 
-def _polished(model: Model, gain: np.ndarray) -> np.ndarray:
+def _polished(design: Design, gain: np.ndarray) -> np.ndarray:
     """The Kalman gain for the covariance that a gain leads to, unless that is worse."""
-    P = model.covariance(gain)
+    s, P = design.system, design.covariance(gain)
     if not np.isfinite(P).all():
         return gain
-    innovation = model.V + model.discrete * model.C @ P @ model.C.T
+    innovation = s.V + s.discrete * s.C @ P @ s.C.T
     if np.linalg.cond(innovation) > 1e10:
         return gain
-    carried = (model.A @ P if model.discrete else P) @ model.C.T
+    carried = (s.A @ P if s.discrete else P) @ s.C.T + s.S
     better = np.asarray(np.linalg.solve(innovation, carried.T).T)
-    before, after = model.variances(P).sum(), model.total(better)
+    before, after = design.variances(P).sum(), design.total(better)
     return better if after <= before * (1 + 1e-12) else gain
 
 
-def _better(model: Model, gain: np.ndarray) -> np.ndarray:
-    """A gain, or none where the model left alone does as well: what is not driven decays."""
+def _better(design: Design, gain: np.ndarray) -> np.ndarray:
+    """A gain, or none where the system left alone does as well: what is not driven decays."""
     none = np.zeros_like(gain)
-    return none if model.total(none) <= model.total(gain) else gain
+    return none if design.total(none) <= design.total(gain) else gain

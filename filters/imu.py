@@ -1,0 +1,35 @@
+"""One sample of an inertial unit, as the attitude filters take it."""
+
+from typing import Annotated, NamedTuple
+
+from jax import Array
+
+from filters.declared import Channel, Param
+
+XYZ = ("x", "y", "z")
+WXYZ = ("w", "x", "y", "z")
+
+
+class ImuSample(NamedTuple):
+    """One sample of an inertial unit; stacked along time for :func:`filters.run`.
+
+    All three are ``(3,)`` in the sensor's axes, and NaN is missing: a missing rate is no turn.
+
+    >>> import jax.numpy as jnp
+    >>> ImuSample(jnp.array([0.0, 0.0, 9.81]), jnp.zeros(3)).mag is None
+    True
+    """
+
+    acc: Annotated[Array, Channel("m/s^2", "specific force, +g along z at rest, z up", XYZ)]
+    gyr: Annotated[Array, Channel("rad/s", "angular rate", XYZ)]
+    mag: Annotated[Array | None, Channel("", "magnetic field, in any unit", XYZ)] = None
+
+
+ATTITUDE = Channel("", "attitude, sensor to earth, earth z up", WXYZ, "attitude")
+"""What an attitude filter estimates, ``(4,)``."""
+LEVEL = Param(
+    "", "attitude at the start, sensor to earth; zeros: level by the first sample", 0.0, shape=(4,)
+)
+"""Where an attitude filter begins."""
+GRAVITY = Param("m/s^2", "gravity, in the accelerometers' unit", 9.81)
+"""What accelerometers show at rest."""

@@ -1,0 +1,99 @@
+"""Errors of any output, by the name of its channel."""
+
+from dataclasses import dataclass
+from math import pi
+from typing import Any, Literal
+
+import jax.numpy as jnp
+from jax import Array
+
+from filters import channel_facts
+from filters.declared import declaration
+from objectives.squares import Squares
+
+
+@dataclass(frozen=True)
+class ChannelRmse:
+    """Root mean square error of one output of a filter, in the output's unit.
+
+    The truth has the output's shape, time first; records side by side count as one long record. A
+    number whose truth is NaN does not count. The squares of a vector's parts are added. It sums in
+    the time loop, and keeps nothing.
+
+    Attributes:
+        name: of the output; ``""``: the outputs are one array themselves.
+        kind: ``"number"``: by difference; ``"angle"``: in rad, by difference within half a turn.
+        parts: of the vector; 1 for a single number.
+
+    Raises:
+        ValueError: for another kind, for parts below 1, for outputs without that name, and for a
+            truth of another shape.
+
+    >>> error = ChannelRmse("", "angle")
+    >>> round(float(error(jnp.array([3.1, 0.0]), jnp.array([3.1 - 2 * pi, jnp.nan]))), 12)
+    0.0
+    """
+
+    name: str
+    kind: Literal["number", "angle"] = "number"
+    parts: int = 1
+
+    def __post_init__(self) -> None:
+        if self.kind not in ("number", "angle"):
+            raise ValueError(
+                f"ChannelRmse: {self.name!r} is of kind {self.kind!r}; it takes a number or an "
+                "angle, AttitudeRmse takes an attitude, and a detail has no truth"
+            )
+        if self.parts < 1:
+            raise ValueError(f"ChannelRmse: {self.name!r} has {self.parts} parts; give 1 or more")
+
+    @classmethod
+    def of(cls, filter: Any, name: str) -> "ChannelRmse":
+        """The error of an output as a filter, or its class, declares it.
+
+        Raises:
+            ValueError: for a name that is none of its outputs, or an output of another kind.
+        """
+        facts = channel_facts(filter, "outputs")
+        if name not in facts:
+            there = ", ".join(facts)
+            raise ValueError(f"ChannelRmse: {name!r} is not among the outputs; there are: {there}")
+        alone = not isinstance(declaration(filter, "outputs"), type)
+        kind: Any = facts[name].kind  # another one is refused as it is made
+        return cls("" if alone else name, kind, max(1, len(facts[name].axes)))
+
+    def init(self) -> Squares:
+        """Nothing yet."""
+        return Squares.none()
+
+    def update(self, total: Squares, output: Any, truth: Array) -> tuple[Squares, None]:
+        """Add one sample."""
+        estimate = self._named(output)
+        if estimate.shape != truth.shape:
+            raise ValueError(
+                f"ChannelRmse: {self.name!r} has the shape {estimate.shape} and its truth "
+                f"{truth.shape}; give a truth for every number"
+            )
+        seen = ~jnp.isnan(truth)
+        # Masked before it is squared: a NaN would reach the derivative.
+        error = jnp.where(seen, estimate - jnp.where(seen, truth, 0.0), 0.0)
+        if self.kind == "angle":
+            error = error - 2 * pi * jnp.round(error / (2 * pi))
+        return total.plus(error**2, seen), None
+
+    def value(self, total: Squares, kept: None) -> Array:
+        """The root of the mean, ``()``; NaN where nothing counts."""
+        return jnp.sqrt(float(self.parts)) * total.root_mean()
+
+    def __call__(self, outputs: Any, truth: Array) -> Array:
+        """The same of stacked outputs."""
+        return self.value(self.update(self.init(), outputs, truth)[0], None)
+
+    def _named(self, outputs: Any) -> Array:
+        if self.name and not hasattr(outputs, self.name):
+            raise ValueError(
+                f"ChannelRmse: {type(outputs).__name__} has no output {self.name!r}; give the name "
+                'of one, or "" where the outputs are one array'
+            )
+        found: Array = getattr(outputs, self.name) if self.name else outputs
+        return found

@@ -1,0 +1,55 @@
+"""What can be set."""
+
+from typing import Literal
+
+from pydantic import Field, field_validator
+
+from objectives import covariance
+from tuner.names import unknown
+from tuner.run.settings import StudySettings
+from tuner.solvers import SOLVERS
+
+
+class Settings(StudySettings):
+    """What can be set with ``--set``; the defaults are the paper's wherever it names a value."""
+
+    step: float = Field(0.2, gt=0, description="height of the step, rad/s or m/s^2")
+    reading: Literal["R1", "R2", "R6"] = Field("R6", description="what (10)'s second term means")
+    crossing: Literal["hinge", "first"] = Field("hinge", description="where (10)'s first term ends")
+    weight: float = Field(1.0, gt=0, description="factor on (10)'s second term")
+    cutoff_hz: float = Field(1.0, gt=0, description="where Table 1's procedure splits a record")
+    split: Literal["ideal", "butterworth"] = Field("ideal", description="the filters it uses")
+    R: float | None = Field(
+        None, gt=0, description="measurement variance; from the record if unset"
+    )
+    Q: float | None = Field(None, gt=0, description="where Q starts; from the record if unset")
+    P0: tuple[tuple[float, float], tuple[float, float]] = Field(
+        ((1.0, 1.0), (1.0, 1.0)), description="covariance of the start"
+    )
+    solvers: tuple[str, ...] = Field(
+        ("nelder-mead", "l-bfgs-b"), min_length=1, description="of tuner list solvers"
+    )
+    starts: int = Field(4, ge=1, description="starts of each descent")
+    rate_hz: float = Field(10_000.0, gt=0, description="of the built-in record")
+    seconds: float = Field(10.0, gt=0, description="length of the built-in record")
+    grid: int = Field(25, ge=2, le=257, description="points along each axis of Fig 8")
+
+    @field_validator("P0")
+    @classmethod
+    def _covariance(cls, value: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
+        if min(row[i] for i, row in enumerate(covariance(value))) <= 0:
+            raise ValueError("must have a positive diagonal: a start known exactly never learns")
+        return value
+
+    @field_validator("solvers", mode="before")
+    @classmethod
+    def _separate(cls, value: object) -> object:
+        return value.split(",") if isinstance(value, str) else value
+
+    @field_validator("solvers")
+    @classmethod
+    def _known(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        for name in value:
+            if name not in SOLVERS:
+                raise unknown("solver", name, SOLVERS)
+        return value

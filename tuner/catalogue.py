@@ -1,0 +1,53 @@
+"""Studies, filters and objectives by name, from whichever installed packages offer them.
+
+A package offers one by an entry point of one of the groups below; this package's own are found in
+the same way.
+"""
+
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any, Literal, TypeAlias
+
+from tuner.names import unknown
+
+Group: TypeAlias = Literal["tuner.studies", "tuner.filters", "tuner.objectives"]
+_KINDS = {"tuner.studies": "study", "tuner.filters": "filter", "tuner.objectives": "objective"}
+
+
+def names(group: Group) -> list[str]:
+    """The names in a group, sorted; nothing of it is imported.
+
+    >>> "local-level" in names("tuner.filters")
+    True
+    """
+    return sorted({point.name for point in entry_points(group=group)})
+
+
+def find(group: Group, name: str) -> Any:
+    """What a name in a group stands for; it is imported now.
+
+    Raises:
+        ValueError: for an unknown name, with the near ones; for one that packages offer for
+            different things; and for one that cannot be imported.
+
+    >>> find("tuner.filters", "madgwick").__name__
+    'Madgwick'
+    """
+    offers = {point.value: point for point in entry_points(group=group) if point.name == name}
+    if not offers:
+        raise unknown(_KINDS[group], name, names(group))
+    if len(offers) > 1:
+        who = " and ".join(f"{point.value} of {_package(point)}" for point in offers.values())
+        raise ValueError(f"the {_KINDS[group]} {name!r} is both {who}; uninstall one")
+    (point,) = offers.values()
+    try:
+        return point.load()
+    except Exception as error:  # whatever the import of another package's module may raise
+        why = " ".join(f"{type(error).__name__}: {error}".split())
+        raise ValueError(
+            f"the {_KINDS[group]} {name!r} of {_package(point)} cannot be loaded from "
+            f"{point.value} ({why}); mend that package or uninstall it"
+        ) from error
+
+
+def _package(point: EntryPoint) -> str:
+    return point.dist.name if point.dist is not None else "an unknown package"

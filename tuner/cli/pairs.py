@@ -1,0 +1,67 @@
+"""NAME=VALUE options, in one sentence where they are wrong."""
+
+from collections.abc import Iterable
+from math import isfinite
+from typing import Any
+
+from tuner.cli.settings import value_of
+
+
+def words(option: str, pairs: Iterable[str]) -> dict[str, Any]:
+    """Values by name: numbers, true, [lists] as in TOML, or text.
+
+    Raises:
+        ValueError: for a pair without "=", and a name that is given twice.
+
+    >>> words("--set", ["law=two-step", "every=4"])
+    {'law': 'two-step', 'every': 4}
+    """
+    found: dict[str, Any] = {}
+    for pair in pairs:
+        name, equals, text = (part.strip() for part in pair.partition("="))
+        if not (name and equals and text):
+            raise ValueError(f"{option} {pair} says nothing; write {option} NAME=VALUE")
+        if name in found:
+            raise ValueError(f"{option} names {name} twice; name it once")
+        found[name] = value_of(text)
+    return found
+
+
+def numbers(option: str, pairs: Iterable[str]) -> dict[str, float]:
+    """Finite numbers by name.
+
+    Raises:
+        ValueError: as :func:`words`, and for a value that is no finite number.
+
+    >>> numbers("--start", ["q=4", "R=25"])
+    {'q': 4.0, 'R': 25.0}
+    """
+    return {name: _number(option, name, value) for name, value in words(option, pairs).items()}
+
+
+def bounds(option: str, pairs: Iterable[str]) -> dict[str, tuple[float, float]]:
+    """Ranges LOW..HIGH by name.
+
+    Raises:
+        ValueError: as :func:`words`, and for what is no range of two rising numbers.
+
+    >>> bounds("--bound", ["tau=0.1..10"])
+    {'tau': (0.1, 10.0)}
+    """
+    found = {}
+    for pair in pairs:
+        name, _, text = (part.strip() for part in pair.partition("="))
+        low, dots, high = (part.strip() for part in text.partition(".."))
+        if not (name and dots and low and high):
+            raise ValueError(f"{option} {pair} is no range; write {option} NAME=LOW..HIGH")
+        ends = _number(option, name, value_of(low)), _number(option, name, value_of(high))
+        if not ends[0] < ends[1]:
+            raise ValueError(f"{option} {pair} does not rise; write the lower end first")
+        found[name] = ends
+    return found
+
+
+def _number(option: str, name: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+        raise ValueError(f"{option} {name} is {value!r}; give a finite number")
+    return float(value)

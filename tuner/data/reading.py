@@ -1,0 +1,266 @@
+"""From files and mappings to records."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from os import PathLike
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+
+from tuner.data.channels import Reading, read_channels
+from tuner.data.logs.error import LogError, counted, quoted
+from tuner.data.logs.formats import open_table
+from tuner.data.logs.log import check_rate, sha256_of
+from tuner.data.logs.mapping import Mapping as Column
+from tuner.data.logs.mapping import parse_column
+from tuner.data.logs.table import Table
+from tuner.data.logs.timename import is_time
+from tuner.data.logs.timing import timing_names
+from tuner.data.logs.values import Columns, load_columns
+from tuner.data.record import Record, Signal
+from tuner.data.source import Source
+from tuner.data.splitting import labels_of, split
+from tuner.data.wanted import Declared, Wanted, all_of, asked, shared_out
+
+Paths: TypeAlias = "str | PathLike[str] | Sequence[str | PathLike[str]]"
+
+
+@dataclass(frozen=True)
+class _File:
+    path: Path
+    table: Table
+    wanted: tuple[Wanted, ...]
+
+
+@dataclass(frozen=True)
+class _Timed:
+    """How the user said when samples were taken."""
+
+    time: str | None
+    rate_hz: float | None
+
+
+def read_record(
+    paths: Paths,
+    mappings: Sequence[str],
+    *,
+    truth: Sequence[str] = (),
+    inputs: Declared = None,
+    outputs: Declared = None,
+    rate_hz: float | None = None,
+    time: str | None = None,
+) -> Record:
+    """Read one recording from one file or several on one clock; see :func:`read_records`.
+
+    Raises:
+        LogError: as :func:`read_records`, and where the files are several recordings.
+
+    Example:
+        >>> import pathlib, tempfile
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = pathlib.Path(folder, "gyro.csv")
+        ...     _ = path.write_text("t,gx\\n0.00,90\\n0.01,\\n0.02,180\\n")
+        ...     record = read_record(path, ["rate=gx:deg/s"])
+        >>> record.channels["rate"].values.round(4).tolist(), record.channels["rate"].unit
+        ([1.5708, nan, 3.1416], 'rad/s')
+    """
+    records = read_records(
+        paths,
+        mappings,
+        truth=truth,
+        inputs=inputs,
+        outputs=outputs,
+        rate_hz=rate_hz,
+        time=time,
+    )
+    if len(records) > 1:
+        raise LogError(
+            f"{quoted(record.name for record in records)} hold the same columns and so are "
+            "several recordings; read them with read_records, or name the file of each column"
+        )
+    return records[0]
+
+
+def read_records(
+    paths: Paths,
+    mappings: Sequence[str],
+    *,
+    truth: Sequence[str] = (),
+    inputs: Declared = None,
+    outputs: Declared = None,
+    rate_hz: float | None = None,
+    time: str | None = None,
+    by: str | None = None,
+) -> tuple[Record, ...]:
+    """Read recordings: CSV or TXT (also compressed), NPZ, or MAT.
+
+    Files that all have all columns are recordings side by side; files that share the columns out
+    among them are one recording on one clock.
+
+    Args:
+        paths: the file, or several; their bytes tell the format, not their names.
+        mappings: ``NAME=COLUMN``, ``NAME=COLUMN,COLUMN,COLUMN:UNIT``: which columns feed which
+            channel. A column may have a minus sign, ``[index]`` and ``*factor``; ``FILE/`` before
+            them says which file is meant. The units ``lat`` and ``lon`` are degrees that become
+            metres north and east of the first fix.
+        truth: the same for what should come out.
+        inputs: the channels that there are, with their units and axes; any name and any SI unit
+            if left out.
+        outputs: the same for the truth.
+        rate_hz: samples per second; None takes it from a time column or a scalar of the file.
+            With several files, that of those without a time column.
+        time: the time column as ``column[index]*factor:unit``; None looks for one by its name.
+        by: the column, of numbers or text, that tells the recordings of one file apart.
+
+    Raises:
+        LogError: for a file, a column, a unit or values that cannot be used, in one sentence.
+    """
+    files = [Path(paths)] if isinstance(paths, str | PathLike) else [Path(path) for path in paths]
+    if not files:
+        raise LogError("no file is named; give at least one")
+    if rate_hz is not None:
+        check_rate(rate_hz)
+    names = [path.name for path in files]
+    maps = asked(mappings, inputs, names, truth=False) + asked(truth, outputs, names, truth=True)
+    tables = [open_table(path) for path in files]
+    if not mappings:
+        raise LogError(
+            f"{tables[0].file}: no channel is mapped; give --map NAME=COLUMN with one of the "
+            f"columns {quoted(tables[0].names)}"
+        )
+    timed = _Timed(time, rate_hz)
+    shares = shared_out(tables, maps)
+    if shares is not None and len(files) > 1:
+        if by is not None:
+            raise LogError(f"--by {by} splits one file, and {quoted(names)} are one recording")
+        return (_merged(_files(files, tables, shares), timed),)
+    alone = _files(files, tables, shares or [all_of(table, maps) for table in tables])
+    if by is None:
+        return tuple(_merged([file], timed) for file in alone)
+    return tuple(record for file in alone for record in _parted(file, timed, by))
+
+
+def _files(
+    paths: Sequence[Path], tables: Sequence[Table], shares: Sequence[list[Wanted]]
+) -> list[_File]:
+    return [
+        _File(path, table, tuple(share))
+        for path, table, share in zip(paths, tables, shares, strict=True)
+    ]
+
+
+def _loaded(
+    file: _File, timed: _Timed, named: bool, extra: Sequence[str]
+) -> tuple[Columns, Column | None]:
+    """What is needed of a file, and its time column where the user named it."""
+    parts = [part for one in file.wanted for part in one.parts]
+    if timed.time is not None:
+        clock = parse_column("time", timed.time)
+        found = file.table.resolve(clock) if named else file.table.find(clock)
+        if found is not None:
+            return load_columns(file.table, [*parts, found], extra), found
+    return load_columns(file.table, parts, [*timing_names(file.table), *extra]), None
+
+
+def _merged(files: Sequence[_File], timed: _Timed) -> Record:
+    """One recording from files on one clock."""
+    several = len(files) > 1
+    if several and timed.time is not None:
+        clock = parse_column("time", timed.time)
+        if not any(file.table.find(clock) for file in files):
+            files[0].table.resolve(clock)
+    found: list[tuple[_File, list[Reading]]] = []
+    for file in files:
+        columns, clock_ = _loaded(file, timed, not several, ())
+        rate = timed.rate_hz
+        if several and (clock_ is not None or any(map(is_time, file.table.names))):
+            rate = None
+        found.append((file, read_channels(columns, file.wanted, clock_, rate)))
+    _check_present(found)
+    return _record(files[0].path.name if not several else _together(files), found)
+
+
+def _together(files: Sequence[_File]) -> str:
+    return " + ".join(file.path.name for file in files)
+
+
+def _parted(file: _File, timed: _Timed, by: str) -> list[Record]:
+    """The recordings that a column of one file tells apart."""
+    labels = labels_of(file.table, by)
+    columns, clock = _loaded(file, timed, True, ())
+    parts = [(label, rows) for label, rows in split(labels)]
+    long = [(label, rows) for label, rows in parts if len(rows) > 1]
+    if not long:
+        raise LogError(f"{file.table.file}: no value of {by!r} has 2 rows; name another column")
+    found = [
+        (label, read_channels(columns.rows(rows, len(labels)), file.wanted, clock, timed.rate_hz))
+        for label, rows in long
+    ]
+    _check_present([(file, readings) for _, readings in found])
+    records = [_record(f"{file.path.name}: {by} {label}", [(file, r)]) for label, r in found]
+    if left := len(parts) - len(long):
+        told = f"{by}: {counted(left, 'value')} with one row alone left out"
+        records[0] = replace(records[0], notes=(*records[0].notes, told))
+    return records
+
+
+def _record(name: str, found: Sequence[tuple[_File, list[Reading]]]) -> Record:
+    """Channels with their times since the first of them."""
+    readings = [reading for _, those in found for reading in those]
+    origins = [r.timing.clock.origin for r in readings if r.timing.clock.origin is not None]
+    start = min(origins, default=Fraction(0))
+    channels: dict[str, Signal] = {}
+    truth: dict[str, Signal] = {}
+    for reading in readings:
+        place = truth if reading.wanted.truth else channels
+        place[reading.wanted.mapped.channel] = _signal(reading, start)
+    sources = tuple(_source(file, those) for file, those in found)
+    return Record(name, channels, truth, sources, _notes(found))
+
+
+def _signal(reading: Reading, start: Fraction) -> Signal:
+    clock = reading.timing.clock
+    later = 0.0 if clock.origin is None else float(clock.origin - start)
+    values, times = reading.values, clock.seconds + later
+    values.flags.writeable = times.flags.writeable = False
+    return Signal(values, times, reading.unit, reading.wanted.mapped.source, clock)
+
+
+def _source(file: _File, readings: Sequence[Reading]) -> Source:
+    longest = max((reading.timing for reading in readings), key=lambda t: len(t.clock.seconds))
+    samples = len(longest.clock.seconds)
+    return Source(file.path.name, sha256_of(file.path), samples, longest.rate_hz)
+
+
+def _check_present(found: Sequence[tuple[_File, list[Reading]]]) -> None:
+    """Refuse a channel without a number in all of what was read of a file."""
+    filled: Counter[tuple[str, str]] = Counter()
+    rows: Counter[tuple[str, str]] = Counter()
+    for file, readings in found:
+        for reading in readings:
+            mapped = reading.wanted.mapped
+            key = (file.table.file, f"{mapped.source!r} (mapped to {mapped.channel})")
+            rows[key] += len(reading.values)
+            filled[key] += int((~np.isnan(reading.values)).sum())
+    for (name, column), count in rows.items():
+        if not filled[name, column]:
+            raise LogError(
+                f"{name}: column {column} is missing in all {count} rows; "
+                "map a column that holds numbers"
+            )
+
+
+def _notes(found: Sequence[tuple[_File, list[Reading]]]) -> tuple[str, ...]:
+    """What was taken for granted in all files."""
+    notes: list[str] = []
+    for file, readings in found:
+        prefix = f"{file.path.name}: " if len(found) > 1 else ""
+        clocks = {id(r.timing): r.timing.clock for r in readings}
+        notes += [prefix + note for clock in clocks.values() for note in clock.notes]
+        notes += [note for reading in readings for note in reading.notes]
+        if len(found) > 1 and any(clock.origin is None for clock in clocks.values()):
+            notes.append(f"{prefix}no times of its own; taken to begin with the other files")
+    return tuple(dict.fromkeys(notes))

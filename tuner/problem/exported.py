@@ -1,0 +1,99 @@
+"""What is written down of a tuned filter beside its tuned parameters."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from filters.declared import bare, channel_facts, in_unit, parameter_facts, values_of
+from tuner.certificate.solution import Solution
+from tuner.export.tuned import Quantity
+from tuner.problem.space import Space
+
+
+def no_more(params: Any) -> tuple[Quantity, ...]:
+    """Nothing follows."""
+    return ()
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What an export says beside the parameters.
+
+    Attributes:
+        filter: name of the filter's class.
+        states: names of its states, in their order.
+        dt: sample time, s; 0 where it is continuous.
+        derived: what follows from the filter's parameters.
+        unit: of the measurement, where the filter takes it in any.
+    """
+
+    filter: str
+    states: tuple[str, ...] = ()
+    dt: float = 0.0
+    derived: Callable[[Any], tuple[Quantity, ...]] = no_more
+    unit: str = ""
+
+
+def exported_of(filter: Any, unit: str = "") -> Exported:
+    """What a filter declares of itself: its states, and what it derives from its parameters."""
+    if filter is None:
+        return Exported("Design")
+    filter = bare(filter)
+    states = channel_facts(filter, "states") if hasattr(filter, "states") else {}
+    names = [f"{name}_{axis}" for name, c in states.items() for axis in c.axes or ("",)]
+    return Exported(
+        type(filter).__name__,
+        tuple(name.rstrip("_") for name in names),
+        float(getattr(filter, "dt", 0.0)),
+        partial(derived_of, filter, unit=unit),
+        unit,
+    )
+
+
+def derived_of(filter: Any, params: Any, unit: str = "") -> tuple[Quantity, ...]:
+    """What follows from a filter's parameters by its own ``derive``."""
+    facts: dict[str, Any] = dict(getattr(filter, "derived", {}))
+    return _told(facts, filter.derive(params) if facts else {}, unit)
+
+
+def held_of(filter: Any, params: Any, unit: str = "") -> tuple[Quantity, ...]:
+    """The filter's own parameters, as it declares them."""
+    filter = bare(filter)
+    if not hasattr(filter, "params"):
+        return ()
+    return _told(parameter_facts(filter), values_of(filter, params), unit)
+
+
+def _told(facts: Mapping[str, Any], values: Mapping[str, Any], unit: str) -> tuple[Quantity, ...]:
+    """Numbers with their facts; what is not finite stands for something that there is not."""
+    arrays = {name: np.asarray(value, float) for name, value in values.items()}
+    return tuple(
+        Quantity(name, array, in_unit(facts[name].unit, unit), facts[name].meaning)
+        for name, array in arrays.items()
+        if np.isfinite(array).all()
+    )
+
+
+def quantities_of(space: Space, solution: Solution) -> tuple[Quantity, ...]:
+    """The parameters of a solution, with the units and meanings that the space has for them."""
+    meanings = {name: parameter.meaning for name, parameter in space.parameters}
+    return tuple(
+        Quantity(name, p.value, p.unit, meanings.get(name, ""))
+        for name, p in solution.parameters.items()
+    )
+
+
+def once(told: Iterable[Quantity]) -> tuple[Quantity, ...]:
+    """Every name once; where names are alike but for capitals, the later one is renamed."""
+    found: dict[str, Quantity] = {}
+    for quantity in told:
+        first = found.get(quantity.name.lower())
+        if first is None:
+            found[quantity.name.lower()] = quantity
+        elif first.name != quantity.name:
+            name = f"{quantity.name}_derived"
+            found.setdefault(name.lower(), replace(quantity, name=name))
+    return tuple(found.values())
