@@ -222,7 +222,7 @@ def toy_plan_problem():
     def none(name, **options):
         return Solved(name, None)
 
-    return toy_plan(ToySettings(), None, 0, "", solver=none).tasks[0].problem
+    return toy_plan(ToySettings(), (), 0, "", solver=none).tasks[0].problem
 
 
 def test_what_a_filter_says_of_itself():
