@@ -74,7 +74,7 @@ def test_experiment_2_is_the_textbooks(unit):
     # The same products in the same order: the sines' arguments reach 3.5e5, whose last bit alone
     # would be 6e-11 of the noise.
     np.testing.assert_allclose(inputs.acc, acceleration, rtol=0, atol=1e-15)
-    np.testing.assert_allclose(inputs.gyr * TO_PAPER, rate, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(np.asarray(inputs.gyr) * TO_PAPER, rate, rtol=0, atol=1e-15)
     assert float(inputs.acc[:, 1].sum()) == printed("0.0238196081")
 
 

@@ -1,7 +1,5 @@
 """Certificates: what is flat and how that is said, bounds, stationarity, intervals."""
 
-import doctest
-import importlib
 from functools import cache
 
 import jax.numpy as jnp
@@ -281,10 +279,3 @@ def test_only_free_single_numbers_have_intervals():
     # curves in their logit and logarithm: a few per cent of 0.1.
     np.testing.assert_allclose(found["b"].interval, [0.2, 0.4], atol=0.02)
     np.testing.assert_allclose(found["a"].interval, [4.9, 5.1], atol=0.002)
-
-
-@pytest.mark.parametrize("name", ["certify", "comparison", "names", "space", "split"])
-def test_examples_in_docstrings(name):
-    found = doctest.testmod(importlib.import_module(f"tuner.{name}"))
-    assert found.failed == 0
-    assert found.attempted > 0

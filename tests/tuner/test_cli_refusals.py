@@ -35,7 +35,6 @@ LOGS = {
     "Inf run": (column([*DRAW[:50], *["inf"] * 3, *DRAW[53:]]), "nf"),
     "constant channel": (column([1.5] * 400), "constant"),
     "backwards time": (clocked(np.where(np.arange(400) == 200, 0.5, TIMES)), "t"),
-    "duplicated time": (clocked(np.where(np.arange(400) == 200, TIMES[199], TIMES)), "t"),
     "too few samples for Welch": (column(DRAW[:30]), "too few"),
 }
 
@@ -64,10 +63,14 @@ def test_bad_ways_to_read_a_good_log(cli, here, words, word):
     assert [path.name for path in here.iterdir()] == ["rest.csv"]
 
 
-def test_float32_array(cli, here):
-    np.savez("rest.npz", gx=DRAW.astype(np.float32))
-    words = ["--log", "rest.npz", "--map", "omega=gx", "--rate", "100"]
-    refused(cli("run", "kownacki2010", *words), "float32")
+def test_what_is_read_with_a_note(cli, here):
+    times = np.where(np.arange(400) == 200, TIMES[199], TIMES)
+    np.savez("rest.npz", gx=DRAW.astype(np.float32), t=times)
+    words = ["--log", "rest.npz", "--map", "omega=gx", "--dry-run"]
+    code, _, err = cli("run", "kownacki2010", *words)
+    assert code == 0
+    assert "omega: float32, widened" in err
+    assert "time 't': 1 repeated time spread over" in err
 
 
 class Bomb:

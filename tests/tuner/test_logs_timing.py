@@ -115,9 +115,15 @@ def test_bursts_are_spread_since_the_time_before(tmp_path):
     burst[10:13] = times[12]
     burst[200:202] = times[201]
     findings = read(tmp_path, t=burst).findings
-    assert findings.notes == ("time 't': 3 repeated times spread since the time before",)
+    assert findings.notes == ("time 't': 3 repeated times spread over their time",)
     assert (findings.gaps, findings.rate_hz) == ((), pytest.approx(100))
     assert findings.jitter < 1e-6
+
+
+def test_a_clock_of_coarse_ticks_is_spread(tmp_path):
+    findings = read(tmp_path, t=np.floor(np.arange(N) / 7.3) / 10).findings
+    assert findings.rate_hz == pytest.approx(73, rel=0.05)  # ticks of 7 and 8 samples
+    assert (findings.gaps, findings.jitter < 0.2) == ((), True)
 
 
 def test_a_rate_overrules_a_clock_that_stands_still(tmp_path):
@@ -192,6 +198,12 @@ STEADY = np.arange(N) / 100
         ({"time": "t:h"}, {"t": STEADY}, ["'h', no unit of time", "ms"]),
         ({"time": "u"}, {"t": STEADY, "u": STEADY[:9]}, ["9 rows", "channels have 400"]),
         ({}, {"t": np.ones(N)}, ["stands still", "--rate"]),
+        (
+            {},
+            {"t": np.insert(STEADY, 9, STEADY[8])[:N]},  # a row twice
+            ["stands still at row 9 ", "repeated rows", "--by", "--rate"],
+        ),
+        ({}, {"t": np.r_[STEADY[:200], np.repeat(STEADY[200:300], 2)]}, ["row 201 ", "--by"]),
         ({}, {"t": np.r_[STEADY[:9], STEADY[2:-7]]}, ["runs backwards", "row 9 ", "sort"]),
         ({"time": "t:ms"}, {"t": np.arange(N).astype(np.uint8)}, ["runs backwards", "row 256 "]),
         ({}, {"t": np.where(STEADY > 3, np.nan, STEADY)}, ["'t'", "99 rows", "row 301 "]),

@@ -359,6 +359,7 @@ def test_degrees_become_metres_from_the_first_fix():
 def test_recordings_of_one_file():
     path = CASES / "several-tracks" / "tracks.csv"
     raw = columns_of(path)
+    assert "stands still at line 367" in refusal(path, ["x=x:m"])
     records = read_records(path, ["x=x:m"], by="track_id")
     assert len(records) == 20
     for record in records:

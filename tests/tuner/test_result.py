@@ -135,7 +135,14 @@ def result(**changed):
         ],
         "single_precision": [
             SingleRecord(
-                problem="gyro", form="f", largest=1.0, share=2.0, sample=3, rms=4.0, warning="w"
+                problem="gyro",
+                form="f",
+                output="rate",
+                largest=1.0,
+                share=2.0,
+                sample=3,
+                rms=4.0,
+                warning="w",
             )
         ],
         "tuned": [{"name": "gyro"}],
@@ -182,6 +189,7 @@ def test_infinite_rows_scores_and_checks_can_be_read_back(tmp_path):
             SingleRecord(
                 problem="g",
                 form="f",
+                output="",
                 largest=math.inf,
                 share=math.inf,
                 sample=0,

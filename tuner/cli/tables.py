@@ -87,7 +87,7 @@ def show_result(result: Result, folder: Path) -> None:
         if abs(export.relative_change or 0.0) > 1e-12:
             out.print(f"{export.file}: read back and scored, cost {export.relative_change:+.1e}")
     if result.exports:
-        out.print(f"{len(result.exports)} exports, each read back and scored again")
+        out.print(f"{len(result.exports)} exports, each read back, compared and scored again")
     for check in result.single_precision:
         share = "without bound" if check.share is None else f"by {100 * check.share:.2g} %"
         told = f"in single precision the {check.form} form strays {share}{_of(check.output)}"

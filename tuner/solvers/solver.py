@@ -13,6 +13,6 @@ class Solver(Protocol):
         """What it is called in results."""
         ...
 
-    def __call__(self, problem: Any) -> Solution:
+    def __call__(self, problem: Any, /) -> Solution:
         """A certified solution."""
         ...

@@ -1,6 +1,6 @@
 """A time column: its seconds, its usual step, its gaps and its jitter."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -18,6 +18,7 @@ _DIGITS = 9
 _MANY = 10
 _STRAY = 0.1
 _SHARE = 0.2
+_SPREAD = 0.6  # of a usual step: two samples in the time of one have a half
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +34,6 @@ class Clock:
         steady: whether there is a usual step: four fifths of all are within a tenth of it.
         origin: the first sample's time as the column has it, s; None without a column.
         notes: what was taken for granted.
-        repeated: how many samples had the time of the one before, and were spread.
     """
 
     seconds: Floats
@@ -43,7 +43,6 @@ class Clock:
     steady: bool = True
     origin: Fraction | None = None
     notes: tuple[str, ...] = ()
-    repeated: int = 0
 
     @property
     def duration_s(self) -> float:
@@ -72,7 +71,7 @@ def read_clock(columns: Columns, mapping: Mapping, column: Raw) -> Clock:
     scale, unit_known, note = _scale(columns, mapping, column)
     seconds, resolution = _seconds(column, float(scale))
     _check_rising(columns, mapping, seconds)
-    seconds, repeated = _spread(seconds)
+    seconds, repeated = _spread(columns, mapping, seconds)
     step = float(np.median(np.diff(seconds)))
     if step > _SLOW_S and not unit_known:
         unit, rate = proposed(step)
@@ -82,10 +81,9 @@ def read_clock(columns: Columns, mapping: Mapping, column: Raw) -> Clock:
             f"--time '{mapping.column}:{unit}' ({rate:.4g} Hz), or :s where it is seconds",
         )
     first = Fraction(column[0].item()) * scale
-    spread = f"{counted(repeated, 'repeated time')} spread since the time before" * bool(repeated)
+    spread = f"{counted(repeated, 'repeated time')} spread over their time" * bool(repeated)
     notes = tuple(f"time {mapping.column!r}: {told}" for told in (note, spread) if told)
-    clock = judged(seconds, resolution, first + Fraction(float(seconds[0])), notes)
-    return replace(clock, repeated=repeated)
+    return judged(seconds, resolution, first + Fraction(float(seconds[0])), notes)
 
 
 def judged(
@@ -178,19 +176,32 @@ def _check_rising(columns: Columns, mapping: Mapping, seconds: Floats) -> None:
         raise columns.error(mapping, "stands still in all rows; name another --time or --rate HZ")
 
 
-def _spread(seconds: Floats) -> tuple[Floats, int]:
-    """Samples with the time of the one before, spread since the time before theirs.
+def _spread(columns: Columns, mapping: Mapping, seconds: Floats) -> tuple[Floats, int]:
+    """Samples with the time of the one before, spread over the time that they stand for.
 
-    Loggers write what came in one burst with the time at which it came.
+    Loggers write what comes in one burst with the time at which it comes, and clocks that are too
+    coarse with the time of the last tick. What fits neither is a row twice, or two recordings.
     """
     new = np.diff(seconds, prepend=-np.inf) > 0
     if new.all():
         return seconds, 0
-    last = np.flatnonzero(np.append(new[1:], True))  # of each burst: its time is the right one
+    rows = np.arange(len(seconds))
+    first, last = np.flatnonzero(new), np.flatnonzero(np.append(new[1:], True))
     usual = float(seconds[-1] - seconds[0]) / (len(seconds) - 1)
-    rows = np.append(-1, last)
-    times = np.append(seconds[0] - usual * (last[0] + 1), seconds[last])
-    return np.interp(np.arange(len(seconds)), rows, times), int((~new).sum())
+    before = seconds[0] - usual * (last[0] + 1)
+    after = seconds[-1] + usual * (len(seconds) - first[-1])
+    since = np.interp(rows, np.append(-1, last), np.append(before, seconds[last]))
+    until = np.interp(rows, np.append(first, len(rows)), np.append(seconds[first], after))
+    spread = min(since, until, key=lambda times: float(np.diff(times).std()))
+    steps = np.diff(spread)
+    if steps[~new[1:]].min() < _SPREAD * np.median(steps):
+        row = int(np.argmin(new))
+        raise columns.error(
+            mapping,
+            f"stands still at {columns.table.place(row)}, and no pause makes up for it; remove "
+            "repeated rows, say with --by what tells recordings apart, or give --rate HZ",
+        )
+    return spread, int((~new).sum())
 
 
 def _straight(seconds: Floats, resolution: float) -> bool:

@@ -91,11 +91,11 @@ def _from_time(
             time, f"has {rows} where the channels have {samples}; name another --time"
         )
     column = column[:limit]
+    if rate_hz is not None and (repeated := int((column[1:] == column[:-1]).sum())):
+        told = f"time {time.column!r}: left out for its {counted(repeated, 'repeated time')}"
+        return _rated(len(column), rate_hz, "--rate", (told,))
     clock = read_clock(columns, time, column)
     found = 1.0 / clock.step
-    if rate_hz is not None and clock.repeated:
-        told = f"time {time.column!r}: left out for its {counted(clock.repeated, 'repeated time')}"
-        return _rated(len(column), rate_hz, "--rate", (told,))
     if rate_hz is not None and abs(rate_hz - found) > _CONTRADICTION * found:
         raise columns.error(
             time,
