@@ -1,18 +1,14 @@
 """The error-state INS against loops in NumPy, a simulated flight, and recorded ones."""
 
-import os
 from functools import cache
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-import pytest
 from scipy.spatial.transform import Rotation
-from scipy.stats import chi2
 
-from filters import ErrorStateIns, InsNoise, InsSample, assembled, parameter_facts, run
-from filters.ins_aiding import AIDS
+from filters import ErrorStateIns, InsNoise, InsSample, parameter_facts, run
 
 G = 9.80665
 TYPICAL = {name: fact.typical for name, fact in parameter_facts(ErrorStateIns).items()}
