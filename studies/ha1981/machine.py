@@ -90,7 +90,7 @@ def stored_gains(channel: Channel, storage: scheme.Storage) -> Exported:
         tuple(ConventionalLoop.states),
         storage.Ts,
         partial(_stored_quantities, channel, storage),
-        partial(_stored_runs, channel, storage),
+        runs=partial(_stored_runs, channel, storage),
     )
 
 

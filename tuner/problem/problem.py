@@ -164,16 +164,21 @@ class Problem:
         values = {name: jnp.asarray(p.value, float) for name, p in solution.parameters.items()}
         return self.static.build(values)
 
-    def outputs(self, solution: Solution) -> Any:
-        """What the filter returns for a solution over the problem's own data, time first.
+    def outputs(self, solution: Solution, inputs: Any = None) -> Any:
+        """What the filter returns for a solution, time first.
 
-        It is run once a solution and remembered.
+        Args:
+            solution: the solution.
+            inputs: what the filter runs over; None: the problem's own data, over which it is run
+                once a solution and remembered.
 
         Raises:
             ValueError: for a design, which runs no filter.
         """
         if self.filter is None:
             raise ValueError(f"{self.name} runs no filter, so it has no outputs")
+        if inputs is not None:
+            return run_filter(self.filter, self.params(solution), inputs)
         key = b"".join(p.value.tobytes() for p in solution.parameters.values())
         if key not in self._runs:
             self._runs[key] = run_filter(self.filter, self.params(solution), self.data.inputs)
