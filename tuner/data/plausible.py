@@ -68,10 +68,10 @@ def check_accelerometer(name: str, acc: Floats, dt: Floats) -> str:
     """Judge an accelerometer in m/s^2, ``(N, 3)``, by what it reads at rest.
 
     Returns:
-        A warning, empty where there is none: it reads gravity, or is never at rest.
+        A warning where gravity was taken out; empty where it reads gravity, or is never at rest.
 
     Raises:
-        LogError: where it reads 1, or gravity in another unit.
+        LogError: where it reads 1, gravity in another unit, or something else.
 
     >>> still = np.tile([0.0, 0.0, 1.0], (100, 1))
     >>> check_accelerometer("acc", still, np.full(100, 0.01))
@@ -95,8 +95,9 @@ def check_accelerometer(name: str, acc: Floats, dt: Floats) -> str:
             f"{name} reads {norm:.3g} m/s^2 at rest, so gravity was taken out of it; "
             "map the specific force, with gravity, where the filter needs it"
         )
-    return (
-        f"{name} reads {norm:.3g} m/s^2 at rest, where 9.8 is right; check its unit and its scale"
+    raise LogError(
+        f"{name} reads {norm:.3g} m/s^2 at rest, where 9.8 is right; give its unit, or the factor "
+        f"to m/s^2 as in {name}=...*{_GRAVITY / norm:.4g}"
     )
 
 
