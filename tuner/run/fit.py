@@ -17,8 +17,9 @@ from tuner.data.source import Source
 from tuner.problem.surface import values
 from tuner.run.fit_figures import figures
 from tuner.run.judged import Judged, filter_name, first_part, judge
-from tuner.run.posed import Posed, Wishes, pose
+from tuner.run.posed import Posed, check_channels, pose
 from tuner.run.result import FitRecord
+from tuner.run.searched import Wishes
 from tuner.run.study import Plan, Solutions, Task, best
 from tuner.run.summary import five_lines
 from tuner.solvers import Solver, make_solver
