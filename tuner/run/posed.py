@@ -33,6 +33,7 @@ class Posed:
         unit: of the objective's value.
         timeline: the data.
         source: where they come from.
+        notes: what looks strange in them, and what was left out, a sentence each.
     """
 
     problem: Problem
@@ -41,6 +42,7 @@ class Posed:
     unit: str
     timeline: Timeline
     source: Source
+    notes: tuple[str, ...] = ()
 
 
 def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: Source) -> Posed:
