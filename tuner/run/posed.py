@@ -13,6 +13,7 @@ from objectives import Data, Objective
 from tuner.catalogue import find
 from tuner.data.merge import Timeline
 from tuner.data.source import Source
+from tuner.data.units import change
 from tuner.names import unknown
 from tuner.problem.exported import exported_of
 from tuner.problem.problem import Problem
@@ -77,7 +78,7 @@ def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: 
 
 
 def check_channels(name: str, cls: type[Any], timeline: Timeline) -> None:
-    """Refuse channels that are missing, or that the filter does not know.
+    """Refuse channels that are missing, that the filter does not know, or that do not fit it.
 
     Raises:
         ValueError: with what the filter needs.
@@ -86,14 +87,37 @@ def check_channels(name: str, cls: type[Any], timeline: Timeline) -> None:
     for given in timeline.channels:
         if given not in facts:
             raise unknown("channel", given, facts)
+        _check_parts(given, facts[given], timeline.channels[given], timeline)
+        _check_unit(given, facts[given], timeline.units.get(given, ""))
     for needed, fact in facts.items():
         if needed not in timeline.channels and needed not in optional(cls):
             inside = f" in {fact.unit}" if fact.unit else ""
-            columns = ",".join(["COLUMN"] * max(len(fact.axes), 1))
             raise ValueError(
                 f"{name} needs {needed} ({fact.meaning}{inside}), which is not mapped; give it "
-                f"with --map {needed}={columns}[:UNIT]"
+                f"with --map {needed}={_columns(fact)}[:UNIT]"
             )
+
+
+def _columns(fact: Channel) -> str:
+    return ",".join(["COLUMN"] * max(len(fact.axes), 1))
+
+
+def _check_parts(name: str, fact: Channel, values: np.ndarray, timeline: Timeline) -> None:
+    """Refuse a channel that has not the parts that the filter takes."""
+    parts = np.shape(values)[np.ndim(timeline.dt) :]
+    if parts != ((len(fact.axes),) if fact.axes else ()):
+        has = f"{parts[0]} parts" if parts else "one part"
+        needs = f"{len(fact.axes)}: {', '.join(fact.axes)}" if fact.axes else "one number a sample"
+        raise ValueError(f"{name} has {has}, and the filter takes {needs}")
+
+
+def _check_unit(name: str, fact: Channel, unit: str) -> None:
+    """Refuse a channel of another dimension; one that is told in no unit is in that declared."""
+    if unit and fact.unit:
+        try:
+            change(unit, fact.unit)
+        except ValueError as error:
+            raise ValueError(f"{name!r} {error}") from None
 
 
 def set_up(name: str, cls: type[Any], timeline: Timeline, options: Mapping[str, Any]) -> Any:
@@ -134,8 +158,9 @@ def choose_objective(
     """
     outputs = channel_facts(cls, "outputs")
     for given in timeline.truth:
-        if given not in outputs:
-            raise unknown(f"output of {name}", given, outputs)
+        if given not in outputs or outputs[given].kind == "detail":
+            known = [n for n, fact in outputs.items() if fact.kind != "detail"]
+            raise unknown(f"output of {name}", given, known)
     if len(timeline.truth) > 1:
         raise ValueError(
             f"there are truths for {' and '.join(timeline.truth)}, and a fit has one; give one, "
@@ -143,27 +168,43 @@ def choose_objective(
         )
     output = next(iter(timeline.truth), "")
     chosen = wished or _by_what_there_is(name, cls, outputs.get(output), timeline)
-    made: Objective = find("tuner.objectives", chosen)(output, _as_given(outputs, output, timeline))
+    alone = isinstance(declaration(cls, "outputs"), Mapping)  # one array has no field of a name
+    of = "" if alone else output
+    made: Objective = find("tuner.objectives", chosen)(of, _as_given(outputs, output, timeline))
     if chosen in NO_TRUTH:
         _needs(name, chosen, outputs)
-        output = ""
+        if output:
+            raise ValueError(
+                f"the objective {chosen} takes no truth, and one of {output} is given; leave out "
+                "one of them"
+            )
     return chosen, made, output
 
 
 def _as_given(outputs: Mapping[str, Channel], output: str, timeline: Timeline) -> Channel | None:
     """The output's facts, with the axes that its truth has: the first of those declared."""
     fact = outputs.get(output)
-    if fact is None or not fact.axes:
+    if fact is None:
+        return None
+    if not fact.axes:
+        _check_parts(f"the truth of {output}", fact, timeline.truth[output], timeline)
         return fact
-    return fact._replace(axes=fact.axes[: np.shape(truth_of(timeline, fact, output))[-1]])
+    parts, there = np.shape(truth_of(timeline, fact, output))[-1], len(fact.axes)
+    if parts > there or (fact.kind == "attitude" and parts != there):
+        raise ValueError(
+            f"the truth of {output} has {parts} parts, and the filter outputs {there}: "
+            f"{', '.join(fact.axes)}"
+        )
+    return fact._replace(axes=fact.axes[:parts])
 
 
 def _needs(name: str, objective: str, outputs: Mapping[str, Channel]) -> None:
     lacking = [part for part in ("innovation", "variance") if part not in outputs]
+    first = next(iter(outputs))
     if "innovation" in lacking or (objective == "likelihood" and lacking):
         raise ValueError(
             f"{name} outputs no {' and no '.join(lacking)}, so it has no {objective}; give a truth "
-            f"for one of its outputs, such as --truth {next(iter(outputs))}=COLUMN"
+            f"for one of its outputs, such as --truth {first}={_columns(outputs[first])}"
         )
 
 
@@ -176,12 +217,14 @@ def _by_what_there_is(name: str, cls: type[Any], truth: Channel | None, timeline
 
 
 def truth_of(timeline: Timeline, fact: Channel | None, output: str) -> np.ndarray:
-    """What outputs are held against: the truth, or zeros that say that every sample counts.
+    """What outputs are held against: the truth, or zeros where any channel was measured.
 
     The truth of an output with axes has them last, also where it is one alone.
     """
     if not output:
-        return np.zeros((*np.shape(timeline.dt), 1))
+        shape = np.shape(timeline.dt)
+        empty = [np.isnan(v.reshape(*shape, -1)).all(axis=-1) for v in timeline.channels.values()]
+        return np.where(np.logical_and.reduce(empty), np.nan, 0.0)[..., None]
     truth = np.asarray(timeline.truth[output], float)
     alone = fact is not None and fact.axes and truth.ndim == np.ndim(timeline.dt)
     return truth[..., None] if alone else truth
