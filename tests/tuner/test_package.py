@@ -160,7 +160,9 @@ def test_a_wheel_holds_types_and_names(tmp_path):
     held = {path.relative_to(tmp_path / "site").as_posix() for path in tmp_path.rglob("site/*/*")}
     packages = ("filters", "objectives", "studies", "tuner")
     assert {*(f"{name}/py.typed" for name in packages), "tuner/__init__.pyi"} <= held
-    code = "import sys; sys.path.insert(0, 'site'); import tuner; print(tuner.__file__, tuner.Record)"
+    code = (
+        "import sys; sys.path.insert(0, 'site'); import tuner; print(tuner.__file__, tuner.Record)"
+    )
     ran = python("-P", "-c", code, cwd=tmp_path)
     assert ran.stdout.split()[0].endswith("site/tuner/__init__.py"), ran.stderr
     assert "tuner.data.record.Record" in ran.stdout

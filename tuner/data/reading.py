@@ -233,7 +233,8 @@ def _signal(reading: Reading, start: Fraction) -> Signal:
     later = 0.0 if clock.origin is None else float(clock.origin - start)
     values, times = reading.values, clock.seconds + later
     values.flags.writeable = times.flags.writeable = False
-    return Signal(values, times, reading.unit, reading.wanted.mapped.source, clock)
+    source = ",".join(part.source for part in reading.wanted.parts)
+    return Signal(values, times, reading.unit, source, clock)
 
 
 def _source(file: _File, readings: Sequence[Reading]) -> Source:
