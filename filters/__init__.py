@@ -93,7 +93,8 @@ from filters.extended import (  # noqa: E402
 from filters.fuzzy_regression import line, regression  # noqa: E402
 from filters.gps_aided import GpsAidedKalman, GpsAidedNoise, GpsAidedSample  # noqa: E402
 from filters.imu import ImuSample  # noqa: E402
-from filters.kalman import Estimate, Innovation, decorrelate, predict, update  # noqa: E402
+from filters.ins import ErrorStateIns, InsNoise, InsOutputs, InsSample, InsState  # noqa: E402
+from filters.kalman import Estimate, Innovation, decorrelate, predict, update, update_entry  # noqa: E402
 from filters.kownacki import (  # noqa: E402
     AccelerometerFilter,
     FixedGainFilter,
@@ -181,6 +182,7 @@ __all__ = [
     "DeadReckoningKalman",
     "DeadReckoningNoise",
     "DeadReckoningSample",
+    "ErrorStateIns",
     "Estimate",
     "ExtendedKalman",
     "ExtendedModel",
@@ -198,6 +200,10 @@ __all__ = [
     "GyroscopeFilter",
     "ImuSample",
     "Innovation",
+    "InsNoise",
+    "InsOutputs",
+    "InsSample",
+    "InsState",
     "KalmanCovariance",
     "KownackiNoise",
     "Lanes",
@@ -273,6 +279,7 @@ __all__ = [
     "tilt_transition",
     "transitions",
     "update",
+    "update_entry",
     "van_loan",
     "vertical_channel",
 ]

@@ -1,4 +1,4 @@
-"""The two atoms of every Kalman filter, in a stable form and without a linear solve.
+"""The atoms of every Kalman filter, in a stable form and without a linear solve.
 
 XLA compiles a whole time loop natively only while the loop holds no LAPACK call, so
 measurements are taken one scalar after another and a full measurement covariance is
@@ -85,6 +85,32 @@ def update(estimate: Estimate, h: Array, r: Array, z: Array) -> tuple[Estimate, 
     P = A - (lost + lost.T) / 2
     variance = jnp.where(missing, 0.0, s)
     return Estimate(x + jnp.multiply.outer(k, y), P), Innovation(y, variance, k)
+
+
+def update_entry(estimate: Estimate, i: int, r: Array, z: Array) -> tuple[Estimate, Innovation]:
+    """:func:`update` with a measurement of one state, z = x[i] + v: h is a row of the unit matrix.
+
+    The same numbers for a third of the work, which counts in filters of many states.
+
+    Args:
+        estimate: the predicted estimate of one signal.
+        i: which state is measured.
+        r: measurement variance, ``()``, positive.
+        z: measurement, ``()``; NaN means that it is missing.
+
+    >>> after, innovation = update_entry(Estimate(jnp.zeros(2), jnp.eye(2)), 1, 1.0, jnp.array(3.0))
+    >>> after.x.tolist(), after.P.tolist(), innovation.variance.tolist()
+    ([0.0, 1.5], [[1.0, 0.0], [0.0, 0.5]], 2.0)
+    """
+    x, P = estimate
+    missing = jnp.isnan(z)
+    g, s = P[i], P[i, i] + r
+    k = g * jnp.where(missing, 0.0, 1 / s)
+    y = jnp.where(missing, 0.0, z - x[i])
+    # As in update: what rounding leaves of A h' - r k, and 0 where nothing is measured, for k is.
+    lost = jax.lax.stop_gradient(jnp.outer(g - k * g[i] - r * k, k))
+    P = P - jnp.outer(g, k) - (lost + lost.T) / 2
+    return Estimate(x + k * y, P), Innovation(y, jnp.where(missing, 0.0, s), k)
 
 
 def decorrelate(H: Array, R: Array, z: Array) -> tuple[Array, Array, Array]:

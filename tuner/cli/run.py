@@ -45,6 +45,8 @@ def execute(request: Request) -> int:
     folder = open_folder(request.out, study.name, force=request.force, resume=request.resume)
     storage = request.storage or f"sqlite:///{folder.path / 'trials.sqlite3'}"
     plan = _chosen(study.plan(settings, records, seed, storage), request)
+    for note in plan.notes:
+        print(note, file=sys.stderr)
     values = settings.model_dump(mode="json")
     recipe = _recipe(study, request, values, records)
     finished = _finished(folder, recipe) if request.resume else {}

@@ -136,13 +136,15 @@ def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wish
         ValueError: as :func:`tuner.run.posed.pose`, and for recordings that do not go together.
     """
     lines = [timeline(record) for record in records]
-    for line in lines:
-        implausible(line, channel_facts(cls, "inputs"), channel_facts(cls, "outputs"))
+    facts = channel_facts(cls, "inputs"), channel_facts(cls, "outputs")
+    strange = [words for line in lines for words in implausible(line, *facts)]
     source = Source.joined(
         " + ".join(part.name for record in records for part in record.sources),
         [part for record in records for part in record.sources],
     )
-    return pose(name, cls, lines[0] if len(lines) == 1 else stacked(lines), wishes, source)
+    line = lines[0] if len(lines) == 1 else stacked(lines)
+    posed = pose(name, cls, line, wishes, source)
+    return replace(posed, notes=(*strange, *line.notes))
 
 
 def plan_fit(posed: Posed, request: Request) -> Plan:
@@ -162,6 +164,7 @@ def plan_fit(posed: Posed, request: Request) -> Plan:
         claims=(),
         figures=figures,
         report=report,
+        notes=posed.notes,
     )
 
 

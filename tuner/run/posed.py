@@ -66,6 +66,7 @@ class Posed:
         unit: of the objective's value.
         timeline: the data.
         source: where they come from.
+        notes: what looks strange in them, and what was left out, a sentence each.
     """
 
     problem: Problem
@@ -74,6 +75,7 @@ class Posed:
     unit: str
     timeline: Timeline
     source: Source
+    notes: tuple[str, ...] = ()
 
 
 def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: Source) -> Posed:

@@ -1,0 +1,400 @@
+"""Inertial navigation with an error-state Kalman filter, and whatever aids it.
+
+Gyroscopes and accelerometers carry attitude, velocity and position; what is measured besides
+corrects them, and both sensors' biases.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated, Literal, NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+
+from filters.declared import Channel, Param, components
+from filters.imu import WXYZ, XYZ
+from filters.ins_aiding import (
+    Aid,
+    field_direction,
+    forward_speed,
+    height,
+    level_part,
+    pace,
+    place,
+    standstill,
+    taken,
+)
+from filters.ins_motion import POSITION, SIZE, Densities, Motion, corrected, moved, spread
+from filters.rotation import from_rotation_vector, level, multiply
+from filters.validate import check_setup
+
+_LESS_GYR = "the gyroscopes are trusted longer, the attitude follows the aiding more slowly"
+_LESS_ACC = "the accelerometers are trusted longer, the velocity follows the aiding more slowly"
+
+
+class InsNoise(NamedTuple):
+    """What the filter takes, single numbers throughout.
+
+    Densities hold at any sample time; variances R are those of one sample. Deviations at the start
+    and constants are not tuned unless a space says so.
+    """
+
+    q_gyr: Annotated[
+        Array,
+        Param(
+            "rad^2/s",
+            "density of the gyroscopes' white noise, with all that makes rates wrong at random",
+            typical=1e-6,
+            low=1e-12,
+            high=1.0,
+            smaller=_LESS_GYR,
+            larger="the attitude follows the aiding faster, with its noise",
+        ),
+    ]
+    q_acc: Annotated[
+        Array,
+        Param(
+            "m^2/s^3",
+            "density of the accelerometers' white noise, vibration included",
+            typical=1e-2,
+            low=1e-8,
+            high=1e3,
+            smaller=_LESS_ACC,
+            larger="the velocity follows the aiding faster, with its noise",
+        ),
+    ]
+    q_gyr_bias: Annotated[
+        Array,
+        Param(
+            "rad^2/s^3",
+            "density of the drift of the gyroscopes' bias",
+            typical=1e-10,
+            low=1e-16,
+            high=1e-2,
+            smaller="the bias settles",
+            larger="the bias follows what looks like one",
+        ),
+    ]
+    q_acc_bias: Annotated[
+        Array,
+        Param(
+            "m^2/s^5",
+            "density of the drift of the accelerometers' bias",
+            typical=1e-6,
+            low=1e-12,
+            high=1e2,
+            smaller="the bias settles",
+            larger="the bias follows what looks like one",
+        ),
+    ]
+    R_gps: Annotated[
+        Array,
+        Param(
+            "m^2",
+            "variance of a GPS position, each level axis",
+            typical=4,
+            low=1e-06,
+            high=10000,
+            smaller="the position follows it faster, with its noise",
+            larger="the position leans more on the inertial sensors",
+        ),
+    ]
+    R_gps_up: Annotated[
+        Array,
+        Param(
+            "m^2",
+            "variance of a GPS height",
+            typical=9,
+            low=1e-06,
+            high=10000,
+            smaller="the height follows it faster, with its noise",
+            larger="the height leans more on the inertial sensors",
+        ),
+    ]
+    R_gps_vel: Annotated[
+        Array,
+        Param(
+            "m^2/s^2",
+            "variance of a GPS velocity, each axis",
+            typical=0.04,
+            low=1e-08,
+            high=10000,
+            smaller="the velocity follows it faster, with its noise",
+            larger="the velocity leans more on the inertial sensors",
+        ),
+    ]
+    R_baro: Annotated[
+        Array,
+        Param(
+            "m^2",
+            "variance of a barometric height",
+            typical=0.25,
+            low=1e-08,
+            high=10000,
+            smaller="the height follows it faster, with its noise",
+            larger="the height leans more on the inertial sensors",
+        ),
+    ]
+    R_speed: Annotated[
+        Array,
+        Param(
+            "m^2/s^2",
+            "variance of the speed along the sensor's x axis",
+            typical=0.01,
+            low=1e-08,
+            high=10000,
+            smaller="the velocity follows it faster, with its noise",
+            larger="the velocity leans more on the inertial sensors",
+        ),
+    ]
+    R_mag: Annotated[
+        Array,
+        Param(
+            "rad^2",
+            "variance of the direction of the field's level part",
+            typical=0.01,
+            low=1e-08,
+            high=10,
+            smaller="the heading follows it faster, with its noise",
+            larger="the heading leans more on the inertial sensors",
+        ),
+    ]
+    R_still: Annotated[
+        Array,
+        Param(
+            "m^2/s^2",
+            "variance of the velocity at rest, each axis",
+            typical=0.0001,
+            low=1e-10,
+            high=1,
+            smaller="the velocity follows it faster, with its noise",
+            larger="the velocity leans more on the inertial sensors",
+        ),
+    ]
+    tilt0: Annotated[Array, Param("rad", "deviation of roll and pitch at the start", 0.05)]
+    heading0: Annotated[Array, Param("rad", "deviation of the heading at the start", 0.2)]
+    velocity0: Annotated[
+        Array, Param("m/s", "deviation at the start of the velocity, which is taken for 0", 1.0)
+    ]
+    position0: Annotated[
+        Array,
+        Param(
+            "m",
+            "deviation at the start of the position, which is taken for 0; a first GPS position "
+            "takes its place",
+            10.0,
+        ),
+    ]
+    gyr_bias0: Annotated[
+        Array, Param("rad/s", "deviation at the start of the gyroscopes' bias", 0.01)
+    ]
+    acc_bias0: Annotated[
+        Array, Param("m/s^2", "deviation at the start of the accelerometers' bias", 0.2)
+    ]
+    heading: Annotated[
+        Array,
+        Param("rad", "compass heading at the start, where no magnetometer says it", 0.0),
+    ]
+    declination: Annotated[
+        Array, Param("rad", "by how much magnetic north is east of the frame's north", 0.0)
+    ]
+    gravity: Annotated[Array, Param("m/s^2", "gravity where it moves", 9.80665)]
+
+
+class InsSample(NamedTuple):
+    """One sample's inputs; stacked along time for :func:`filters.run`. NaN means missing.
+
+    A missing part of a rate or a force keeps its last value. Aiding may be missing at any sample,
+    or have no channel at all, which costs no time.
+    """
+
+    gyr: Annotated[Array, Channel("rad/s", "angular rate, mean since the last sample", XYZ)]
+    acc: Annotated[Array, Channel("m/s^2", "specific force, mean since the last sample", XYZ)]
+    gps: Annotated[Array | None, Channel("m", "position in the earth frame", XYZ)] = None
+    gps_vel: Annotated[Array | None, Channel("m/s", "velocity in the earth frame", XYZ)] = None
+    baro: Annotated[Array | None, Channel("m", "height over the frame's origin, up")] = None
+    speed: Annotated[Array | None, Channel("m/s", "speed along the sensor's x axis")] = None
+    mag: Annotated[
+        Array | None, Channel("", "magnetic field in sensor axes, any unit, calibrated", XYZ)
+    ] = None
+    still: Annotated[
+        Array | None, Channel("", "1 where the sensor is known to be at rest, else 0")
+    ] = None
+
+
+class InsState(NamedTuple):
+    """Between samples.
+
+    Attributes:
+        at: the motion.
+        P: covariance of its errors, ``(15, 15)``.
+        gyr: the last rate, ``(3,)``.
+        acc: the last specific force, ``(3,)``.
+        fixed: 1 where a GPS position has begun the position's axis, else 0, ``(3,)``.
+    """
+
+    at: Motion
+    P: Array
+    gyr: Array
+    acc: Array
+    fixed: Array
+
+
+class InsOutputs(NamedTuple):
+    """What the filter knows after a sample.
+
+    Innovations stand in the order of :data:`filters.ins_aiding.AIDS`, ``(12,)``, each after the
+    numbers before it were taken; innovation and variance are 0 where nothing was measured, and
+    where a GPS position begins the position.
+    """
+
+    att: Annotated[Array, Channel("", "attitude, sensor to earth", WXYZ, "attitude")]
+    velocity: Annotated[Array, Channel("m/s", "velocity in the earth frame", XYZ)]
+    position: Annotated[Array, Channel("m", "position in the earth frame", XYZ)]
+    gyr_bias: Annotated[Array, Channel("rad/s", "bias of the gyroscopes", XYZ)]
+    acc_bias: Annotated[Array, Channel("m/s^2", "bias of the accelerometers", XYZ)]
+    innovation: Annotated[Array, Channel("", "measured less foretold, (12,)", kind="detail")]
+    variance: Annotated[Array, Channel("", "foretold variance of it, (12,)", kind="detail")]
+    P: Annotated[Array, Channel("", "covariance of the errors, (15, 15)", kind="detail")]
+
+
+_STATES = (
+    components("tilt", "rad", "error of the attitude, a rotation in the earth frame", XYZ)
+    | components("gyr_bias", "rad/s", "error of the gyroscopes' bias", XYZ)
+    | components("acc_bias", "m/s^2", "error of the accelerometers' bias", XYZ)
+    | components("velocity", "m/s", "error of the velocity", XYZ)
+    | components("position", "m", "error of the position", XYZ)
+)
+
+
+@dataclass(frozen=True)
+class ErrorStateIns:
+    """An inertial navigation filter of 15 error states, with any aiding there is.
+
+    It begins at the first complete sample of the accelerometers, at rest or nearly so: they say
+    which way is up, the magnetometer or the parameter ``heading`` the heading. Measured numbers are
+    taken one after another, all linearised at the prediction, and the estimated error then moves
+    into the motion. The heading without a magnetometer is known after accelerations that the
+    aiding shows. Flat earth, no rotation of it. Source: Solà, Quaternion kinematics for the
+    error-state Kalman filter, 2017, ch. 7, with errors of attitude in the earth frame.
+
+    Attributes:
+        dt: sample time, s.
+        frame: enu: earth x east, y north, z up; the accelerometers show +g along the sensor's z in
+            level rest. ned: earth x north, y east, z down; sensor forward, right, down, -g along z.
+
+    >>> from filters import assembled, parameter_facts, run
+    >>> typical = {name: fact.typical for name, fact in parameter_facts(ErrorStateIns).items()}
+    >>> at_rest = InsSample(jnp.zeros((50, 3)), jnp.tile(jnp.array([0.0, 0.0, 9.80665]), (50, 1)))
+    >>> aided = at_rest._replace(baro=jnp.full(50, 2.0))
+    >>> out = run(ErrorStateIns(dt=0.02), assembled(ErrorStateIns, typical), aided)[1]
+    >>> out.position[-1].round(2).tolist()
+    [0.0, 0.0, 2.0]
+    """
+
+    params = InsNoise
+    inputs = InsSample
+    states = _STATES
+    outputs = InsOutputs
+
+    dt: float
+    frame: Literal["enu", "ned"] = "enu"
+
+    def __post_init__(self) -> None:
+        check_setup(self)
+
+    def init(self, params: InsNoise) -> InsState:
+        """The start: without attitude, at the origin."""
+        zero = jnp.zeros(3, params.tilt0.dtype)
+        tilts = [params.tilt0, params.tilt0, params.heading0]
+        rest = [params.gyr_bias0, params.acc_bias0, params.velocity0, params.position0]
+        P = jnp.diag(jnp.concatenate([jnp.stack(tilts), jnp.repeat(jnp.stack(rest), 3)]) ** 2)
+        unknown = Motion(jnp.zeros(4, zero.dtype), zero, zero, zero, zero)
+        return InsState(unknown, P, zero, zero, zero)
+
+    def step(
+        self, params: InsNoise, state: InsState, inputs: InsSample
+    ) -> tuple[InsState, InsOutputs]:
+        """Navigate through the sample, then take what is measured at its end."""
+        gyr = jnp.where(jnp.isnan(inputs.gyr), state.gyr, inputs.gyr)
+        acc = jnp.where(jnp.isnan(inputs.acc), state.acc, inputs.acc)
+        going = state.at.q @ state.at.q > 0
+        live = going | (~jnp.isnan(inputs.acc).any() & (acc @ acc > 0))
+        up = self._up * jnp.array([0.0, 0.0, 1.0], gyr.dtype)
+        first = self._first(params, jnp.where(live, acc, up), inputs.mag)
+        at = state.at._replace(q=jnp.where(going, state.at.q, first))
+        dt = jnp.where(going, jnp.asarray(self.dt, gyr.dtype), 0.0)
+        at, growth = moved(at, gyr, acc, params.gravity * up, dt)
+        P = spread(state.P, growth, Densities(*params[:4]), dt)
+        seen = _at_once(inputs, going, live)
+        begun = _placed(params, state._replace(at=at, P=P, gyr=gyr, acc=acc), seen.gps)
+        if seen.gps is not None:
+            seen = seen._replace(gps=jnp.where(begun.fixed > state.fixed, jnp.nan, seen.gps))
+        brought = taken(begun.P, self._aids(params, begun.at, seen))
+        at = corrected(begun.at, brought.x)
+        kept = at._replace(q=jnp.where(live, at.q, 0.0))
+        outputs = InsOutputs(*at, brought.innovation, brought.variance, brought.P)
+        return begun._replace(at=kept, P=brought.P), outputs
+
+    @property
+    def _up(self) -> float:
+        """Where upwards is along z, of the earth and of a level sensor."""
+        return 1.0 if self.frame == "enu" else -1.0
+
+    def _bearing(self, compass: Array) -> Array:
+        """A compass direction as the angle about earth z from earth x, rad."""
+        return jnp.pi / 2 - compass if self.frame == "enu" else compass
+
+    def _first(self, params: InsNoise, acc: Array, mag: Array | None) -> Array:
+        """The attitude at the start, ``(4,)``."""
+        z = jnp.array([0.0, 0.0, 1.0], acc.dtype)
+        q = level(acc * self._up)
+        turn = self._bearing(params.heading)
+        if mag is not None:
+            seen, (x, y, _) = level_part(q, mag)
+            north = self._bearing(params.declination)
+            turn = jnp.where(seen, north - jnp.arctan2(y, x), turn)
+        return multiply(from_rotation_vector(turn * z), q)
+
+    def _aids(self, params: InsNoise, at: Motion, seen: InsSample) -> list[Aid | None]:
+        """What is measured, in the order of AIDS."""
+        missing: list[Aid | None] = [None, None, None]
+        gps, vel, baro, speed, mag, still = seen[2:]
+        level_up = params.R_gps, params.R_gps_up
+        north = self._bearing(params.declination)
+        return [
+            *(missing if gps is None else place(level_up, at, gps)),
+            *(missing if vel is None else pace(params.R_gps_vel, at, vel)),
+            None if baro is None else height(params.R_baro, at, self._up * baro),
+            None if speed is None else forward_speed(params.R_speed, at, speed),
+            None if mag is None else field_direction(params.R_mag, at, mag, north),
+            *(missing if still is None else standstill(params.R_still, at, still)),
+        ]
+
+
+def _at_once(inputs: InsSample, going: Array, live: Array) -> InsSample:
+    """The aiding that counts at this sample: none before the start, and the field not at it,
+    where it has given the heading."""
+    gates = dict.fromkeys(("gps", "gps_vel", "baro", "speed", "still"), live) | {"mag": going}
+    given = {name: getattr(inputs, name) for name in gates}
+    return inputs._replace(
+        **{
+            name: jnp.where(gates[name], value, jnp.nan)
+            for name, value in given.items()
+            if value is not None
+        }
+    )
+
+
+def _placed(params: InsNoise, state: InsState, gps: Array | None) -> InsState:
+    """A first GPS position begins the position, with its own variance."""
+    if gps is None:
+        return state
+    begins = (state.fixed == 0) & ~jnp.isnan(gps)
+    R = jnp.stack([params.R_gps, params.R_gps, params.R_gps_up])
+    keep = jnp.ones(SIZE, R.dtype).at[POSITION].set(jnp.where(begins, 0.0, 1.0))
+    new = jnp.zeros(SIZE, R.dtype).at[POSITION].set(jnp.where(begins, R, 0.0))
+    return state._replace(
+        at=state.at._replace(position=jnp.where(begins, gps, state.at.position)),
+        P=state.P * jnp.outer(keep, keep) + jnp.diag(new),
+        fixed=jnp.where(begins, 1.0, state.fixed),
+    )
