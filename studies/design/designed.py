@@ -57,7 +57,7 @@ class Designed:
     def exported(self) -> Exported:
         """Model, gain, poles and covariance; a discrete observer is tried on simulated samples."""
         dt = self.full.dt or 0.0
-        return Exported("Observer", self.full.states, dt, self._quantities, self._runs)
+        return Exported("Observer", self.full.states, dt, self._quantities, runs=self._runs)
 
     def _quantities(self, observer: Observer) -> tuple[Quantity, ...]:
         return (*self._gains(observer), *self._noise(observer))
