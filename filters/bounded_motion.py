@@ -18,7 +18,16 @@ from filters.imu import ATTITUDE, GRAVITY, LEVEL, XYZ, ImuSample, SixAxes
 from filters.kalman import Estimate, predict, update
 from filters.protocol import run
 from filters.rotation import begun, from_rotation_vector, multiply, normalise
-from filters.strapdown import Calibration, Navigation, Quiet, Reckoning, RestRule, Strapdown, Sums
+from filters.strapdown import (
+    AT_REST,
+    Calibration,
+    Navigation,
+    Quiet,
+    Reckoning,
+    RestRule,
+    Strapdown,
+    Sums,
+)
 from filters.validate import check_setup
 
 SIZE = 21
