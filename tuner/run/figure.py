@@ -1,9 +1,11 @@
 """Figures as data; :mod:`tuner.run.drawing` makes pictures of them."""
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
 
 import numpy as np
+
+Drawn: TypeAlias = Literal["curve", "points", "limit"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +21,7 @@ class Line:
     label: str
     x: np.ndarray
     y: np.ndarray
-    drawn: Literal["curve", "points", "limit"] = "curve"
+    drawn: Drawn = field(default="curve", kw_only=True)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
 """Pictures of a fit: an output before and after beside its truth, and what was not foretold."""
 
 from collections.abc import Iterator, Mapping
-from typing import Any, Literal
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -11,7 +11,7 @@ from filters.declared import bare, channel_facts, output
 from objectives import AttitudeRmse
 from objectives.attitude import attitude_error
 from tuner.problem.problem import run_filter
-from tuner.run.figure import Chart, Figure, Line
+from tuner.run.figure import Chart, Drawn, Figure, Line
 from tuner.run.judged import innovations
 from tuner.run.posed import Posed
 from tuner.run.study import Solutions, best
@@ -61,12 +61,13 @@ def _parts(posed: Posed, name: str, found: Mapping[str, np.ndarray]) -> Iterator
         shown["truth"] = _columns(posed, posed.timeline.truth[posed.output])
     unit = f", {posed.unit}" if posed.unit else ""
     words = "before, tuned and true" if posed.output else "before and after"
+    drawn: Drawn = "curve" if posed.output else "points"
     for i, axis in enumerate(axes):
         called = f"{name} {axis}".rstrip()
         # Where the truth is known; a curve between its samples would say more than there is.
         seen = np.isfinite(shown.get("truth", found["tuned"])[:, i])
         lines = [
-            _line(posed, when, np.where(seen, columns[:, i], np.nan))
+            _line(posed, when, np.where(seen, columns[:, i], np.nan), drawn)
             for when, columns in shown.items()
         ]
         yield _chart(posed, called, f"{called}: {words}", f"{called}{unit}", lines)
@@ -83,7 +84,7 @@ def _normalised(posed: Posed, tuned: Mapping[str, Any]) -> Chart:
     t = _times(posed)
     for sign, label in ((2.0, "95 of 100 lie within"), (-2.0, "")):
         ends = np.array([np.nanmin(t), np.nanmax(t)])
-        lines.append(Line(label, ends, np.full(2, sign), "limit"))
+        lines.append(Line(label, ends, np.full(2, sign), drawn="limit"))
     title = "what the tuned filter did not foretell, over its own deviation"
     return _chart(posed, "innovations", title, "innovation / deviation", lines)
 
@@ -103,13 +104,13 @@ def _line(
     posed: Posed,
     label: str,
     values: np.ndarray,
-    drawn: Literal["curve", "points", "limit"] = "curve",
+    drawn: Drawn = "curve",
 ) -> Line:
     """A curve of the samples that are numbers, of many every so many."""
     rows = np.flatnonzero(np.isfinite(values))
     if len(rows) > POINTS:
         rows = rows[np.linspace(0, len(rows) - 1, POINTS).astype(int)]
-    return Line(label, _times(posed)[rows], values[rows], drawn)
+    return Line(label, _times(posed)[rows], values[rows], drawn=drawn)
 
 
 def _axes(posed: Posed, name: str, columns: np.ndarray) -> tuple[str, ...]:

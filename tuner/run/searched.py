@@ -1,4 +1,4 @@
-"""What a fit tunes: what a filter's facts suggest for the data, and what a user decides."""
+"""What a fit tunes: as facts suggest in the data's own scale, and as a user decides."""
 
 import re
 from collections.abc import Mapping
