@@ -140,9 +140,9 @@ def _support(window: Array, dt: float, sign: int) -> tuple[Array, Array]:
     m = window.shape[0]
     half = (m - 1) / 2
     left, right = (np.array(part) for part in zip(*_across(m), strict=True))
-    weight = ((right - half) / (right - left))[:, None]
+    weight = jnp.asarray((right - half) / (right - left), window.dtype)[:, None]
     heights = weight * window[left] + (1 - weight) * window[right]
-    slopes = (window[right] - window[left]) / (dt * (right - left))[:, None]
+    slopes = (window[right] - window[left]) / _apart(window, dt * (right - left))
     best = jnp.argmax(sign * heights, axis=0)[None]
     return _picked(heights, best), _picked(slopes, best)
 
@@ -153,12 +153,17 @@ def _strip(window: Array, dt: float) -> tuple[Array, Array]:
     It is decided by three samples: how far the middle one is from the chord of the others.
     """
     i, j, k = (np.array(part) for part in zip(*_triples(window.shape[0]), strict=True))
-    slopes = (window[k] - window[i]) / (dt * (k - i))[:, None]
-    off = (window[j] - window[i] - slopes * (dt * (j - i))[:, None]) / 2
-    starts = window[i] + off - slopes * (dt * i)[:, None]
+    slopes = (window[k] - window[i]) / _apart(window, dt * (k - i))
+    off = (window[j] - window[i] - slopes * _apart(window, dt * (j - i))) / 2
+    starts = window[i] + off - slopes * _apart(window, dt * i)
     best = jnp.argmax(jnp.abs(off), axis=0)[None]
     center = jnp.stack([_picked(starts, best), _picked(slopes, best)], axis=1)
     return center, jnp.abs(_picked(off, best))
+
+
+def _apart(window: Array, times: np.ndarray | Array) -> Array:
+    """Times beside samples, in the samples' precision, ``(n, 1)``."""
+    return jnp.asarray(times, window.dtype)[:, None]
 
 
 def _picked(values: Array, best: Array) -> Array:

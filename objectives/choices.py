@@ -1,7 +1,8 @@
 """Objectives by name, for a filter and a record: what ``--objective`` may say.
 
-Each is a function of the output that is judged: its name, and its declared channel; both are empty
-where there is no truth. Other packages add theirs to the entry-point group ``tuner.objectives``.
+Each is a function of the output that is judged: its name among the filter's outputs, "" where they
+are one array; and its declared channel, None where there is no truth. Other packages add theirs to
+the entry-point group ``tuner.objectives``.
 """
 
 from typing import Literal
@@ -9,7 +10,7 @@ from typing import Literal
 from filters.declared import Channel
 from objectives.attitude import AttitudeRmse
 from objectives.likelihood import InnovationLikelihood
-from objectives.rmse import ChannelRmse
+from objectives.rmse import ChannelRmse, InnovationRmse
 from objectives.score import Objective
 
 
@@ -20,7 +21,7 @@ def likelihood(output: str, channel: Channel | None) -> Objective:
 
 def prediction(output: str, channel: Channel | None) -> Objective:
     """Root mean square of the innovations; needs no truth, and no variance."""
-    return ChannelRmse("innovation", "number")
+    return InnovationRmse()
 
 
 def rmse(output: str, channel: Channel | None) -> Objective:
@@ -45,7 +46,9 @@ def heading(output: str, channel: Channel | None) -> Objective:
 def _attitude(part: Literal["inclination", "heading"], channel: Channel | None) -> Objective:
     known = _with_truth(part, channel)
     if known.kind != "attitude":
-        raise ValueError(f"the objective {part} judges an attitude, not {known.meaning}; use rmse")
+        raise ValueError(
+            f"the objective {part} judges an attitude, not {known.meaning.split(';')[0]}; use rmse"
+        )
     return AttitudeRmse(part)
 
 

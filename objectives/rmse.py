@@ -97,3 +97,27 @@ class ChannelRmse:
             )
         found: Array = getattr(outputs, self.name) if self.name else outputs
         return found
+
+
+@dataclass(frozen=True)
+class InnovationRmse:
+    """Root mean square of a filter's innovations, a number, in their unit.
+
+    The outputs need ``innovation``, ``(m,)``. A number counts where the truth, ``(m,)`` or one for
+    all, is not NaN, and where the filter outputs a ``variance`` that is not 0 if it outputs one.
+    """
+
+    def init(self) -> Squares:
+        """Nothing yet."""
+        return Squares.none()
+
+    def update(self, total: Squares, output: Any, truth: Array) -> tuple[Squares, None]:
+        """Add one sample."""
+        seen = jnp.broadcast_to(~jnp.isnan(truth), output.innovation.shape)
+        if hasattr(output, "variance"):
+            seen = seen & (output.variance != 0)
+        return total.plus(jnp.where(seen, output.innovation, 0.0) ** 2, seen), None
+
+    def value(self, total: Squares, kept: None) -> Array:
+        """The root of the mean, ``()``; NaN where nothing counts."""
+        return total.root_mean()

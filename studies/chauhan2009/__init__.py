@@ -3,68 +3,30 @@
 Equation numbers are the paper's; docs/chauhan2009.md tells what was found.
 """
 
-from functools import partial
-
-import numpy as np
-
+from studies.chauhan2009 import problems
+from studies.chauhan2009.claims import CLAIMS
 from studies.chauhan2009.figures import figures
-from studies.chauhan2009.laws import STATES, problems
-from studies.chauhan2009.rows import compare
-from studies.chauhan2009.steps import DT, Settings
+from studies.chauhan2009.settings import Settings
 from studies.chauhan2009.sweep import Sweep
-from tuner.certificate.solution import Solution
-from tuner.data.logs import Log
-from tuner.export.tuned import Quantity
-from tuner.problem.problem import Problem
-from tuner.run.study import Plan, Source, Study, Target, Task
+from tuner.data.record import Record
+from tuner.run.study import Plan, Study, Task
 from tuner.solvers import NelderMead
 
-MEANINGS = {
-    "angle": "deviation of the measured angles",
-    "floor": "least spectral density of each state's noise",
-    "h": "level of membership of the regression",
-    "quaternion": "spectral density of the quaternion's noise",
-    "bias": "spectral density of the gyroscopes' bias",
-}
 
-
-def plan(settings: Settings, log: Log | None, seed: int, storage: str) -> Plan:
+def plan(settings: Settings, records: tuple[Record, ...], seed: int, storage: str) -> Plan:
     """Every law tuned on the same steps by the same means, judged on others; and the sweep."""
-    posed = problems(settings, seed)
+    made = problems.tuning_records(settings, settings.train, seed)
+    posed = problems.posed(settings, made)
     # The fuzzy law takes the largest of many lines, so its cost has kinks.
     simplex = NelderMead(seed=seed, starts=settings.starts, tolerance=1e-3)
-    sweep = Sweep(settings, seed)
-    chosen = [posed["constant"], posed[f"fuzzy_{settings.windows[-1]}"]]
     return Plan(
-        source=_source(posed["constant"]),
-        tasks=tuple(Task(problem, simplex, simplex.name) for problem in posed.values()),
-        targets=tuple(_target(problem, settings) for problem in chosen),
-        compare=partial(compare, settings, seed, sweep),
-        figures=partial(figures, settings, seed, sweep),
+        source=made.source,
+        tasks=tuple(Task(problem, simplex) for problem in posed.values()),
+        exports=("constant", f"fuzzy_{settings.windows[-1]}"),
+        case=Sweep(settings, seed),
+        claims=CLAIMS,
+        figures=figures,
     )
-
-
-def _source(problem: Problem) -> Source:
-    made = np.asarray(problem.data.inputs.gyr)
-    return Source.simulated(f"{made.shape[1]} simulated pitch steps", [made], 1 / DT)
-
-
-def _target(problem: Problem, settings: Settings) -> Target:
-    return Target(
-        problem=problem,
-        filter="GpsAidedKalman",
-        states=STATES,
-        dt=DT,
-        quantities=partial(_quantities, settings),
-        single=lambda _: (),
-        meanings=MEANINGS,
-    )
-
-
-def _quantities(settings: Settings, solution: Solution) -> tuple[Quantity, ...]:
-    if "angle" in solution.parameters:
-        return ()
-    return (Quantity("angle", np.array(settings.noise), "deg", "noise of the angles, held"),)
 
 
 STUDY = Study(
@@ -73,6 +35,5 @@ STUDY = Study(
     paper="S. Chauhan, C. Patil, M. Sinha and A. Halder, Fuzzy state noise-driven Kalman filter "
     "for sensor fusion, Proc. IMechE Part G: J. Aerospace Engineering 223, 2009",
     settings=Settings,
-    channels={},
     plan=plan,
 )

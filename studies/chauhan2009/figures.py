@@ -4,52 +4,44 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from studies.chauhan2009.laws import CONSTANT, FUZZY, estimated, randomly
-from studies.chauhan2009.steps import (
-    DRIVEN,
-    EVERY,
-    MAGNIFIED,
-    STEADY,
-    TRACKED,
-    Behaviour,
-    Settings,
-    Step,
-    records,
-    times,
-)
+from studies.chauhan2009.behaviour import Behaviour
+from studies.chauhan2009.data import Step, records, times
+from studies.chauhan2009.paper import DRIVEN, EVERY, MAGNIFIED, STEADY, TRACKED
+from studies.chauhan2009.problems import CONSTANT, estimated, randomly
 from studies.chauhan2009.sweep import Sweep
 from tuner.run.figure import Chart, Figure, Line
 from tuner.run.study import Solutions, best, tuned_values
 
 
-def figures(settings: Settings, seed: int, sweep: Sweep, solutions: Solutions) -> Iterator[Figure]:
+def figures(sweep: Sweep, solutions: Solutions) -> Iterator[Figure]:
     """All of them."""
-    yield _tracking(settings, seed)
-    yield _steady(settings, seed)
+    yield _tracking(sweep)
+    yield _steady(sweep)
     for angle in (*DRIVEN, MAGNIFIED):
         yield _driven(sweep, Step(angle, "silent"), solutions)
     yield from _swept(sweep)
 
 
-def _tracking(settings: Settings, seed: int) -> Chart:
+def _tracking(sweep: Sweep) -> Chart:
     lines = []
     for angle in TRACKED:
-        made = records(settings, [Step(angle, "seen")], [seed])
-        pitch = estimated(FUZZY, settings, made.inputs, {}).angles[:, 0, 1]
-        lines.append(Line(f"{angle:g} deg", times(settings), np.degrees(np.asarray(pitch))))
+        made = records(sweep.settings, [Step(angle, "seen")], [sweep.seed])
+        pitch = sweep.fuzzy(made).angles[:, 0, 1]
+        lines.append(Line(f"{angle:g} deg", times(sweep.settings), np.degrees(np.asarray(pitch))))
     title = "Figs 2 to 4: pitch tracked with fuzzy noise, one seed"
     return Chart("fig2_tracking", title, "t, s", "pitch, deg", tuple(lines))
 
 
-def _steady(settings: Settings, seed: int) -> Chart:
+def _steady(sweep: Sweep) -> Chart:
     at = slice(EVERY - 1, None, EVERY)
-    late = times(settings)[at] > settings.seconds - 60
+    t = times(sweep.settings)[at]
+    late = t > sweep.settings.seconds - 60
     lines = []
     for angle in STEADY:
-        made = records(settings, [Step(angle, "seen")], [seed])
-        pitch = estimated(FUZZY, settings, made.inputs, {}).angles[:, 0, 1]
+        made = records(sweep.settings, [Step(angle, "seen")], [sweep.seed])
+        pitch = sweep.fuzzy(made).angles[:, 0, 1]
         error = np.degrees(np.asarray(pitch - made.truth[:, 0]))[at][late]
-        lines.append(Line(f"{angle:g} deg", times(settings)[at][late], error))
+        lines.append(Line(f"{angle:g} deg", t[late], error))
     title = "Fig. 5 in degrees: the steady error does not depend on the angle"
     return Chart("fig5_steady", title, "t, s", "pitch error, deg", tuple(lines))
 
@@ -64,7 +56,7 @@ def _driven(sweep: Sweep, step: Step, solutions: Solutions) -> Chart:
     found = {"fuzzy": fuzzy}
     for factor in (0.1, 1.0, 10.0):
         found[f"random, lambda {factor:g}"] = randomly(settings, made, fuzzy, factor, sweep.seed)
-    found["constant, tuned"] = estimated(CONSTANT, settings, made.inputs, constant)
+    found["constant, tuned"] = estimated(CONSTANT, made.inputs, constant)
     lines = []
     for label, outputs in found.items():
         error = np.degrees(np.asarray(outputs.angles[:, 0, 1] - made.truth[:, 0]))[at][shown]

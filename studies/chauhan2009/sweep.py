@@ -3,24 +3,19 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from filters.gps_aided import GpsAidedOutputs
-from studies.chauhan2009.laws import FUZZY, estimated, randomly
-from studies.chauhan2009.steps import (
-    DRIVEN,
-    MAGNIFIED,
-    MOTIONS,
-    Behaviour,
-    Records,
-    Settings,
-    Step,
-    behaviour,
-    records,
-)
+from studies.chauhan2009.behaviour import Behaviour, behaviour
+from studies.chauhan2009.data import MOTIONS, Records, Step, records
+from studies.chauhan2009.paper import DRIVEN, MAGNIFIED
+from studies.chauhan2009.problems import FUZZY, by_hand, estimated, randomly
+from studies.chauhan2009.settings import Settings
 
+Holds: TypeAlias = Callable[[Behaviour, Behaviour], np.ndarray]
+"""A claim about records under the fuzzy and the random law: at which it holds, ``(k,)``."""
 MOST = 0.5
 """A claim holds at a lambda where it does for more than this share of the records."""
 
@@ -59,7 +54,7 @@ class Sweep:
 
     def fuzzy(self, made: Records) -> GpsAidedOutputs:
         """The fuzzy law as the notes have it."""
-        return estimated(FUZZY, self.settings, made.inputs, {})
+        return estimated(FUZZY, made.inputs, by_hand(self.settings))
 
     def _case(self, step: Step) -> Case:
         made = self.made(step)
@@ -74,9 +69,7 @@ class Sweep:
         )
         return Case(step, made, judged(fuzzy), random)
 
-    def holds(
-        self, case: Case, claim: Callable[[Behaviour, Behaviour], np.ndarray]
-    ) -> tuple[float, ...]:
+    def holds(self, case: Case, claim: Holds) -> tuple[float, ...]:
         """The lambdas at which a claim about (fuzzy, random) holds for most records."""
         return tuple(
             factor

@@ -1,16 +1,14 @@
 """The paper's vertical channel with its numbers, and how errors move in it."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from pydantic import Field
 
 from filters import (
-    GRAVITY_GRADIENT,
+    ConventionalLoop,
     Flow,
     GainCovariance,
     KalmanCovariance,
@@ -25,36 +23,15 @@ from filters import (
     vertical_channel,
 )
 from objectives import LinearSystem
-from tuner.run.settings import StudySettings
+from studies.ha1981 import paper
+from studies.ha1981.settings import Settings
 
-FOOT = 0.3048
-"""In metres."""
-STATES = ("A_B", "dV", "dh")
+ERRORS = tuple(ConventionalLoop.states)
+"""(A_B, dV, dh), the state."""
 ENTERS = np.array([[0.0], [1.0], [0.0]])
 """G of (11): W_a is an acceleration."""
 MEASURED = np.array([[0.0, 0.0, 1.0]])
 """H of (11): the altitude error is measured."""
-
-
-class Settings(StudySettings):
-    """What can be set with ``--set``; what is left out is the paper's."""
-
-    unit: Literal["ft", "m"] = Field("ft", description="of length; settings are in it")
-    bound: float | None = Field(
-        None, gt=0, description="of the bias's variance, (ft/s^2)^2; the paper gives none: 4e-4"
-    )
-    q_a: float | None = Field(None, gt=0, description="density of W_a, (ft/s^2)^2 s; 0.04")
-    q_b: float | None = Field(None, gt=0, description="variance of V, ft^2; 3.24")
-    sigma2_ab: float | None = Field(None, gt=0, description="of the bias at t = 0; 4 (ft/s^2)^2")
-    sigma2_hr: float | None = Field(None, ge=0, description="of the given altitude; 100 ft^2")
-    k_gh: float = Field(GRAVITY_GRADIENT, ge=0, description="gravity's gradient, 1/s^2")
-    Ts: float = Field(5.0, gt=0, description="sampling period of the exported scheme, s")
-    periods: tuple[float, ...] = Field(
-        (0.0, 0.5, 1.0, 2.0, 5.0), min_length=1, description="of Figs 5 to 8, s; 0: continuous"
-    )
-    seconds: float = Field(200.0, ge=120, description="length of the histories")
-    segments: int = Field(4, ge=1, le=8, description="stored gains, besides the first sample's")
-    starts: int = Field(20, ge=1, description="starts of the conventional design")
 
 
 @dataclass(frozen=True)
@@ -82,18 +59,18 @@ class Channel:
     @classmethod
     def of(cls, s: Settings) -> "Channel":
         """The paper's values, in the unit that is asked for, where none are given."""
-        square = 1.0 if s.unit == "ft" else FOOT**2
+        square = 1.0 if s.unit == "ft" else paper.FOOT**2
 
-        def given(value: float | None, paper: float) -> float:
-            return paper * square if value is None else value
+        def given(value: float | None, printed: float) -> float:
+            return printed * square if value is None else value
 
         return cls(
             unit=s.unit,
-            bound=given(s.bound, 4e-4),
-            q_a=given(s.q_a, 0.04),
-            q_b=given(s.q_b, 3.24),
-            sigma2_ab=given(s.sigma2_ab, 4.0),
-            sigma2_hr=given(s.sigma2_hr, 100.0),
+            bound=given(s.bound, paper.BOUND),
+            q_a=given(s.q_a, paper.Q_A),
+            q_b=given(s.q_b, paper.Q_B),
+            sigma2_ab=given(s.sigma2_ab, paper.SIGMA2_AB),
+            sigma2_hr=given(s.sigma2_hr, paper.SIGMA2_HR),
             k_gh=s.k_gh,
         )
 
@@ -115,7 +92,7 @@ class Channel:
     def system(self, density: float) -> LinearSystem:
         """(11) in continuous time, with a spectral density of the altitude's noise, unit^2 s."""
         A, W = vertical_channel(self.k_gh), ENTERS @ ENTERS.T * self.q_a
-        return LinearSystem(A, MEASURED, W, [[density]], states=STATES)
+        return LinearSystem(A, MEASURED, W, [[density]], states=ERRORS)
 
     def model(self, Ts: float) -> LinearModel:
         """(11) and (12): exact Phi, Q of white noise (Van Loan); the one printed has no Ts."""

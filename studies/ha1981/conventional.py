@@ -36,10 +36,17 @@ def fastest_decay(channel: Channel) -> Problem:
     return Problem(
         name="conventional",
         space=Space.of(
-            decay=Positive(eta, 1e-4 * eta, 1e4 * eta, unit="1/s"),
-            spread=Limited(1.0, 0.0, WIDEST),
-            damping=Limited(1.0, 0.0, WIDEST),
-            stiffness=Limited(1.0, 0.0, WIDEST),
+            decay=Positive(
+                eta, 1e-4 * eta, 1e4 * eta, unit="1/s", meaning="rate a of the slowest pole"
+            ),
+            spread=Limited(1.0, 0.0, WIDEST, meaning="r of the real pole, -a (1 + r)"),
+            damping=Limited(
+                1.0,
+                0.0,
+                WIDEST,
+                meaning="d of the other two poles, (s + a)^2 + d a (s + a) + f a^2",
+            ),
+            stiffness=Limited(1.0, 0.0, WIDEST, meaning="f of the other two poles, as above"),
         ),
         filter=None,
         build=from_factors,

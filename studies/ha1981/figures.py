@@ -11,7 +11,6 @@ from studies.ha1981.channel import (
     FORMS,
     Channel,
     Gains,
-    Settings,
     kalman_history,
     loop_history,
     replayed,
@@ -19,15 +18,17 @@ from studies.ha1981.channel import (
     times,
 )
 from studies.ha1981.conventional import gains_of
+from studies.ha1981.settings import Settings
 from tuner.run.figure import Chart, Figure, Line
-from tuner.run.study import Solutions, best
+from tuner.run.study import Solutions, best, tuned_values
 
 FINE = 0.1
 """Step of what is continuous, s."""
 
 
-def figures(channel: Channel, settings: Settings, solutions: Solutions) -> Iterator[Figure]:
+def figures(case: tuple[Channel, Settings], solutions: Solutions) -> Iterator[Figure]:
     """All figures."""
+    channel, settings = case
     designed = gains_of(best("conventional", solutions))
     yield _loops(channel, settings, designed)
     yield _steps(channel, designed)
@@ -149,9 +150,9 @@ def _replayed(channel: Channel, settings: Settings) -> Chart:
 def _stored(channel: Channel, settings: Settings, solutions: Solutions) -> Chart:
     storage = scheme.Storage.of(channel, settings.Ts, settings.segments)
     at = np.arange(len(storage.which)) * settings.Ts
-    tuned = best("kalman_stored", solutions).parameters
+    tuned = tuned_values(best("kalman_stored", solutions))
     tables = {
-        "tuned gains": storage.table({name: jnp.asarray(p.value) for name, p in tuned.items()}),
+        "tuned gains": storage.table(tuned),
         "mean gains": jnp.asarray(storage.means)[:, :, None],
     }
     model = channel.model(settings.Ts)

@@ -1,7 +1,6 @@
 """The Kalman scheme: steady gains, stored gains, and what they cost where the truth is another."""
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -10,7 +9,8 @@ from jax import Array
 
 from filters import GainTable, TableCovariance, Uncertainty
 from objectives import Data, LinearSystem, VarianceRatio, steady_kalman
-from studies.ha1981.channel import MEASURED, STATES, Channel, kalman_history, replayed, times
+from studies.ha1981 import paper
+from studies.ha1981.channel import ERRORS, MEASURED, Channel, kalman_history, replayed, times
 from tuner.problem.parameters import Limited, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.space import Space
@@ -18,65 +18,19 @@ from tuner.solvers.known import Known
 
 LONGEST = 1e6
 """Samples of the longest history that is looked through."""
+TARGETS = ("bias", "velocity", "altitude")
+"""What the three gains correct."""
+OF_GAINS = ("1/s^2", "1/s", "")
+"""Their units."""
 REPLAY = 2.5
 """The other sampling period, s, at which stored gains are replayed."""
-
-
-class Steady(NamedTuple):
-    """The paper's closed forms for Kgh -> 0.
-
-    Attributes:
-        K1, K2, K3: gains.
-        A, B: the numbers they are made of.
-    """
-
-    K1: float
-    K2: float
-    K3: float
-    A: float
-    B: float
-
-
-def closed_forms(q_a: float, q_b: float, Ts: float) -> Steady:
-    """K1inf, K2inf and K3inf, with q_a a spectral density.
-
-    >>> [round(k, 6) for k in closed_forms(0.04, 3.24, 5.0)[:3]]
-    [0.0, 0.113031, 0.793028]
-    """
-    A = q_a * (Ts**2 + np.sqrt(Ts**4 / 3 + 16 * q_b * Ts / q_a)) / 2
-    B = np.sqrt(A**2 - 4 * q_a * q_b * Ts)
-    noise = 2 * q_a * q_b * Ts
-    K2, K3 = (A - B) / (2 * q_b), 1 - noise / (A * B + B**2 + noise)
-    return Steady(0.0, *map(float, (K2, K3, A, B)))
-
-
-def printed_noise(channel: Channel, Ts: float) -> np.ndarray:
-    """The covariance Q printed below (12), of (dV, dh), ``(2, 2)``.
-
-    It is the integrand of white noise's covariance with a stray Ts below the middle entries; its
-    determinant, q_a^2 (cosh sinh)^2 (1 - 1/Ts^2) / Kgh, is negative for Ts < 1.
-
-    Raises:
-        ValueError: where it is no covariance, with its eigenvalue.
-    """
-    w = np.sqrt(channel.k_gh)
-    middle = np.sinh(2 * w * Ts) / (2 * Ts * w)
-    corner = np.sinh(w * Ts) ** 2 / channel.k_gh
-    Q = channel.q_a * np.array([[np.cosh(w * Ts) ** 2, middle], [middle, corner]])
-    lowest = float(np.linalg.eigvalsh(Q)[0])
-    if lowest < 0:
-        raise ValueError(
-            f"the Q printed below (12) has the eigenvalue {lowest:.6g} at Ts = {Ts:g} s, so it is "
-            "no covariance; use that of white noise (Van Loan)"
-        )
-    return Q
 
 
 def steady_system(channel: Channel, Ts: float) -> LinearSystem:
     """The channel at a sampling period without its bias, which is not driven and needs no gain."""
     move = channel.model(Ts).transition
     F, Q = (np.asarray(part)[1:, 1:] for part in (move.F, move.Q))
-    return LinearSystem(F, MEASURED[:, 1:], Q, [[channel.q_b]], dt=Ts, states=STATES[1:])
+    return LinearSystem(F, MEASURED[:, 1:], Q, [[channel.q_b]], dt=Ts, states=ERRORS[1:])
 
 
 def steady_gains(channel: Channel, Ts: float) -> np.ndarray:
@@ -86,7 +40,7 @@ def steady_gains(channel: Channel, Ts: float) -> np.ndarray:
 
 def steady(channel: Channel, Ts: float) -> Problem:
     """K2 and K3 for the least steady variance of the velocity error, before a measurement."""
-    guess = closed_forms(channel.q_a, channel.q_b, Ts)
+    guess = paper.steady_gains(channel.q_a, channel.q_b, Ts)
     return Problem(
         name="kalman_steady",
         space=Space.of(
@@ -123,7 +77,7 @@ def riccati_gains(channel: Channel, Ts: float) -> Known:
 
 def printed_gains(channel: Channel, Ts: float) -> Known:
     """The steady problem's solution by the paper's closed forms."""
-    found = closed_forms(channel.q_a, channel.q_b, Ts)
+    found = paper.steady_gains(channel.q_a, channel.q_b, Ts)
     return Known("closed form", lambda _: {"K2": found.K2, "K3": found.K3}, "the paper's formulas")
 
 
@@ -174,7 +128,11 @@ class Storage:
         means = self.means
         parameters = {
             f"K{i + 1}_{s}": Positive(
-                means[s, i], 1e-2 * means[s, i], 1e2 * means[s, i], unit=("1/s^2", "1/s", "")[i]
+                means[s, i],
+                1e-2 * means[s, i],
+                1e2 * means[s, i],
+                unit=OF_GAINS[i],
+                meaning=f"on the {TARGETS[i]} of the stored gains' row {s}",
             )
             for s in range(1, len(means))
             for i in range(3)

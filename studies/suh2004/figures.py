@@ -3,20 +3,20 @@
 from collections.abc import Iterator
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
-from studies.suh2004.mixed import FILTERS, Recordings
-from studies.suh2004.paper import DT, TWO_STEP, Settings, experiment_2, noise, outputs
+from studies.suh2004.data import Bench, Recordings, experiment_2
+from studies.suh2004.paper import DT, FILTERS, TWO_STEP
+from studies.suh2004.problems import noise, outputs
 from tuner.run.figure import Chart, Figure, Line
 from tuner.run.study import Solutions, best, tuned_values
 
 LABELS = {"standard": "standard", "simple": "simple adaptive", "two_step": "two-step"}
 
 
-def figures(settings: Settings, judged_on: Recordings, solutions: Solutions) -> Iterator[Figure]:
+def figures(bench: Bench, solutions: Solutions) -> Iterator[Figure]:
     """All of them."""
-    inputs = experiment_2(settings.gyro_unit)
+    inputs = experiment_2(bench.settings.gyro_unit)
     t = DT * np.arange(1, len(inputs.gyr) + 1)
     found = {name: outputs(filter, inputs, noise({})) for name, filter in FILTERS.items()}
     for at, name in ((1, "roll"), (0, "pitch")):
@@ -36,7 +36,7 @@ def figures(settings: Settings, judged_on: Recordings, solutions: Solutions) -> 
             lines=(Line("r1 (ax)", t, r[:, 0]), Line("r2 (ay)", t, r[:, 1])),
             log="y",
         )
-    yield _held_out(judged_on, solutions)
+    yield _held_out(bench.judged_on, solutions)
 
 
 def _held_out(judged_on: Recordings, solutions: Solutions) -> Chart:
@@ -48,7 +48,7 @@ def _held_out(judged_on: Recordings, solutions: Solutions) -> Chart:
     lines = [Line("two-step, by hand", t, np.degrees(np.asarray(heuristic.angles)[:, 1] - truth))]
     for name, filter in FILTERS.items():
         tuned = outputs(filter, inputs, noise(tuned_values(best(name, solutions))))
-        error = np.degrees(np.asarray(jnp.asarray(tuned.angles))[:, 1] - truth)
+        error = np.degrees(np.asarray(tuned.angles)[:, 1] - truth)
         lines.append(Line(f"{LABELS[name]}, tuned", t, error))
     title = "Roll error on a held-out record with motion, pushes and bias"
     return Chart("held_out_roll", title, "t, s", "error, deg", tuple(lines))

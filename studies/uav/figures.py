@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from studies.uav.estimator import ANGLES, LAWS
 from studies.uav.flights import Flight
 from studies.uav.judging import Field, Outcome
 from studies.uav.prediction import AHEAD, predicted
-from studies.uav.rows import outcome_of
+from studies.uav.problems import LAWS
+from studies.uav.settings import ANGLES
 from tuner.run.figure import Chart, Figure, Line
 from tuner.run.study import Solutions
 
@@ -19,7 +19,7 @@ def figures(field: Field, solutions: Solutions) -> Iterator[Figure]:
     """All of them."""
     calm = [flight for flight in field.judged if not flight.jumps]
     for flight in calm or field.flights[-1:]:
-        outcome = outcome_of(field, flight, "constant", solutions)
+        outcome = field.tuned_outcome(flight, "constant", solutions)
         for i, name in enumerate(ANGLES):
             if name in field.measured:
                 yield _innovations(flight, outcome, i)
@@ -28,7 +28,7 @@ def figures(field: Field, solutions: Solutions) -> Iterator[Figure]:
         if flight.jumps:
             yield _glitch(field, flight, solutions)
     for flight in field.flights:
-        found = predicted(flight, outcome_of(field, flight, "constant", solutions))
+        found = predicted(flight, field.tuned_outcome(flight, "constant", solutions))
         believed = ~found.glitch
         if not believed.any():
             continue
@@ -99,10 +99,11 @@ def _unjoined(degrees: np.ndarray) -> np.ndarray:
 def _glitch(field: Field, flight: Flight, solutions: Solutions) -> Chart:
     lines = []
     for law in LAWS:
-        nis = outcome_of(field, flight, law, solutions).nis
+        nis = field.tuned_outcome(flight, law, solutions).nis
         seen = ~np.isnan(nis).all(axis=1)
         t, mean = flight.t[seen], np.nanmean(nis[seen], axis=1)
-        lines.append(Line(law, *_broken(t, flight.every * flight.dt, mean)))
+        x, y = _broken(t, flight.every * flight.dt, mean)
+        lines.append(Line(law, x, y))
     at = flight.t[flight.glitch]
     if len(at):
         lines.append(Line("glitch and 5 s around", at[[0, -1]], np.ones(2)))

@@ -7,7 +7,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from filters.dead_reckoning import constructed_attitude
-from studies.uav.recordings import Recording
+from studies.uav.recordings import Delays, Recording, Units, read
+from studies.uav.settings import Settings
+from tuner.data.record import Record
+from tuner.data.source import Source
 
 APART = 1.0
 """Between the three positions of a constructed attitude, s."""
@@ -19,7 +22,6 @@ AROUND = 5.0
 """So long before and after a jump the GPS is not believed, s."""
 AGREES = 0.5
 """The least correlation with the gyroscopes of an attitude that may serve as a reference."""
-SEMI_MAJOR, FLATTENING = 6378137.0, 1 / 298.257223563
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +29,6 @@ class Flight:
     """A flight from its first constructed attitude on; tick k ends at time ``t[k]``.
 
     Attributes:
-        name: of the recording.
         dt: between ticks, s.
         t: times, s, ``(N,)``.
         rate: mean of the gyroscopes over each tick, rad/s, ``(N, 3)``.
@@ -39,10 +40,9 @@ class Flight:
         reference: the autopilot's (phi, theta, psi), ``(N, 3)``; None without a usable one.
         glitch: whether the GPS is not believed, ``(N,)``.
         jumps: times at which the ground speed jumps, s.
-        sha256: of the recording.
+        source: the recording, with the number of ticks and their rate.
     """
 
-    name: str
     dt: float
     t: np.ndarray
     rate: np.ndarray
@@ -53,7 +53,12 @@ class Flight:
     reference: np.ndarray | None
     glitch: np.ndarray
     jumps: tuple[float, ...]
-    sha256: str
+    source: Source
+
+    @property
+    def name(self) -> str:
+        """Of the recording."""
+        return self.source.name
 
     @property
     def every(self) -> int:
@@ -61,23 +66,33 @@ class Flight:
         return round(APART / self.dt)
 
 
-def local(place: np.ndarray) -> np.ndarray:
-    """North, east, down of the first fix, m, ``(N, 3)``.
+def flown(settings: Settings) -> tuple[Flight, ...]:
+    """The flight that is tuned on, and those that are judged on.
 
-    North is M dphi and east N cos(phi0) dlambda, with the ellipsoid's radii of curvature at the
-    first latitude phi0 (WGS 84), M = a (1 - e^2) / w^3 and N = a / w, w^2 = 1 - e^2 sin^2 phi0:
-    what it neglects is of the second order, 2 cm within 500 m.
-
-    Args:
-        place: latitude and longitude, deg, and height, m, ``(N, 3)``.
+    Raises:
+        ValueError: where one is named twice, cannot be used, or has a glitch and is tuned on.
     """
-    e2 = FLATTENING * (2 - FLATTENING)
-    latitude = np.radians(place[0, 0])
-    w = np.sqrt(1 - e2 * np.sin(latitude) ** 2)
-    moved = place - place[0]
-    east = np.radians((moved[:, 1] + 180) % 360 - 180)
-    along = SEMI_MAJOR * (1 - e2) / w**3 * np.radians(moved[:, 0])
-    return np.stack([along, SEMI_MAJOR / w * np.cos(latitude) * east, -moved[:, 2]], axis=1)
+    if settings.tuned in settings.judged or len(set(settings.judged)) < len(settings.judged):
+        raise ValueError(
+            f"{settings.tuned} is tuned on, and {', '.join(settings.judged) or 'none'} judged on; "
+            "name every flight once, for what is judged on what it was tuned on says nothing"
+        )
+    tuned, *judged = (_flown(settings, name) for name in (settings.tuned, *settings.judged))
+    if tuned.jumps:
+        raise ValueError(
+            f"the ground speed of {tuned.name} jumps at {tuned.jumps[0]:.1f} s as no vehicle's "
+            "does: a GPS glitch, which noise tuned on it would swallow; tune on another flight, "
+            "--set tuned=NAME, or on what comes before it, --set seconds=N"
+        )
+    return tuned, *judged
+
+
+def _flown(settings: Settings, name: str) -> Flight:
+    units = Units(settings.acc_unit, settings.gyr_unit)
+    delays = Delays(settings.velocity_delay, settings.position_delay)
+    recording = read(settings.folder, name, units, delays)
+    whole = flight(recording, 1 / settings.ticks_per_second, settings.slowest, settings.gravity)
+    return cut(whole, settings.seconds)
 
 
 def over_ticks(t: np.ndarray, values: np.ndarray, edges: np.ndarray) -> np.ndarray:
@@ -104,40 +119,43 @@ def flight(recording: Recording, dt: float, slowest: float, gravity: float) -> F
     Raises:
         ValueError: where no attitude can be constructed.
     """
-    velocity_late, position_late = recording.delays
-    begin = max(recording.imu_t[0], recording.gps_t[0] - position_late)
-    end = min(recording.imu_t[-1], recording.gps_t[-1] - max(position_late, velocity_late))
+    channels, late = recording.record.channels, recording.delays
+    acc, gyr, fixes, speed = (channels[name] for name in ("acc", "gyr", "position", "speed"))
+    begin = max(acc.times[0], fixes.times[0] - late.position)
+    end = min(acc.times[-1], fixes.times[-1] - max(late))
     count = int((end - begin) / dt)
     edges = begin + dt * np.arange(count + 1)
-    force = over_ticks(recording.imu_t, recording.force, edges)
-    position = _joined(recording.gps_t - position_late, local(recording.place), edges[1:])
+    force = over_ticks(acc.times, acc.values, edges)
+    position = _joined(fixes.times - late.position, fixes.values, edges[1:])
     z = _constructed(position, force, dt, slowest, gravity)
     seen = np.flatnonzero(~np.isnan(z).any(axis=1))
     if len(seen) < 10:
         raise ValueError(
-            f"{recording.name} gives {len(seen)} attitudes from three positions (10 are needed): "
-            f"it hardly moves faster than {slowest:g} m/s; take another flight, or more of this one"
+            f"{recording.record.name} gives {len(seen)} attitudes from three positions (10 are "
+            f"needed): it hardly moves faster than {slowest:g} m/s; take another flight, or more "
+            "of this one"
         )
     kept = slice(int(seen[0]) + 1, None)
     t = edges[1:]
-    jumps = _jumps(recording)
-    speeds = np.hypot(*recording.speed.T)[:, None]
+    told = speed.times - late.speed
+    jumps = _jumps(told, speed.values[:, 0])
+    ground = np.hypot(*speed.values.T)[:, None]
     near = [np.abs(t - at) <= AROUND for at in jumps]
-    reference = _reference(recording, edges)
-    return Flight(
-        name=recording.name,
+    reference = _reference(recording.record, edges)
+    found = Flight(
         dt=dt,
         t=t[kept],
-        rate=over_ticks(recording.imu_t, recording.rate, edges)[kept],
+        rate=over_ticks(gyr.times, gyr.values, edges)[kept],
         z=z[kept],
         first=z[seen[0]],
         position=position[kept],
-        speed=_joined(recording.gps_t - velocity_late, speeds, t)[kept, 0],
+        speed=_joined(told, ground, t)[kept, 0],
         reference=None if reference is None else reference[kept],
         glitch=(np.any(near, axis=0) if near else np.zeros(len(t), bool))[kept],
         jumps=jumps,
-        sha256=recording.sha256,
+        source=recording.record.sources[0],
     )
+    return replace(found, source=replace(found.source, samples=len(found.t), rate_hz=1 / dt))
 
 
 def cut(whole: Flight, seconds: float | None) -> Flight:
@@ -149,7 +167,8 @@ def cut(whole: Flight, seconds: float | None) -> Flight:
     parts = {name: getattr(whole, name)[:n] for name in names}
     reference = None if whole.reference is None else whole.reference[:n]
     jumps = tuple(at for at in whole.jumps if at <= parts["t"][-1] + AROUND)
-    return replace(whole, **parts, reference=reference, jumps=jumps)
+    source = replace(whole.source, samples=len(parts["t"]))
+    return replace(whole, **parts, reference=reference, jumps=jumps, source=source)
 
 
 def _joined(t: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
@@ -182,22 +201,22 @@ def _constructed(
     return z
 
 
-def _jumps(recording: Recording) -> tuple[float, ...]:
+def _jumps(t: np.ndarray, ground: np.ndarray) -> tuple[float, ...]:
     """When the ground speed changes faster than a vehicle can."""
-    t, ground = recording.gps_t - recording.delays[0], recording.speed[:, 0]
     steep = np.abs(np.diff(ground)) > JUMP * np.diff(t)
     return tuple(float(at) for at in t[1:][steep])
 
 
-def _reference(recording: Recording, edges: np.ndarray) -> np.ndarray | None:
+def _reference(record: Record, edges: np.ndarray) -> np.ndarray | None:
     """The autopilot's attitude at the ticks' ends; None where the gyroscopes deny it."""
-    if len(recording.attitude_t) < 2:
+    if "angles" not in record.channels:
         return None
-    angles = np.unwrap(recording.attitude, axis=0)
-    found = np.stack([np.interp(edges, recording.attitude_t, a) for a in angles.T], axis=1)
+    pilot, gyr = record.channels["angles"], record.channels["gyr"]
+    angles = np.unwrap(pilot.values, axis=0)
+    found = np.stack([np.interp(edges, pilot.times, a) for a in angles.T], axis=1)
     step = max(round(0.5 / float(edges[1] - edges[0])), 1)
     turned = np.diff(found[::step], axis=0)
-    rates = over_ticks(recording.imu_t, recording.rate, edges[::step])
+    rates = over_ticks(gyr.times, gyr.values, edges[::step])
     agreeing = [
         float(np.corrcoef(a, b)[0, 1]) if a.std() and b.std() else 0.0
         for a, b in zip(turned.T, rates.T, strict=True)

@@ -10,8 +10,11 @@ import numpy as np
 
 from filters import run
 from filters.gps_aided import GpsAidedSample
-from studies.uav.estimator import ANGLES, Angle, Tuned, data, filter_of, parameters
 from studies.uav.flights import Flight
+from studies.uav.problems import Tuned, data, filter_of, parameters
+from studies.uav.settings import ANGLES, Angle
+from tuner.data.source import Source
+from tuner.run.study import Solutions, best, tuned_values
 
 BLOCK = 10
 """Neighbouring innovations share positions and manoeuvres, so blocks of them are counted, not they.
@@ -76,6 +79,18 @@ class Field:
     def flights(self) -> tuple[Flight, ...]:
         """All of them, the tuned one first."""
         return (self.tuned, *self.judged)
+
+    @property
+    def source(self) -> Source:
+        """Of all flights together."""
+        told = f"flight {self.tuned.name}"
+        if self.judged:
+            told += f", judged on {', '.join(each.name for each in self.judged)}"
+        return Source.joined(told, [each.source for each in self.flights])
+
+    def tuned_outcome(self, flight: Flight, law: Tuned, solutions: Solutions) -> Outcome:
+        """What a law, tuned on the first flight, makes of a flight."""
+        return self.outcome(flight, law, tuned_values(best(law, solutions)))
 
     def outcome(self, flight: Flight, law: Tuned, values: dict[str, Any]) -> Outcome:
         """What a law makes of a flight with tuned numbers."""

@@ -3,9 +3,11 @@
 import numpy as np
 
 from filters import PiSample
-from studies.you_lee.cases import Bench, Flown
+from studies.you_lee.cases import Bench
+from studies.you_lee.data import Flown
 from studies.you_lee.flight import Trajectory
-from studies.you_lee.settings import GRAVITY, Settings
+from studies.you_lee.paper import GRAVITY
+from studies.you_lee.settings import Settings
 
 MISSING = 0.1
 """Share of a run's samples without an attitude above which it says little of the filter."""

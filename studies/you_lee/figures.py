@@ -4,10 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from studies.you_lee import problems
 from studies.you_lee.cases import CHUNK, Bench, Case, Spread
 from studies.you_lee.flight import TRAJECTORIES
-from studies.you_lee.settings import PUBLISHED
-from studies.you_lee.tuning import problems, tuned_case
+from studies.you_lee.paper import PUBLISHED
+from studies.you_lee.problems import tuned_case
 from tuner.problem.surface import grid
 from tuner.run.figure import Chart, Figure, Line, Map
 from tuner.run.study import Solutions, best
@@ -132,7 +133,7 @@ def _sweep(bench: Bench, name: str, x: np.ndarray, title: str) -> Chart:
 
 def _surface(bench: Bench, solutions: Solutions) -> Map:
     """The score over both gains, on the runs that are tuned on."""
-    settings, problem = bench.settings, problems(bench)["free"]
+    settings, problem = bench.settings, problems.posed(bench)["free"]
     K1 = np.geomspace(5e-3, 0.2, settings.grid)
     K2 = np.geomspace(2e-3, 0.2, settings.grid)
     z = grid(problem, {"K1": K1, "K2": K2})

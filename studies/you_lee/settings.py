@@ -1,22 +1,18 @@
 """What can be set: the flight, the sensors of table 1, the filter, and the effort."""
 
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from studies.you_lee.flight import Course, Trajectory
+from studies.you_lee.paper import GRAVITY, PUBLISHED
 from tuner.run.settings import StudySettings
 
-GRAVITY = 32.17404
-"""Ft/s^2."""
 HELD_OUT = 1000
 """Seeds of the Monte Carlo runs lie this far above those that are tuned on."""
-PUBLISHED = {"K1": 0.08, "K2": 0.0125, "Q_k": 2e-9, "R_k": 100.0, "threshold": 2.5e-3}
-"""What the paper gives of the filter."""
 
 Start = Literal["zero", "true"]
-STARTS: tuple[Start, ...] = get_args(Start)
 
 
 class Settings(StudySettings):

@@ -112,6 +112,16 @@ def test_the_random_law_takes_its_draws():
         filtered(GpsAidedKalman(DT, law="random"), 8, scale=scale)
 
 
+@pytest.mark.parametrize("slope", ["center", "edge"])
+@pytest.mark.parametrize("law", ["fuzzy", "random"])
+def test_the_laws_stay_in_single_precision(law, slope):
+    rates, z = example(8)
+    inputs = GpsAidedSample(jnp.asarray(rates), every_fourth(z), jnp.ones((8, 7)))
+    narrow = jax.tree.map(lambda leaf: leaf.astype(jnp.float32), (noise(), inputs))
+    found = jax.eval_shape(partial(run, GpsAidedKalman(DT, law=law, slope=slope)), *narrow)
+    assert {leaf.dtype for leaf in jax.tree.leaves(found)} == {jnp.dtype("float32")}
+
+
 def test_a_constant_rate_turns_by_the_step_s_arc_tangent():
     """And the printed kinematics turns twice as far: 79.9 deg for 40."""
     rate = np.radians(10.0)

@@ -6,20 +6,19 @@ import jax
 import numpy as np
 import pytest
 
-from studies.chauhan2009 import laws, plan, rows
-from studies.chauhan2009.laws import FUZZY, Build, estimated, problems, random_scale, randomly
-from studies.chauhan2009.steps import (
-    BEFORE,
-    DT,
-    EVERY,
-    Behaviour,
-    Records,
-    Settings,
-    Step,
-    behaviour,
-    records,
-    times,
+from studies.chauhan2009 import claims, plan, problems
+from studies.chauhan2009.behaviour import Behaviour, behaviour
+from studies.chauhan2009.data import BEFORE, Records, Step, records, times
+from studies.chauhan2009.paper import DT, EVERY
+from studies.chauhan2009.problems import (
+    FUZZY,
+    by_hand,
+    estimated,
+    parameters,
+    random_scale,
+    randomly,
 )
+from studies.chauhan2009.settings import Settings
 from studies.chauhan2009.sweep import Case, Sweep, ranges
 from tests import oracles_chauhan2009 as oracle
 from tuner.cli import invoke
@@ -41,8 +40,8 @@ SHORT = Settings(
 def quick():
     """Without the compiler's optimisation, which changes no formula and takes most of the time."""
     with pytest.MonkeyPatch.context() as patch:
-        function = laws._run.__wrapped__
-        patch.setattr(laws, "_run", jax.jit(function, static_argnums=0, compiler_options=QUICK))
+        function = problems._run.__wrapped__
+        patch.setattr(problems, "_run", jax.jit(function, static_argnums=0, compiler_options=QUICK))
         yield
 
 
@@ -118,7 +117,7 @@ def test_what_is_said_of_errors():
 def test_both_laws_are_the_textbooks_on_a_record():
     """The random one with the scale the notes describe, from the fuzzy run on the same data."""
     made = records(SHORT, [Step(14.1, "silent")], [0, 1, 2])
-    fuzzy = estimated(FUZZY, SHORT, made.inputs, {})
+    fuzzy = estimated(FUZZY, made.inputs, by_hand(SHORT))
     random = randomly(SHORT, made, fuzzy, 2.0, seed=5)
     draws = np.random.default_rng([5, 7]).uniform(size=(*made.truth.shape, 7))
     R = np.radians(SHORT.noise) ** 2 * np.eye(3)
@@ -140,11 +139,11 @@ def test_at_lambda_one_both_laws_have_one_mean():
 
 
 def test_parameters_go_where_they_belong():
-    params = Build(2.0, 3)({"quaternion": 1e-3, "bias": 1e-7, "floor": 1e-9})
-    np.testing.assert_allclose(params.process.Q, np.tile([1e-3] * 4 + [1e-7] * 3, (3, 1)))
+    params = parameters({"angle": 2.0, "quaternion": 1e-3, "bias": 1e-7, "floor": 1e-9})
+    np.testing.assert_allclose(params.process.Q, [1e-3] * 4 + [1e-7] * 3)
     np.testing.assert_allclose(params.R, np.radians(2.0) ** 2)
-    np.testing.assert_allclose(Build(2.0, 1)({"angle": 3.0}).R, np.radians(3.0) ** 2)
     np.testing.assert_allclose(params.process.floor, 1e-9)
+    np.testing.assert_array_equal(params.q0, [1.0, 0.0, 0.0, 0.0])
 
 
 def test_ranges_in_words():
@@ -170,39 +169,39 @@ def test_claims_about_the_driving_noise_can_hold_and_fail(better, verdict):
         Case(Step(14.1, "silent"), None, fuzzy, (random, random if better else worse, random)),
     )
     sweep.__dict__["cases"] = cases  # where cached_property keeps them
-    found = {row.quantity: row for row in rows._driving(sweep)}
-    assert set(found) == {
-        "fuzzy.faster_settling",
-        "fuzzy.larger_overshoot",
-        "fuzzy.smaller_steady",
-    }
-    for row in found.values():
+    found = (
+        claims.faster_settling(sweep, {}),
+        claims.larger_overshoot(sweep, {}),
+        claims.smaller_steady(sweep, {}),
+    )
+    for row in found:
         assert row.verdict is verdict
         assert row.ours == pytest.approx(1.0 if better else 2 / 3)
         assert ("0.1 to 10" if better else "0.1, 10") in row.note
 
 
 def test_rows_that_need_no_tuning():
-    table = {row.quantity: row for row in (rows._textbook(), rows._printed_rate())}
-    assert table["lp.textbook"].verdict is Verdict.MATCH
-    assert table["attitude.constant_rate_printed"].verdict is Verdict.INCONSISTENT
-    assert f"{table['attitude.constant_rate_printed'].ours:.1f}" == oracle.PRINTED_TURN
-    floorless = rows._positive(SHORT)
+    sweep = Sweep(SHORT, 0)
+    assert claims.textbook_regression(sweep, {}).verdict is Verdict.MATCH
+    printed = claims.printed_rate(sweep, {})
+    assert printed.verdict is Verdict.INCONSISTENT
+    assert f"{printed.ours:.1f}" == oracle.PRINTED_TURN
+    floorless = claims.positive_definite(sweep, {})
     assert (floorless.verdict, floorless.ours) == (Verdict.FAILS, 0.0)
 
 
 def test_the_steady_error_is_the_same_in_degrees():
-    row = rows._steady(SHORT, 0)
+    row = claims.steady_deviation(Sweep(SHORT, 0), {})
     assert row.verdict is Verdict.FAILS
     assert row.ours == pytest.approx(1.0, abs=0.1)
-    assert rows._tracking(SHORT, 0).verdict is Verdict.FAILS
+    assert claims.tracking_error(Sweep(SHORT, 0), {}).verdict is Verdict.FAILS
 
 
 @pytest.mark.parametrize(("angle", "verdict"), [(0.6, Verdict.HOLDS), (50.0, Verdict.FAILS)])
 def test_fuzzy_and_constant_noise_are_judged_on_other_records(angle, verdict):
     """By hand: a constant Q that does not follow a silent step, and fuzzy ones that do, or not."""
     values = {
-        "constant": {"quaternion": 1e-7, "bias": 1e-12},
+        "constant": {"quaternion": 1e-7, "bias": 1e-12, "angle": SHORT.noise},
         "fuzzy_4": {"angle": angle, "floor": 1e-12},
         "edge": {"angle": 90.0, "floor": 1e-12, "h": 0.1},
     }
@@ -214,22 +213,27 @@ def test_fuzzy_and_constant_noise_are_judged_on_other_records(angle, verdict):
         )
         for name, given in values.items()
     }
-    (row,) = rows._tuned(SHORT, 0, solutions)
-    assert row.quantity == "fuzzy_vs_tuned_fixed_Q_heldout"
+    row = claims.fuzzy_or_constant(Sweep(SHORT, 0), solutions)
     assert row.verdict is verdict
     assert "pitch error of fuzzy_4" in row.note
 
 
 def test_all_laws_are_tuned_on_the_same_records():
-    posed = problems(SHORT, 3)
+    asked = plan(SHORT, (), 3, "")
+    posed = {task.problem.name: task.problem for task in asked.tasks}
     assert list(posed) == ["constant", "fuzzy_4", "edge"]
     first = posed["constant"].data
     for problem in posed.values():
         np.testing.assert_array_equal(problem.data.truth, first.truth)
-    asked = plan(SHORT, None, 3, "")
-    assert [task.problem.name for task in asked.tasks] == list(posed)
+        assert problem.source == asked.source
     assert len({task.solver.starts for task in asked.tasks}) == 1
-    assert [target.problem.name for target in asked.targets] == ["constant", "fuzzy_4"]
+    assert asked.exports == ("constant", "fuzzy_4")
+
+
+def test_a_claim_asks_for_what_it_needs_alone():
+    asked = plan(SHORT, (), 3, "")
+    assert asked.only(["fuzzy.*", "lp.textbook"]).tasks == ()
+    assert len(asked.only(["fuzzy_vs_tuned_fixed_Q_heldout"]).tasks) == len(asked.tasks)
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import io
 import json
 import re
 import zipfile
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,20 +15,22 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from filters import run
-from studies.uav import Settings, judging, plan, prediction, recordings, rows
-from studies.uav.estimator import ANGLES, LAWS, data, filter_of, parameters, quaternion, space
+from studies.uav import claims, judging, plan, prediction, texts
 from studies.uav.figures import figures
-from studies.uav.flights import cut, flight, local, over_ticks
+from studies.uav.flights import cut, flight, over_ticks
 from studies.uav.judging import Field, Interval, Outcome, by_update, interval, likeness, turned
 from studies.uav.prediction import predicted
-from studies.uav.recordings import GRAVITY, read
+from studies.uav.problems import LAWS, data, filter_of, parameters, quaternion, space
+from studies.uav.recordings import GRAVITY, Delays, Units, local, read
+from studies.uav.settings import ANGLES, Settings
 from tests import oracles_chauhan2009 as oracle
 from tuner.cli import invoke
 from tuner.run.comparison import Verdict
 
 REAL = Path(__file__).parents[2].parent / "shared" / "data" / "uav_inertialnav"
 QUICK = {"xla_backend_optimization_level": 0}
-UNITS, DELAYS = ("m/s^2", "rad/s"), (0.3, 0.4)
+UNITS, DELAYS = Units(), Delays(0.3, 0.4)
+STANDARD = 9.80665  # what a g is
 REST, SECONDS, TICKS = 4.0, 60.0, 10
 HOME = np.array([47.4, 8.0, 400.0])
 LATE = 0.2  # s, the GPS's position in timing.txt
@@ -116,13 +119,13 @@ def text(table):
 
 
 @cache
-def texts():
+def written_texts():
     return {name: text(table) for name, table in made().items()}
 
 
 def written(folder, name="one", **changed):
     """A flight's zip; a text that is changed to None is left out. GPS means GPS.txt."""
-    files = dict(texts())
+    files = dict(written_texts())
     for key, value in changed.items():
         file = f"{key}.txt"
         files[file] = value if isinstance(value, str | None) else text(value)
@@ -152,42 +155,58 @@ def flown(tmp_path_factory):
 
 
 def test_a_flight_is_read_as_it_was_written(tmp_path):
-    found = only(written(tmp_path))
+    record, delays = only(written(tmp_path))
     imu, gps, att = (made()[file] for file in ("IMU.txt", "GPS.txt", "ATT.txt"))
-    assert (found.name, found.delays, len(found.sha256)) == ("one", (LATE, LATE), 64)
-    np.testing.assert_allclose(found.imu_t, imu[:, 0] / 1e3, rtol=1e-12)
-    np.testing.assert_allclose(found.rate, imu[:, 2:5], rtol=1e-11)
-    np.testing.assert_allclose(found.force, imu[:, 5:8], rtol=1e-11)
-    np.testing.assert_allclose(found.place, gps[:, 6:9], rtol=1e-12)
-    np.testing.assert_allclose(found.speed, gps[:, [10, 12]], rtol=1e-11, atol=1e-12)
-    np.testing.assert_allclose(found.attitude, np.radians(att[:, 2:5]), rtol=1e-11, atol=1e-12)
+    assert (record.name, delays, len(record.digest)) == ("one", (LATE, LATE), 64)
+    found = {name: signal.values for name, signal in record.channels.items()}
+    for name, table in {
+        "gyr": imu,
+        "acc": imu,
+        "position": gps,
+        "speed": gps,
+        "angles": att,
+    }.items():
+        np.testing.assert_allclose(record.channels[name].times, table[:, 0] / 1e3, rtol=1e-12)
+    np.testing.assert_allclose(found["gyr"], imu[:, 2:5], rtol=1e-11)
+    np.testing.assert_allclose(found["acc"], imu[:, 5:8], rtol=1e-11)
+    np.testing.assert_allclose(found["speed"], gps[:, [10, 12]], rtol=1e-11, atol=1e-12)
+    np.testing.assert_allclose(found["angles"], np.radians(att[:, 2:5]), rtol=1e-11, atol=1e-12)
+    # Degrees are written to 12 digits, which are 1e-5 m.
+    way = position(gps[:, 0] / 1e3 - LATE)
+    np.testing.assert_allclose(found["position"], way - way[0], atol=1e-4)
 
 
 def test_a_folder_of_texts_is_the_same_flight(tmp_path):
     packed = only(written(tmp_path))
     plain = tmp_path / "two"
     plain.mkdir()
-    for name, content in texts().items():
+    for name, content in written_texts().items():
         (plain / name).write_text(content)
     found = read(str(tmp_path), "two", UNITS, DELAYS)
-    assert found.sha256 == packed.sha256
-    np.testing.assert_array_equal(found.force, packed.force)
+    assert found.record.digest == packed.record.digest
+    np.testing.assert_array_equal(
+        found.record.channels["acc"].values, packed.record.channels["acc"].values
+    )
 
 
 def test_units_are_converted_and_delays_given(tmp_path):
     imu = made()["IMU.txt"].copy()
-    imu[:, 2:5], imu[:, 5:8] = np.degrees(imu[:, 2:5]), imu[:, 5:8] / GRAVITY
-    found = only(written(tmp_path, IMU=imu, timing=None, ATT=None), ("g", "deg/s"))
-    np.testing.assert_allclose(found.rate, made()["IMU.txt"][:, 2:5], rtol=1e-11)
-    np.testing.assert_allclose(found.force, made()["IMU.txt"][:, 5:8], rtol=1e-11)
+    imu[:, 2:5], imu[:, 5:8] = np.degrees(imu[:, 2:5]), imu[:, 5:8] / STANDARD
+    found = only(written(tmp_path, IMU=imu, timing=None, ATT=None), Units("g", "deg/s"))
+    channels = found.record.channels
+    np.testing.assert_allclose(channels["gyr"].values, made()["IMU.txt"][:, 2:5], rtol=1e-11)
+    np.testing.assert_allclose(channels["acc"].values, made()["IMU.txt"][:, 5:8], rtol=1e-11)
     assert found.delays == DELAYS
-    assert not len(found.attitude_t)
+    assert "angles" not in channels
+    with pytest.raises(ValueError, match=r"^flight one: 'gyr' is in 'm', m in SI, where rad/s is"):
+        only(tmp_path, Units("g", "m"))
 
 
 def test_fixes_without_three_dimensions_are_left_out(tmp_path):
     gps = made()["GPS.txt"].copy()
     gps[5:9, 1] = 2
-    assert len(only(written(tmp_path, GPS=gps)).gps_t) == len(gps) - 4
+    record = only(written(tmp_path, GPS=gps)).record
+    assert len(record.channels["position"].times) == len(gps) - 4
 
 
 def scaled(file, columns, factor):
@@ -206,11 +225,14 @@ REFUSED = {
     "empty": ({"IMU": "\n"}, "IMU.txt of one has 0 rows"),
     "narrow": ({"IMU": IMU[:, :5]}, "at least 8 are needed in each"),
     "NaN": (altered("IMU.txt", (7, 3), np.nan), "IMU.txt of one has no number in row 7"),
-    "back": (altered("IMU.txt", (9, 0), 1.0), "the time in IMU.txt of one does not grow at row 9"),
+    "back": (
+        altered("IMU.txt", (9, 0), 1.0),
+        "flight one: the times of 'gyr' do not rise at row 9",
+    ),
     "seconds": (scaled("IMU.txt", 0, 1e-3), "so give it in ms"),
     "gap": ({"IMU": np.delete(IMU, slice(1000, 1100), axis=0)}, "so cut the flight there"),
     "g": (scaled("IMU.txt", slice(5, 8), 1 / GRAVITY), "say so with --set acc_unit=g"),
-    "twice": (scaled("IMU.txt", slice(5, 8), 2), "read 19.6 m/s^2 in the first 2 s, and gravity"),
+    "twice": (scaled("IMU.txt", slice(5, 8), 2), "acc of one reads 19.6 m/s^2 at rest"),
     "up": (scaled("IMU.txt", slice(5, 8), -1), "the third accelerometer of one reads 9.8 m/s^2"),
     "degrees": (scaled("IMU.txt", slice(2, 5), 1e3), "say so with --set gyr_unit=deg/s"),
     "no fix": (scaled("GPS.txt", 1, 0), "GPS.txt of one has 0 positions with status 3; 10 are"),
@@ -230,7 +252,7 @@ def test_a_flight_that_cannot_be_used_is_refused_in_a_sentence(case, tmp_path):
 
 def test_a_text_that_is_too_large_is_refused_unread(tmp_path, monkeypatch):
     written(tmp_path)
-    monkeypatch.setattr(recordings, "BIGGEST", 1000)
+    monkeypatch.setattr(texts, "BIGGEST", 1000)
     with pytest.raises(ValueError, match=r"^IMU.txt of one.zip is larger than .* MiB, .* cut it"):
         only(tmp_path)
 
@@ -359,7 +381,7 @@ def glitched():
 
 
 def planned(folder, **settings):
-    return plan(Settings(folder=str(folder), **settings), None, 0, "")
+    return plan(Settings(folder=str(folder), **settings), (), 0, "")
 
 
 def test_a_glitch_is_marked_and_not_tuned_on(tmp_path):
@@ -438,7 +460,7 @@ def perfect(flown, offset=0.0):
 
 def test_positions_are_foretold_from_speed_and_attitude(flown, monkeypatch):
     monkeypatch.setattr(prediction, "MOST", 64)
-    level = flown.__class__(**(vars(flown) | {"reference": attitude(flown.t) * [0, 0, 1]}))
+    level = replace(flown, reference=attitude(flown.t) * [0, 0, 1])
     found = predicted(level, perfect(flown))
     assert found.horizontal.shape == (len(found.glitch), 5)
     # the body's pitch is no climb: cos(0.1) shortens the way by 0.5 %
@@ -490,7 +512,7 @@ VERDICTS = {
 @pytest.mark.parametrize("case", VERDICTS)
 def test_consistency_is_claimed_only_where_it_can_be_told(case):
     found, verdict = VERDICTS[case]
-    assert rows._within("q", "w", Interval(*found), "n").verdict is verdict
+    assert claims._within("q", "w", Interval(*found), "n").verdict is verdict
 
 
 @pytest.mark.parametrize(
@@ -503,7 +525,7 @@ def test_consistency_is_claimed_only_where_it_can_be_told(case):
     ],
 )
 def test_a_gain_that_may_be_nothing_is_not_claimed(found, verdict):
-    assert rows._better("q", "w", Interval(*found), "n", "").verdict is verdict
+    assert claims._better("q", "w", Interval(*found), "n", "").verdict is verdict
 
 
 # ------------------------------------------------------------------------------ rows and figures
@@ -531,11 +553,12 @@ def solutions():
 def compared(tmp_path_factory, flown):
     folder = written(tmp_path_factory.mktemp("glitch"), "one", GPS=glitched())
     bad = flight(read(str(folder), "one", UNITS, DELAYS), 1 / TICKS, 3.0, GRAVITY)
-    bad = bad.__class__(**(vars(bad) | {"name": "bad", "reference": None}))
+    bad = replace(bad, source=replace(bad.source, name="bad"), reference=None)
     field = Field(flown, (bad,), ANGLES)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(prediction, "MOST", 64)
-        table = {row.quantity: row for row in rows.compare(field, solutions())}
+        rows = (row for said in claims.CLAIMS for row in said.compare(field, solutions()))
+        table = {row.quantity: row for row in rows}
         drawn = {figure.name: figure for figure in figures(field, solutions())}
     return table, drawn, bad
 

@@ -1,5 +1,6 @@
 """The study of You and Lee: its flights and sensors, its rows, and what it refuses."""
 
+import json
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import cache
@@ -12,14 +13,16 @@ import pytest
 from pydantic import ValidationError
 
 from filters import PiComplementary
-from studies import you_lee
-from studies.you_lee import cases, checks, rows
+from studies.you_lee import cases, checks, claims, data, problems
 from studies.you_lee.cases import Bench, Case, errors_of, gains, judged
+from studies.you_lee.claims import CLAIMS
 from studies.you_lee.figures import figures
 from studies.you_lee.flight import TRAJECTORIES, motion, rate_and_slope
+from studies.you_lee.paper import TwoGains
+from studies.you_lee.problems import spaces, tuned_case, with_gains
 from studies.you_lee.settings import Settings
-from studies.you_lee.tuning import spaces, tuned_case, with_gains
 from tests import oracles_you_lee as oracle
+from tuner.certificate.certify import estimates, unknown_spectrum
 from tuner.cli import invoke
 from tuner.run.comparison import Verdict
 from tuner.run.drawing import table
@@ -100,7 +103,7 @@ def test_determinant_of_13(name):
 def test_sensors_have_the_errors_of_table_1():
     """At the start and in what they walk: 400 runs of a few samples."""
     settings = Settings(level=1.0, turn=1.0, ramp=0.2, rate_hz=5.0)
-    errors = cases.sensor_errors(settings, 0, 400)
+    errors = data.sensor_errors(settings, 0, 400)
     hour = oracle.GYR_DENSITY * settings.dt
     for found, sigma, density in (
         (errors.rate, oracle.GYR_BIAS, hour),
@@ -115,7 +118,7 @@ def test_sensors_have_the_errors_of_table_1():
 
 
 def test_runs_follow_their_seeds():
-    again = [cases.sensor_errors(SHORT, 7, 3, part) for part in (slice(3), slice(1, 3))]
+    again = [data.sensor_errors(SHORT, 7, 3, part) for part in (slice(3), slice(1, 3))]
     for one, other in zip(*again, strict=True):
         np.testing.assert_array_equal(one[:, 1:], other)
         assert not np.array_equal(one[:, 0], one[:, 1])
@@ -154,8 +157,8 @@ def test_monte_carlo_is_the_textbooks(monkeypatch):
     for name, value in (("N", N), ("T", SHORT.dt), ("LEVEL", 20.0), ("TURN", 20.0), ("RAMP", 5.0)):
         monkeypatch.setattr(oracle, name, value)
     flight = bench().flights["T1"]
-    errors = cases.sensor_errors(settings, 1000, 3)
-    inputs = cases.measured(flight, errors)
+    errors = data.sensor_errors(settings, 1000, 3)
+    inputs = data.measured(flight, errors)
     sensors = oracle.Sensors(*(np.asarray(part) for part in (inputs[1], inputs[0], inputs[2])))
     true = oracle.truth("T1")
     np.testing.assert_allclose(flight.truth[:, 0], true.phi[1:], atol=1e-15)
@@ -184,9 +187,16 @@ def test_chunks_do_not_matter(monkeypatch):
 # ---------------------------------------------------------------------------------------- rows
 
 
+def compare(flown):
+    """All rows but those of the problem that is not posed."""
+    posed = {name for name, _ in SOLUTIONS}
+    asked = [claim for claim in CLAIMS if posed.issuperset(claim.needs)]
+    return {row.quantity: row for claim in asked for row in claim.compare(flown, SOLUTIONS)}
+
+
 @cache
 def found_rows():
-    return {row.quantity: row for row in rows.compare(whole(), SOLUTIONS)}
+    return compare(whole())
 
 
 NAMES = [
@@ -240,7 +250,8 @@ def test_the_gains_are_15s_two_ways():
 
 
 def test_gains_that_agree_are_no_contradiction():
-    verdicts = {row.verdict for row in rows._gains(0.05, 0.0125)}
+    of_15 = claims.tau_of_K1, claims.tau_of_K2, claims.one_tau, claims.damping
+    verdicts = {each(bench(), {}, TwoGains(0.05, 0.0125)).verdict for each in of_15}
     assert verdicts == {Verdict.MATCH}
 
 
@@ -268,22 +279,23 @@ def with_spreads(of, settings=SHORT):
 def test_verdicts_follow_the_numbers():
     """Where the filters did otherwise, every verdict would be another."""
     aided = with_spreads(lambda case: 0.4 if case.aid == "velocity" else 1.0)
-    for each in rows.REDUCED:
-        assert rows._reduced(aided, *each).verdict is Verdict.HOLDS
-    assert rows._large(aided).verdict is Verdict.FAILS
-    assert rows._level(aided).verdict is Verdict.FAILS
+    for name, trajectory, start in claims.REDUCED:
+        row = claims.reduced(aided, {}, name=name, trajectory=trajectory, start=start)
+        assert row.verdict is Verdict.HOLDS
+    assert claims.large_in_the_turn(aided, {}).verdict is Verdict.FAILS
+    assert claims.small_in_level_flight(aided, {}).verdict is Verdict.FAILS
     sharp = with_spreads(lambda case: 1 + abs(np.log10(dict(case.values)["Q_k"] + 1e-12) + 8.7))
-    assert rows._process_noise(sharp).verdict is Verdict.MATCH
+    assert claims.process_noise(sharp, {}).verdict is Verdict.MATCH
     other = with_spreads(lambda case: 1 + 1e7 * dict(case.values)["Q_k"])
-    assert rows._process_noise(other).verdict is Verdict.DIFFERS
+    assert claims.process_noise(other, {}).verdict is Verdict.DIFFERS
     worse = with_spreads(lambda case: 2.0 if case.values else 1.0)
-    assert rows._tuned(worse, "free", SOLUTIONS).verdict is Verdict.FAILS
+    assert claims.better_tuned(worse, SOLUTIONS, problem="free").verdict is Verdict.FAILS
 
 
 def test_what_the_paper_gives_stays_whatever_is_set():
     set_otherwise = SHORT.model_copy(update={"K1": 0.05, "Q_k": 1e-8, "threshold": 0.01})
     flown = Bench(set_otherwise, 0)
-    made = {row.quantity: row for row in rows.compare(flown, SOLUTIONS)}
+    made = compare(flown)
     assert made["gains.tau_from_K1"].ours == 25
     assert made["Qk.identifiable"].paper == 2e-9
     published = {"K1": 0.08, "Q_k": 2e-9, "threshold": 2.5e-3}
@@ -294,21 +306,21 @@ def test_what_the_paper_gives_stays_whatever_is_set():
 
 
 def test_the_roll_floor_is_judged_where_it_is_reached():
-    short = rows._floor(bench())  # 20 s of level flight, time constant 64 s
+    short = claims.level_floor(bench(), {})  # 20 s of level flight, time constant 64 s
     assert short.verdict is Verdict.NOT_IDENTIFIABLE
     assert (
         "20 s of level flight are fewer than 3 time constants of the filter's slowest pole"
         in short.note
     )
-    assert rows._floor(whole()).verdict is Verdict.MATCH
+    assert claims.level_floor(whole(), {}).verdict is Verdict.MATCH
     slow = Bench(SHORT.model_copy(update={"K1": 1e-300}), 0)
-    assert rows._floor(slow).verdict is Verdict.NOT_IDENTIFIABLE
+    assert claims.level_floor(slow, {}).verdict is Verdict.NOT_IDENTIFIABLE
     fast = Bench(SHORT.model_copy(update={"gyro_bias": 14000.0}), 0)
-    assert "has no arc sine" in rows._floor(fast).note
+    assert "has no arc sine" in claims.level_floor(fast, {}).note
 
 
 def test_a_switch_that_always_fires_in_a_run_that_judges_is_told():
-    rate = np.linalg.norm(bench().train()[0].gyr, axis=2)
+    rate = np.linalg.norm(bench().train[0].gyr, axis=2)
     quiet = {"threshold": 1.01 * float(rate.min(axis=0).max()), "runs": 60}
     with pytest.raises(ValueError, match=r"always fires in \d+ of 62 runs"):
         checks.refuse(Bench(SHORT.model_copy(update=quiet), 0))
@@ -432,15 +444,38 @@ def test_a_run_can_be_planned(tmp_path, monkeypatch, capfd):
         assert problem in said
 
 
+def exported(problem):
+    """What is written down of a problem at its initial values."""
+    start = estimates(problem, problem.space.start(), unknown_spectrum(problem.space.size))
+    return {each.name: each for each in problem.quantities(SimpleNamespace(parameters=start))}
+
+
 def test_what_is_exported_besides_the_parameters():
-    found = solution("velocity", K1=0.03, K2=0.03, Q_k=10.0)
-    found.derived = {"K1": 0.03, "K2": 0.03, "damping": 0.5, "natural_frequency": 0.03}
-    names = [quantity.name for quantity in you_lee._quantities(bench(), found)]
-    assert names == ["damping", "natural_frequency", "gravity", "R_k", "P0", "threshold", "x0"]
-    damped = solution("damped", tau=50.0)
-    damped.derived = found.derived
-    names = [quantity.name for quantity in you_lee._quantities(bench(), damped)]
-    assert names == ["K1", "K2", "damping", "natural_frequency", "gravity"]
+    posed = problems.posed(bench())
+    held, of_poles = ["angles0", "gravity"], ["damping", "natural_frequency"]
+    aided = exported(posed["velocity"])
+    of_velocity = ["R_k", "threshold", "x0", "P0"]
+    assert [*aided] == ["K1", "K2", "Q_k", *held, *of_velocity, *of_poles]
+    assert all(each.meaning for each in aided.values())
+    lengths = {name: each.unit for name, each in aided.items() if "ft" in each.unit}
+    variances = dict.fromkeys(["Q_k", "R_k", "P0"], "(ft/s)^2")
+    assert lengths == {**variances, "gravity": "ft/s^2", "x0": "ft/s"}
+    damped = exported(posed["damped"])
+    assert [*damped] == ["tau", *held, "K1", "K2", *of_poles]
+    assert float(damped["damping"].value) == pytest.approx(1.0, rel=1e-12)
+    assert float(damped["K1"].value) == 2 / float(damped["tau"].value)
+    assert posed["damped"].what_is_exported().states[:2] == ("roll", "pitch")
+
+
+def test_a_claim_is_tried_alone(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    small = ["level=20", "turn=20", "ramp=5", "rate_hz=20", "train=1", "runs=1"]
+    sets = [part for each in small for part in ("--set", each)]
+    assert invoke(["run", "you_lee", *sets, "--claim", "gains.damping", "--json"]) == 0
+    result = json.loads(capfd.readouterr().out)
+    (row,) = result["comparisons"]
+    assert row["ours"] == found_rows()["gains.damping"].ours
+    assert result["solutions"] == []
 
 
 def test_errors_are_finite_in_a_steep_bank():
@@ -449,5 +484,5 @@ def test_errors_are_finite_in_a_steep_bank():
     flight = steep.flights["T1"]
     for aid in ("airspeed", "velocity"):
         params = gains(steep.settings, flight, "zero", {})
-        errors = errors_of(PiComplementary(SHORT.dt, aid), params, steep.train()[0], flight.truth)
+        errors = errors_of(PiComplementary(SHORT.dt, aid), params, steep.train[0], flight.truth)
         assert np.isfinite(errors).all()

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
+from filters.declared import Channel
 from objectives import Data
 from tuner.data.source import Source
 from tuner.export.tuned import Quantity
@@ -114,7 +115,10 @@ class ToySettings(BaseModel):
     note: str | None = None
 
 
-def toy_plan(settings, log, seed, storage, *, solver=make_solver):
+NO_DATA = Source("nothing", "0" * 64, 2, 100.0)
+
+
+def toy_plan(settings, records, seed, storage, *, solver=make_solver):
     objective = {"bowl": bowl, "slope": slope, "hollow": hollow}[settings.objective]
     main = replace(problem(objective, name="toy"), exported=TOY_EXPORTED)
     side = problem(trench, name="side")
@@ -123,16 +127,13 @@ def toy_plan(settings, log, seed, storage, *, solver=make_solver):
         for posed in (main, side)
         for name in settings.solvers
     )
-    if log is None:
-        source = Source("nothing", "0" * 64, 2, 100.0)
-    else:
-        source = Source(log.name, log.sha256, log.findings.samples, log.rate_hz)
+    (source,) = [s for record in records for s in record.sources] or [NO_DATA]
     return Plan(
         source=source,
         tasks=tasks,
         exports=("toy",),
         case="a curve",
-        claims=TOY_CLAIMS if log is None else (),
+        claims=() if records else TOY_CLAIMS,
         figures=toy_figures,
     )
 
@@ -189,7 +190,7 @@ def toy_study(**changed):
         title="A bowl",
         paper="none",
         settings=ToySettings,
-        channels={"x": "anything"},
+        channels=lambda settings: {"x": Channel("unit", "anything")},
         plan=partial(toy_plan, **changed),
     )
 

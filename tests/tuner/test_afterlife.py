@@ -14,7 +14,7 @@ from objectives import Data
 from tests.tuner.helpers import Solved, problem, toy_plan, trench
 from tuner.certificate.solution import Parameter
 from tuner.data.source import Source
-from tuner.problem.exported import Exported, exported_of
+from tuner.problem.exported import Exported, Trial, exported_of
 from tuner.problem.parameters import Fixed, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.space import Space
@@ -133,7 +133,7 @@ def test_outputs_are_run_once_a_solution(monkeypatch):
         ran.append(given)
         return run(*given)[1]
 
-    monkeypatch.setattr(tuner.problem.problem, "_run", counting)
+    monkeypatch.setattr(tuner.problem.problem, "run_filter", counting)
     posed = smoothing()
     quick, slow = at(posed, alpha=0.25), at(posed, alpha=0.75)
     first = posed.outputs(quick)
@@ -222,7 +222,7 @@ def toy_plan_problem():
     def none(name, **options):
         return Solved(name, None)
 
-    return toy_plan(ToySettings(), None, 0, "", solver=none).tasks[0].problem
+    return toy_plan(ToySettings(), (), 0, "", solver=none).tasks[0].problem
 
 
 def test_what_a_filter_says_of_itself():
@@ -230,11 +230,30 @@ def test_what_a_filter_says_of_itself():
     assert (told.filter, told.dt) == ("Smoother", 0.1)
     assert told.states == ("level_x", "level_y", "age")
     plain = exported_of(GyroscopeFilter(0.01))
-    assert (plain.filter, plain.states, plain.dt) == ("GyroscopeFilter", (), 0.01)
+    assert (plain.filter, plain.states, plain.dt) == ("GyroscopeFilter", ("omega", "epsilon"), 0.01)
     assert smoothing().what_is_exported().states == told.states
     own = Exported("Mine")
     assert smoothing(exported=own).what_is_exported() is own
     assert own.derived(None) == ()
+
+
+def test_what_runs_in_a_designs_place_is_what_is_tried():
+    samples = np.linspace(0.0, 1.0, 20)[:, None] * np.ones(2)
+
+    def runs(params):
+        return {"every step": Trial(Smoother(0.1), Gain(params["gain"], jnp.array(0.0)), samples)}
+
+    design = Problem(
+        name="design",
+        space=Space.of(gain=Positive(0.25, 0.1, 1.0)),
+        filter=None,
+        build=dict,
+        objective=lambda params, _: params["gain"] ** 2,
+        exported=Exported("Smoother", runs=runs),
+    )
+    (check,) = design.single_precision(at(design))
+    assert (check.form, check.output) == ("every step", "level")
+    assert 0 < check.share < 1e-6  # a gain below 1 averages the rounding, 6e-8, of each step
 
 
 # Single precision.

@@ -255,7 +255,7 @@ def test_two_runs_side_by_side(cli, here, toy):
 def test_a_study_that_takes_no_log(cli, here, offer):
     from dataclasses import replace
 
-    offer(replace(toy_study(), channels={}))
+    offer(replace(toy_study(), channels=None))
     assert cli("run", "toy", "--log", "x.csv", "--map", "x=g") == (
         2,
         "",

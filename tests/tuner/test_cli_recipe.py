@@ -23,17 +23,25 @@ from tuner.cli.recipe import LogEntries, Recipe, read_recipe
         ("study = 'toy'\nseed = 99999999999", "seed: Input should be less than or equal to"),
         ("study = 'toy'\nsed = 1", "unknown entry 'sed'; did you mean seed?"),
         ("study = 'toy'\nlog = 'x'", "log: Input should be"),
-        ("study = 'toy'\n[log]\nfile = 'x'", "log.sha256: Field required"),
+        ("study = 'toy'\n[log]\nfiles = ['x']", "log.sha256: Field required"),
         (
-            "study = 'toy'\n[log]\nfile = 'x'\nsha256 = ''\nmap = []\nrate = 1.0",
+            "study = 'toy'\n[log]\nfiles = ['x']\nsha256 = ['']\nmap = []\nrate = 1.0",
             "unknown entry 'rate'; did you mean rate_hz",
         ),
         (
-            "study = 'toy'\n[log]\nfile = 'x'\nsha256 = ''\nmap = 'x=g'",
+            "study = 'toy'\n[log]\nfiles = ['x', 'y']\nsha256 = ['']\nmap = []",
+            "log: Value error, 2 files and 1 sha256; each file has its own",
+        ),
+        (
+            "study = 'toy'\n[log]\nfiles = []\nsha256 = []\nmap = []",
+            "log.files: List should have at least 1 item",
+        ),
+        (
+            "study = 'toy'\n[log]\nfiles = ['x']\nsha256 = ['']\nmap = 'x=g'",
             "log.map: Input should be a valid list",
         ),
         (
-            "study = 'toy'\n[log]\nfile = 'x'\nsha256 = ''\nmap = []\nrate_hz = '1'",
+            "study = 'toy'\n[log]\nfiles = ['x']\nsha256 = ['']\nmap = []\nrate_hz = '1'",
             "log.rate_hz: Input should be a valid number",
         ),
         ("][", "Invalid"),
@@ -103,7 +111,7 @@ def test_a_log_is_found_beside_the_file_or_here(cli, here, toy):
     words = ("--map", "x=g*2:m", "--rate", 10, "--time", "t")
     assert cli("run", "toy", "--log", log, *words, "--out", "out")[0] == 0
     recipe = read_recipe(here / "out" / "study.toml")
-    assert (recipe.log.file, recipe.log.map) == ("rest.csv", ["x=g*2:m"])
+    assert (recipe.log.files, recipe.log.map) == (["rest.csv"], ["x=g*2:m"])
     assert (recipe.log.rate_hz, recipe.log.time) == (10.0, "t")
     assert cli("run", "out/study.toml", "--out", "again")[0] == 0
     first, again = (
@@ -147,7 +155,14 @@ def test_text_of_a_recipe_can_be_read_back(here):
         study="toy",
         seed=7,
         settings={"a": 1.5, "b": [[1.0, 2.0], [3.0, 4.0]], "c": "text\n'\"\\", "d": True},
-        log=LogEntries(file="x y.csv", sha256="0f", map=["a=b"], rate_hz=100.0, time=None),
+        log=LogEntries(
+            files=["x y.csv", "z.csv"],
+            sha256=["0f", "1e"],
+            map=["a=b"],
+            truth=["c=d,e:deg"],
+            rate_hz=100.0,
+            by="track",
+        ),
     )
     Path("study.toml").write_bytes(recipe.to_toml())
     assert read_recipe(Path("study.toml")) == recipe

@@ -32,7 +32,7 @@ from tuner.solvers import make_solver
 def begin(folder, *, solver=make_solver, progress=lambda *_: None, **settings):
     """A run of the toy study with settings of its own."""
     chosen = ToySettings(**settings)
-    plan = toy_plan(chosen, None, 0, "", solver=solver)
+    plan = toy_plan(chosen, (), 0, "", solver=solver)
     return Run("toy", chosen.model_dump(mode="json"), plan, 0, RunFolder(folder, False), progress)
 
 

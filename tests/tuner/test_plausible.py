@@ -69,10 +69,11 @@ def test_accelerometers_in_another_unit(factor, unit):
     assert f"acc=...:{unit[:2].strip()}" in sentence
 
 
-@pytest.mark.parametrize(("scale", "part"), [(0.5, "where 9.8 is right"), (2.0, "where 9.8 is")])
-def test_accelerometers_of_another_scale_are_warned_of(scale, part):
-    (warning,) = judged(acc=ACC * scale)
-    assert part in warning
+@pytest.mark.parametrize(("scale", "factor"), [(0.5, "2.0"), (2.0, "0.50")])
+def test_accelerometers_of_another_scale_are_refused(scale, factor):
+    sentence = refusal(acc=ACC * scale)
+    assert "where 9.8 is right" in sentence
+    assert f"acc=...*{factor}" in sentence
 
 
 def test_gravity_taken_out_is_said():

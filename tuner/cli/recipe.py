@@ -5,7 +5,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from tuner.names import unknown
 
@@ -19,13 +19,21 @@ class _Entries(BaseModel):
 class LogEntries(_Entries):
     """Which logs, and how they are read; no folder, for a recipe may be passed on."""
 
-    files: list[str]
+    files: list[str] = Field(min_length=1)
     sha256: list[str]
     map: list[str]
     truth: list[str] = []
     rate_hz: float | None = None
     time: str | None = None
     by: str | None = None
+
+    @model_validator(mode="after")
+    def _each_has_its_own(self) -> "LogEntries":
+        if len(self.files) != len(self.sha256):
+            raise ValueError(
+                f"{len(self.files)} files and {len(self.sha256)} sha256; each file has its own"
+            )
+        return self
 
 
 class Recipe(_Entries):

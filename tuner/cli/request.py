@@ -106,7 +106,7 @@ def _refuse_stray(request: Request) -> None:
     }
     stray = [option for option, given in told.items() if given is not None and given != ()]
     if stray:
-        raise ValueError(f"{stray[0]} says how to read a log, but there is no log")
+        raise ValueError(f"{stray[0]} says how to read a log, but there is no --log FILE")
 
 
 def log_entries(request: Request, records: "tuple[Record, ...]") -> LogEntries | None:

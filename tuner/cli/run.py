@@ -40,11 +40,14 @@ def execute(request: Request) -> int:
     if len(records) > SHOWN:
         print(f"... and {len(records) - SHOWN} recordings more", file=sys.stderr)
     if request.dry_run:
-        _say_plan(study, _chosen(study.plan(settings, records, seed, ""), request))
+        plan = _chosen(study.plan(settings, records, seed, ""), request)
+        _say_notes(plan)
+        _say_plan(study, plan)
         return 0
     folder = open_folder(request.out, study.name, force=request.force, resume=request.resume)
     storage = request.storage or f"sqlite:///{folder.path / 'trials.sqlite3'}"
     plan = _chosen(study.plan(settings, records, seed, storage), request)
+    _say_notes(plan)
     values = settings.model_dump(mode="json")
     recipe = _recipe(study, request, values, records)
     finished = _finished(folder, recipe) if request.resume else {}
@@ -115,6 +118,11 @@ def _how_to_go_on(request: Request, folder: RunFolder) -> str:
     words += [word for log in request.logs for word in ("--log", str(log))]
     again = f"finished parts are saved; go on with: {shlex.join([*words, '--resume'])}"
     return again + (" and the same --storage" if request.storage else "")
+
+
+def _say_notes(plan: Plan) -> None:
+    for note in plan.notes:
+        print(note, file=sys.stderr)
 
 
 def _say_plan(study: Study, plan: Plan) -> None:

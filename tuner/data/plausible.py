@@ -8,7 +8,7 @@ import numpy as np
 from tuner.data.frames import frame_of
 from tuner.data.logs.error import LogError
 from tuner.data.merge import Timeline
-from tuner.data.record import Floats
+from tuner.data.signal import Floats
 
 if TYPE_CHECKING:
     from filters.declared import Channel
@@ -17,6 +17,7 @@ _GRAVITY = 9.80665
 _REST_S = 0.5
 _RANGE_RAD_S = 40.0  # sensors end at 2000 deg/s, 34.9 rad/s
 _DEGREES = 180.0 / np.pi
+_MAP = "write {name}=...:{unit}"
 
 
 class _Scale(NamedTuple):
@@ -64,14 +65,20 @@ def implausible(
     return tuple(warning for warning in warnings if warning)
 
 
-def check_accelerometer(name: str, acc: Floats, dt: Floats) -> str:
+def check_accelerometer(name: str, acc: Floats, dt: Floats, way_out: str = _MAP) -> str:
     """Judge an accelerometer in m/s^2, ``(N, 3)``, by what it reads at rest.
 
+    Args:
+        name: the channel.
+        acc: specific force.
+        dt: sample times, s, ``(N,)``.
+        way_out: what the user is told to do, with {name} and {unit}.
+
     Returns:
-        A warning, empty where there is none: it reads gravity, or is never at rest.
+        A warning where gravity was taken out; empty where it reads gravity, or is never at rest.
 
     Raises:
-        LogError: where it reads 1, or gravity in another unit.
+        LogError: where it reads 1, gravity in another unit, or something else.
 
     >>> still = np.tile([0.0, 0.0, 1.0], (100, 1))
     >>> check_accelerometer("acc", still, np.full(100, 0.01))
@@ -88,20 +95,26 @@ def check_accelerometer(name: str, acc: Floats, dt: Floats) -> str:
         units = " or ".join(scale.unit for scale in near)
         raise LogError(
             f"{name} reads {norm:.3g} m/s^2 at rest, which looks like {units}; "
-            f"write {name}=...:{near[0].unit}"
+            f"{way_out.format(name=name, unit=near[0].unit)}"
         )
     if norm < 0.1 * _GRAVITY:
         return (
             f"{name} reads {norm:.3g} m/s^2 at rest, so gravity was taken out of it; "
             "map the specific force, with gravity, where the filter needs it"
         )
-    return (
-        f"{name} reads {norm:.3g} m/s^2 at rest, where 9.8 is right; check its unit and its scale"
+    raise LogError(
+        f"{name} reads {norm:.3g} m/s^2 at rest, where 9.8 is right; give its unit, or the factor "
+        f"to m/s^2 as in {name}=...*{_GRAVITY / norm:.4g}"
     )
 
 
-def check_gyroscope(name: str, gyr: Floats) -> None:
+def check_gyroscope(name: str, gyr: Floats, way_out: str = _MAP) -> None:
     """Refuse rates, rad/s ``(N, 3)``, that no gyroscope of 2000 deg/s can measure.
+
+    Args:
+        name: the channel.
+        gyr: rates.
+        way_out: what the user is told to do, with {name} and {unit}.
 
     Raises:
         LogError: with the way out.
@@ -111,7 +124,7 @@ def check_gyroscope(name: str, gyr: Floats) -> None:
     if fast > _RANGE_RAD_S:
         raise LogError(
             f"{name} reaches {fast:.3g} rad/s, {fast * _DEGREES:.3g} deg/s, beyond what gyroscopes "
-            f"measure, so it looks like deg/s; write {name}=...:deg/s"
+            f"measure, so it looks like deg/s; {way_out.format(name=name, unit='deg/s')}"
         )
 
 

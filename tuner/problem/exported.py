@@ -3,10 +3,13 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
+import jax.numpy as jnp
 import numpy as np
+from jax import Array
 
+from filters import AnyFilter
 from filters.declared import bare, channel_facts, in_unit, parameter_facts, values_of
 from tuner.certificate.solution import Solution
 from tuner.export.tuned import Quantity
@@ -16,6 +19,42 @@ from tuner.problem.space import Space
 def no_more(params: Any) -> tuple[Quantity, ...]:
     """Nothing follows."""
     return ()
+
+
+class Trial(NamedTuple):
+    """A filter as it runs on the machine, and what it is tried on.
+
+    Attributes:
+        filter: the filter.
+        params: its parameters.
+        inputs: its inputs, time first.
+    """
+
+    filter: AnyFilter
+    params: Any
+    inputs: Any
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """A filter of whose estimate, a vector, one weighted sum counts.
+
+    Attributes:
+        filter: the filter.
+        weights: of the estimate's entries.
+    """
+
+    filter: AnyFilter
+    weights: tuple[float, ...]
+
+    def init(self, params: Any) -> Any:
+        """The filter's own start."""
+        return self.filter.init(params)
+
+    def step(self, params: Any, state: Any, inputs: Any) -> tuple[Any, Array]:
+        """Take one sample; the sum, ``()``."""
+        state, x = self.filter.step(params, state, inputs)
+        return state, jnp.asarray(self.weights, x.dtype) @ x
 
 
 @dataclass(frozen=True)
@@ -28,6 +67,8 @@ class Exported:
         dt: sample time, s; 0 where it is continuous.
         derived: what follows from the filter's parameters.
         unit: of the measurement, where the filter takes it in any.
+        runs: what runs on the machine where it is not the problem's own filter, as with a design:
+            from the same parameters to forms by name, to be tried in single precision.
     """
 
     filter: str
@@ -35,6 +76,7 @@ class Exported:
     dt: float = 0.0
     derived: Callable[[Any], tuple[Quantity, ...]] = no_more
     unit: str = ""
+    runs: Callable[[Any], Mapping[str, Trial]] | None = None
 
 
 def exported_of(filter: Any, unit: str = "") -> Exported:

@@ -16,7 +16,7 @@ from tuner.certificate.solution import Solution
 from tuner.data.source import Source
 from tuner.export.tuned import Quantity
 from tuner.problem.constraint import Constraint
-from tuner.problem.exported import Exported, exported_of, held_of, once, quantities_of
+from tuner.problem.exported import Exported, Trial, exported_of, held_of, once, quantities_of
 from tuner.problem.space import Space
 
 Build: TypeAlias = Callable[[dict[str, Array]], Any]
@@ -164,36 +164,44 @@ class Problem:
         values = {name: jnp.asarray(p.value, float) for name, p in solution.parameters.items()}
         return self.static.build(values)
 
-    def outputs(self, solution: Solution) -> Any:
-        """What the filter returns for a solution over the problem's own data, time first.
+    def outputs(self, solution: Solution, inputs: Any = None) -> Any:
+        """What the filter returns for a solution, time first.
 
-        It is run once a solution and remembered.
+        Args:
+            solution: the solution.
+            inputs: what the filter runs over; None: the problem's own data, over which it is run
+                once a solution and remembered.
 
         Raises:
             ValueError: for a design, which runs no filter.
         """
         if self.filter is None:
             raise ValueError(f"{self.name} runs no filter, so it has no outputs")
+        if inputs is not None:
+            return run_filter(self.filter, self.params(solution), inputs)
         key = b"".join(p.value.tobytes() for p in solution.parameters.values())
         if key not in self._runs:
             self._runs[key] = run_filter(self.filter, self.params(solution), self.data.inputs)
         return self._runs[key]
 
     def single_precision(self, solution: Solution) -> tuple[SinglePrecision, ...]:
-        """How far the tuned filter strays in float32; nothing for a design, which runs no filter.
+        """How far the tuned filter strays in float32, or what runs in its place on the machine.
 
-        The steady form of a filter that offers one (a method ``steady``) is checked as well.
+        Nothing for a design that does not say what runs. The steady form of a filter that offers
+        one (a method ``steady``) is checked as well.
         """
+        runs, params = self.what_is_exported().runs, self.params(solution)
+        trials = self._own_trials(params) if runs is None else runs(params)
+        return tuple(single_precision(form, *trial) for form, trial in trials.items())
+
+    def _own_trials(self, params: Any) -> dict[str, Trial]:
         if self.filter is None:
-            return ()
-        params = self.params(solution)
-        forms = {"full": (self.filter, params)}
+            return {}
+        trials = {"full": Trial(self.filter, params, self.data.inputs)}
         if hasattr(self.filter, "steady"):
-            forms["steady"] = self.filter.steady(params)
-        return tuple(
-            single_precision(form, *filter_and_params, self.data.inputs)
-            for form, filter_and_params in forms.items()
-        )
+            filter, steady = self.filter.steady(params)
+            trials["steady"] = Trial(filter, steady, self.data.inputs)
+        return trials
 
     def what_is_exported(self) -> Exported:
         """The filter's name, its states, its sample time and what follows from its parameters."""

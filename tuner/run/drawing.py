@@ -94,6 +94,12 @@ def _draw_numbered(lines: tuple[Line, ...], axes: "Axes") -> None:
 def _draw_lines(lines: tuple[Line, ...], axes: "Axes", *, on_map: bool) -> None:
     colours = ["#d62728", "#ffffff", "#ff9f1c"] if on_map else None
     for i, line in enumerate(lines):
+        if line.drawn == "limit":
+            axes.plot(line.x, line.y, "--", label=line.label, color="0.4", lw=1.0, zorder=3)
+            continue
+        if line.drawn == "points":
+            axes.plot(line.x, line.y, "os^Dv"[i % 5], label=line.label, ms=2.5, alpha=0.7)
+            continue
         # Thinner dashes over thicker lines: curves that coincide all stay visible.
         style = "o" if np.size(line.x) == 1 else ("-", "--", ":", "-.")[i % 4]
         width = max(2.2 - 0.3 * i, 1.0)

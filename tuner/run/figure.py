@@ -1,17 +1,25 @@
 """Figures as data; :mod:`tuner.run.drawing` makes pictures of them."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A curve, ``x`` and ``y`` of shape ``(N,)``; a single point is drawn as a mark."""
+    """A curve, ``x`` and ``y`` of shape ``(N,)``; a single point is drawn as a mark.
+
+    Attributes:
+        label: what the legend calls it.
+        x, y: its points.
+        drawn: as one of the curves; as points that are not joined; or as a limit, thin and grey.
+    """
 
     label: str
     x: np.ndarray
     y: np.ndarray
+    drawn: Literal["curve", "points", "limit"] = "curve"
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,8 +17,9 @@ from tuner.data.source import Source
 from tuner.problem.surface import values
 from tuner.run.fit_figures import figures
 from tuner.run.judged import Judged, filter_name, first_part, judge
-from tuner.run.posed import Posed, Wishes, pose
+from tuner.run.posed import Posed, check_channels, pose
 from tuner.run.result import FitRecord
+from tuner.run.searched import Wishes
 from tuner.run.study import Plan, Solutions, Task, best
 from tuner.run.summary import five_lines
 from tuner.solvers import Solver, make_solver
@@ -72,7 +73,7 @@ class Fit:
 
     def summary(self) -> str:
         """Five lines: use these numbers, how good, why trust them, what is open, what next."""
-        return "\n".join(five_lines(self.posed, self.solution, self.judged))
+        return "\n".join(five_lines(self.posed, self.solution, self.judged, folder=False))
 
     def __str__(self) -> str:
         return self.summary()
@@ -120,6 +121,8 @@ def fit(
     True
     """
     wishes = Wishes(start or {}, fix or {}, bound or {}, options or {}, objective)
+    if not isinstance(filter, str | type):
+        raise ValueError(f"{filter!r} is no filter's name or class; give {type(filter).__name__}")
     name = filter if isinstance(filter, str) else filter.__name__
     cls = find("tuner.filters", filter) if isinstance(filter, str) else filter
     records = (record,) if isinstance(record, Record) else tuple(record)
@@ -136,13 +139,19 @@ def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wish
         ValueError: as :func:`tuner.run.posed.pose`, and for recordings that do not go together.
     """
     lines = [timeline(record) for record in records]
+    if not lines:
+        raise ValueError(f"{name} needs a recording to be tuned on; give one at least")
     for line in lines:
-        implausible(line, channel_facts(cls, "inputs"), channel_facts(cls, "outputs"))
+        check_channels(name, cls, line)
+    facts = channel_facts(cls, "inputs"), channel_facts(cls, "outputs")
+    strange = [words for line in lines for words in implausible(line, *facts)]
     source = Source.joined(
         " + ".join(part.name for record in records for part in record.sources),
         [part for record in records for part in record.sources],
     )
-    return pose(name, cls, lines[0] if len(lines) == 1 else stacked(lines), wishes, source)
+    line = lines[0] if len(lines) == 1 else stacked(lines)
+    posed = pose(name, cls, line, wishes, source)
+    return replace(posed, notes=(*strange, *line.notes))
 
 
 def plan_fit(posed: Posed, request: Request) -> Plan:
@@ -162,6 +171,7 @@ def plan_fit(posed: Posed, request: Request) -> Plan:
         claims=(),
         figures=figures,
         report=report,
+        notes=posed.notes,
     )
 
 

@@ -1,11 +1,15 @@
-"""Pictures of a fit: the signal before and after, and what the filter did not foretell."""
+"""Pictures of a fit: an output before and after beside its truth, and what was not foretold."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any, Literal
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
-from filters.declared import output
+from filters.declared import bare, channel_facts, output
+from objectives import AttitudeRmse
+from objectives.attitude import attitude_error
 from tuner.problem.problem import run_filter
 from tuner.run.figure import Chart, Figure, Line
 from tuner.run.judged import innovations
@@ -17,75 +21,112 @@ POINTS = 2000
 
 
 def figures(posed: Posed, solutions: Solutions) -> Iterator[Figure]:
-    """The output that was judged beside its truth, or the innovations with their band."""
+    """The output that was judged, before and after; without a truth the innovations."""
     problem, solution = posed.problem, best(posed.problem.name, solutions)
-    begun = problem.parameters(problem.space.start())
     tuned = {name: parameter.value for name, parameter in solution.parameters.items()}
-    if posed.output:
-        yield _error(posed, begun, tuned)
-    elif posed.objective == "likelihood":
-        yield _innovations(posed, tuned)
+    if posed.objective == "likelihood":
+        yield _normalised(posed, tuned)
+        return
+    name = posed.output or "innovation"
+    each = {"before": problem.parameters(problem.space.start()), "tuned": tuned}
+    found = {when: _output(posed, values, name) for when, values in each.items()}
+    if isinstance(problem.objective, AttitudeRmse):
+        yield _attitude(posed, found, problem.objective.part)
+    else:
+        yield from _parts(posed, name, found)
 
 
-def _error(posed: Posed, begun: dict[str, np.ndarray], tuned: dict[str, np.ndarray]) -> Chart:
-    """Each part of the judged output, with its truth; of the first recording."""
+def _output(posed: Posed, values: Mapping[str, Any], name: str) -> np.ndarray:
+    """An output with some parameters, of the first recording, ``(N, m)``."""
     problem = posed.problem
-    truth = _first(posed, np.asarray(posed.timeline.truth[posed.output]))
-    lines = []
-    for label, values in (("before", begun), ("tuned", tuned)):
-        params = problem.static.build({n: jnp.asarray(v, float) for n, v in values.items()})
-        whole = run_filter(problem.filter, params, problem.data.inputs)
-        found = _first(posed, np.asarray(output(problem.filter, whole, posed.output)))
-        lines.append((label, found))
-    lines.append(("truth", truth))
-    shown = np.unique(np.linspace(0, len(truth) - 1, POINTS).astype(int))
-    shown = shown[np.isfinite(truth.reshape(len(truth), -1)[shown]).all(axis=1)]
-    t = _times(posed)[shown]
-    return Chart(
-        name=f"{problem.name}_{posed.output}",
-        title=f"{posed.output}: before, tuned and true",
-        x_label="time, s",
-        y_label=posed.output,
-        lines=tuple(
-            Line(f"{label}{f' {i}' if width > 1 else ''}", t, column[shown])
-            for label, array in lines
-            for width in (array.reshape(len(array), -1).shape[1],)
-            for i, column in enumerate(array.reshape(len(array), -1).T)
-        ),
-    )
+    params = problem.static.build({n: jnp.asarray(v, float) for n, v in values.items()})
+    whole = run_filter(problem.filter, params, problem.data.inputs)
+    return _columns(posed, np.asarray(output(problem.filter, whole, name)))
 
 
-def _innovations(posed: Posed, tuned: dict[str, np.ndarray]) -> Chart:
-    """Normalised innovations: 95 of 100 lie within two deviations of a consistent filter."""
+def _attitude(posed: Posed, found: Mapping[str, np.ndarray], part: str) -> Chart:
+    """The angle that the objective takes, over time."""
+    truth = jnp.asarray(_columns(posed, posed.timeline.truth[posed.output]))
+    angle = jax.vmap(lambda estimate, true: getattr(attitude_error(estimate, true), part))
+    errors = {when: np.degrees(np.asarray(angle(q, truth))) for when, q in found.items()}
+    words = "error of the " + ("attitude" if part == "total" else part)
+    lines = [_line(posed, when, error) for when, error in errors.items()]
+    return _chart(posed, posed.output, f"{words}, before and after", f"{words}, deg", lines)
+
+
+def _parts(posed: Posed, name: str, found: Mapping[str, np.ndarray]) -> Iterator[Chart]:
+    """Each part of an output, with its truth where there is one."""
+    axes, shown = _axes(posed, name, found["tuned"]), dict(found)
+    if posed.output:
+        shown["truth"] = _columns(posed, posed.timeline.truth[posed.output])
+    unit = f", {posed.unit}" if posed.unit else ""
+    words = "before, tuned and true" if posed.output else "before and after"
+    for i, axis in enumerate(axes):
+        called = f"{name} {axis}".rstrip()
+        # Where the truth is known; a curve between its samples would say more than there is.
+        seen = np.isfinite(shown.get("truth", found["tuned"])[:, i])
+        lines = [
+            _line(posed, when, np.where(seen, columns[:, i], np.nan))
+            for when, columns in shown.items()
+        ]
+        yield _chart(posed, called, f"{called}: {words}", f"{called}{unit}", lines)
+
+
+def _normalised(posed: Posed, tuned: Mapping[str, Any]) -> Chart:
+    """Innovations over their deviations: 95 of 100 lie within two of them where both are right."""
     y, s = innovations(posed.problem, tuned)
-    normalised = np.where(s > 0, y / np.sqrt(np.where(s > 0, s, 1.0)), np.nan)
-    first = _first(posed, normalised)
-    first = first.reshape(len(first), -1)
+    columns = _columns(posed, np.where(s > 0, y / np.sqrt(np.where(s > 0, s, 1.0)), np.nan))
+    axes = _axes(posed, "innovation", columns)
+    lines = [
+        _line(posed, axis or "innovation", columns[:, i], "points") for i, axis in enumerate(axes)
+    ]
     t = _times(posed)
-    lines = []
-    for i, column in enumerate(first.T):
-        seen = np.flatnonzero(np.isfinite(column))
-        shown = (
-            seen[np.unique(np.linspace(0, len(seen) - 1, POINTS).astype(int))]
-            if len(seen)
-            else seen
-        )
-        lines.append(Line(f"innovation {i + 1}", t[shown], column[shown]))
-    ends = t[[0, -1]]
-    lines += [Line(f"{sign:+.0f} deviations", ends, np.full(2, sign)) for sign in (2.0, -2.0)]
+    for sign, label in ((2.0, "95 of 100 lie within"), (-2.0, "")):
+        ends = np.array([np.nanmin(t), np.nanmax(t)])
+        lines.append(Line(label, ends, np.full(2, sign), "limit"))
+    title = "what the tuned filter did not foretell, over its own deviation"
+    return _chart(posed, "innovations", title, "innovation / deviation", lines)
+
+
+def _chart(posed: Posed, name: str, title: str, label: str, lines: list[Line]) -> Chart:
+    several = np.ndim(posed.timeline.dt) == 2
     return Chart(
-        name=f"{posed.problem.name}_innovations",
-        title="What the tuned filter did not foretell, over its own deviation",
+        name=f"{posed.problem.name}_{name.replace(' ', '_')}",
+        title=title[0].upper() + title[1:] + ("; first recording" if several else ""),
         x_label="time, s",
-        y_label="innovation / deviation",
+        y_label=label,
         lines=tuple(lines),
     )
 
 
+def _line(
+    posed: Posed,
+    label: str,
+    values: np.ndarray,
+    drawn: Literal["curve", "points", "limit"] = "curve",
+) -> Line:
+    """A curve of the samples that are numbers, of many every so many."""
+    rows = np.flatnonzero(np.isfinite(values))
+    if len(rows) > POINTS:
+        rows = rows[np.linspace(0, len(rows) - 1, POINTS).astype(int)]
+    return Line(label, _times(posed)[rows], values[rows], drawn)
+
+
+def _axes(posed: Posed, name: str, columns: np.ndarray) -> tuple[str, ...]:
+    """What the parts of an output are called; nothing where it is one number."""
+    known = channel_facts(bare(posed.problem.filter), "outputs")[name].axes
+    count = columns.shape[1]
+    if count == 1:
+        return ("",)
+    return known[:count] if len(known) >= count else tuple(str(i + 1) for i in range(count))
+
+
 def _times(posed: Posed) -> np.ndarray:
-    return _first(posed, np.asarray(posed.timeline.times))
+    return _columns(posed, posed.timeline.times)[:, 0]
 
 
-def _first(posed: Posed, array: np.ndarray) -> np.ndarray:
-    """The first recording of several."""
-    return array[:, 0] if np.ndim(posed.timeline.dt) == 2 else array
+def _columns(posed: Posed, array: Any) -> np.ndarray:
+    """The first recording of several, its parts side by side."""
+    found = np.asarray(array, float)
+    first = found[:, 0] if np.ndim(posed.timeline.dt) == 2 else found
+    return first.reshape(len(first), -1)

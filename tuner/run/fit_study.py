@@ -9,7 +9,7 @@ from filters.declared import Channel, channel_facts
 from tuner.catalogue import find
 from tuner.data.record import Record
 from tuner.run.fit import Request, plan_fit, pose_on
-from tuner.run.posed import Wishes
+from tuner.run.searched import Wishes
 from tuner.run.settings import StudySettings
 from tuner.run.study import Plan, Study
 

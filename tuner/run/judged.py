@@ -55,6 +55,8 @@ class Consistency:
         """In a few words."""
         if self.low <= self.nis <= self.high:
             return "consistent"
+        if not self.nis > 0:
+            return "nothing that is not foretold: too little noise to judge by"
         size = "too large" if self.nis < 1 else "too small"
         return f"noise variances {size} by a factor {max(self.nis, 1 / self.nis):.3g}"
 
@@ -156,7 +158,7 @@ def _consistent(problem: Problem, values: Mapping[str, Any]) -> Consistency:
     numbers = int(counted.sum())
     spread = 1.96 * np.sqrt(2 / max(numbers, 1))
     nis = float(np.nanmean(normalised**2)) if numbers else float("nan")
-    return Consistency(nis, 1 - spread, 1 + spread, lag_one(normalised), numbers)
+    return Consistency(nis, max(1 - spread, 0.0), 1 + spread, lag_one(normalised), numbers)
 
 
 def innovations(problem: Problem, values: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:

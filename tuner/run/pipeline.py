@@ -136,7 +136,8 @@ class Run:
 
         outputs = problem.outputs(solution)
         facts = channel_facts(bare(problem.filter), "outputs")
-        arrays = {name: np.asarray(output(problem.filter, outputs, name)) for name in facts}
+        found = {name: output(problem.filter, outputs, name) for name in facts}
+        arrays = {name: np.asarray(each) for name, each in found.items() if each is not None}
         stream = io.BytesIO()
         np.savez_compressed(stream, allow_pickle=False, **arrays)
         return self.folder.write("outputs.npz", stream.getvalue())

@@ -1,58 +1,26 @@
 """From a filter and a recording to the problem that tunes the one on the other."""
 
-import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 
 from filters import Lanes, Timed, TimedSample
-from filters.declared import (
-    OWN,
-    Channel,
-    Param,
-    channel_facts,
-    in_unit,
-    inputs_of,
-    optional,
-    optional_groups,
-    parameter_facts,
-)
+from filters.declared import Channel, channel_facts, declaration, in_unit, inputs_of, optional
 from objectives import Data, Objective
 from tuner.catalogue import find
 from tuner.data.merge import Timeline
 from tuner.data.source import Source
+from tuner.data.units import change
 from tuner.names import unknown
 from tuner.problem.exported import exported_of
-from tuner.problem.parameters import Bounded, Fixed, Parameter, Positive
 from tuner.problem.problem import Problem
-from tuner.problem.space import Space
+from tuner.run.searched import Wishes, own_unit, space_of
 
-_PER_TIME = re.compile(r"/s(?:\^(\d+))?$")
-"""A power of time below the line, at the end of a declared unit."""
 NO_TRUTH = ("likelihood", "prediction")
 """Objectives that need no truth."""
-
-
-@dataclass(frozen=True)
-class Wishes:
-    """What a user decides of a fit; the filter's facts and the data decide the rest.
-
-    Attributes:
-        start: where the search begins, by parameter.
-        fix: parameters that are held, and at what.
-        bound: the ends of the search, by parameter.
-        options: fields of the filter's class, such as ``law``.
-        objective: name of the objective; None chooses by what there is.
-    """
-
-    start: Mapping[str, float] = field(default_factory=dict)
-    fix: Mapping[str, float] = field(default_factory=dict)
-    bound: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    options: Mapping[str, Any] = field(default_factory=dict)
-    objective: str | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +34,7 @@ class Posed:
         unit: of the objective's value.
         timeline: the data.
         source: where they come from.
+        notes: what looks strange in them, and what was left out, a sentence each.
     """
 
     problem: Problem
@@ -74,6 +43,7 @@ class Posed:
     unit: str
     timeline: Timeline
     source: Source
+    notes: tuple[str, ...] = ()
 
 
 def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: Source) -> Posed:
@@ -87,10 +57,9 @@ def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: 
         source: where the data come from.
 
     Raises:
-        ValueError: for a channel that is needed and missing, an unknown parameter, option or
-            objective, and where nothing says how good a run is.
+        ValueError: for an unknown parameter, option or objective, and where nothing says how good
+            a run is.
     """
-    check_channels(name, cls, timeline)
     filter = set_up(name, cls, timeline, wishes.options)
     objective, judged, output = choose_objective(name, cls, timeline, wishes.objective)
     unit = _unit_of(cls, timeline, objective, output)
@@ -109,7 +78,7 @@ def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: 
 
 
 def check_channels(name: str, cls: type[Any], timeline: Timeline) -> None:
-    """Refuse channels that are missing, or that the filter does not know.
+    """Refuse channels that are missing, that the filter does not know, or that do not fit it.
 
     Raises:
         ValueError: with what the filter needs.
@@ -118,14 +87,37 @@ def check_channels(name: str, cls: type[Any], timeline: Timeline) -> None:
     for given in timeline.channels:
         if given not in facts:
             raise unknown("channel", given, facts)
+        _check_parts(given, facts[given], timeline.channels[given], timeline)
+        _check_unit(given, facts[given], timeline.units.get(given, ""))
     for needed, fact in facts.items():
         if needed not in timeline.channels and needed not in optional(cls):
             inside = f" in {fact.unit}" if fact.unit else ""
-            columns = ",".join(["COLUMN"] * max(len(fact.axes), 1))
             raise ValueError(
                 f"{name} needs {needed} ({fact.meaning}{inside}), which is not mapped; give it "
-                f"with --map {needed}={columns}[:UNIT]"
+                f"with --map {needed}={_columns(fact)}[:UNIT]"
             )
+
+
+def _columns(fact: Channel) -> str:
+    return ",".join(["COLUMN"] * max(len(fact.axes), 1))
+
+
+def _check_parts(name: str, fact: Channel, values: np.ndarray, timeline: Timeline) -> None:
+    """Refuse a channel that has not the parts that the filter takes."""
+    parts = np.shape(values)[np.ndim(timeline.dt) :]
+    if parts != ((len(fact.axes),) if fact.axes else ()):
+        has = f"{parts[0]} parts" if parts else "one part"
+        needs = f"{len(fact.axes)}: {', '.join(fact.axes)}" if fact.axes else "one number a sample"
+        raise ValueError(f"{name} has {has}, and the filter takes {needs}")
+
+
+def _check_unit(name: str, fact: Channel, unit: str) -> None:
+    """Refuse a channel of another dimension; one that is told in no unit is in that declared."""
+    if unit and fact.unit:
+        try:
+            change(unit, fact.unit)
+        except ValueError as error:
+            raise ValueError(f"{name!r} {error}") from None
 
 
 def set_up(name: str, cls: type[Any], timeline: Timeline, options: Mapping[str, Any]) -> Any:
@@ -166,8 +158,9 @@ def choose_objective(
     """
     outputs = channel_facts(cls, "outputs")
     for given in timeline.truth:
-        if given not in outputs:
-            raise unknown(f"output of {name}", given, outputs)
+        if given not in outputs or outputs[given].kind == "detail":
+            known = [n for n, fact in outputs.items() if fact.kind != "detail"]
+            raise unknown(f"output of {name}", given, known)
     if len(timeline.truth) > 1:
         raise ValueError(
             f"there are truths for {' and '.join(timeline.truth)}, and a fit has one; give one, "
@@ -175,27 +168,43 @@ def choose_objective(
         )
     output = next(iter(timeline.truth), "")
     chosen = wished or _by_what_there_is(name, cls, outputs.get(output), timeline)
-    made: Objective = find("tuner.objectives", chosen)(output, _as_given(outputs, output, timeline))
+    alone = isinstance(declaration(cls, "outputs"), Mapping)  # one array has no field of a name
+    of = "" if alone else output
+    made: Objective = find("tuner.objectives", chosen)(of, _as_given(outputs, output, timeline))
     if chosen in NO_TRUTH:
         _needs(name, chosen, outputs)
-        output = ""
+        if output:
+            raise ValueError(
+                f"the objective {chosen} takes no truth, and one of {output} is given; leave out "
+                "one of them"
+            )
     return chosen, made, output
 
 
 def _as_given(outputs: Mapping[str, Channel], output: str, timeline: Timeline) -> Channel | None:
     """The output's facts, with the axes that its truth has: the first of those declared."""
     fact = outputs.get(output)
-    if fact is None or not fact.axes:
+    if fact is None:
+        return None
+    if not fact.axes:
+        _check_parts(f"the truth of {output}", fact, timeline.truth[output], timeline)
         return fact
-    return fact._replace(axes=fact.axes[: np.shape(truth_of(timeline, fact, output))[-1]])
+    parts, there = np.shape(truth_of(timeline, fact, output))[-1], len(fact.axes)
+    if parts > there or (fact.kind == "attitude" and parts != there):
+        raise ValueError(
+            f"the truth of {output} has {parts} parts, and the filter outputs {there}: "
+            f"{', '.join(fact.axes)}"
+        )
+    return fact._replace(axes=fact.axes[:parts])
 
 
 def _needs(name: str, objective: str, outputs: Mapping[str, Channel]) -> None:
     lacking = [part for part in ("innovation", "variance") if part not in outputs]
+    first = next(iter(outputs))
     if "innovation" in lacking or (objective == "likelihood" and lacking):
         raise ValueError(
             f"{name} outputs no {' and no '.join(lacking)}, so it has no {objective}; give a truth "
-            f"for one of its outputs, such as --truth {next(iter(outputs))}=COLUMN"
+            f"for one of its outputs, such as --truth {first}={_columns(outputs[first])}"
         )
 
 
@@ -208,12 +217,14 @@ def _by_what_there_is(name: str, cls: type[Any], truth: Channel | None, timeline
 
 
 def truth_of(timeline: Timeline, fact: Channel | None, output: str) -> np.ndarray:
-    """What outputs are held against: the truth, or zeros that say that every sample counts.
+    """What outputs are held against: the truth, or zeros where any channel was measured.
 
     The truth of an output with axes has them last, also where it is one alone.
     """
     if not output:
-        return np.zeros((*np.shape(timeline.dt), 1))
+        shape = np.shape(timeline.dt)
+        empty = [np.isnan(v.reshape(*shape, -1)).all(axis=-1) for v in timeline.channels.values()]
+        return np.where(np.logical_and.reduce(empty), np.nan, 0.0)[..., None]
     truth = np.asarray(timeline.truth[output], float)
     alone = fact is not None and fact.axes and truth.ndim == np.ndim(timeline.dt)
     return truth[..., None] if alone else truth
@@ -226,91 +237,3 @@ def _unit_of(cls: type[Any], timeline: Timeline, objective: str, output: str) ->
     if fact is None or fact.kind == "attitude":
         return "deg" if fact is not None else ""
     return in_unit(fact.unit, own_unit(cls, timeline))
-
-
-# The space.
-
-
-def space_of(cls: type[Any], timeline: Timeline, wishes: Wishes) -> Space:
-    """The parameters: what the facts suggest in the data's own scale, and what the user decides.
-
-    Raises:
-        ValueError: for an unknown parameter, and values that do not go together.
-    """
-    facts = parameter_facts(cls)
-    for given in (*wishes.start, *wishes.fix, *wishes.bound):
-        if given not in facts:
-            raise unknown("parameter", given, facts)
-    scale, own = scale_of(cls, timeline), own_unit(cls, timeline)
-    asked = wishes.start.keys() | wishes.fix.keys() | wishes.bound.keys()
-    without = {name for group in optional_groups(cls) if not group & asked for name in group}
-    chosen = {
-        name: _parameter(name, fact, scale, in_unit(fact.unit, own), wishes)
-        for name, fact in facts.items()
-        if name not in without
-    }
-    return Space(tuple(chosen.items()))
-
-
-@dataclass(frozen=True)
-class Scale:
-    """What is large in data of any unit: the noise of its steps, and a step of its clock, s."""
-
-    size: float
-    step: float
-
-    def of(self, unit: str) -> float:
-        """What 1 in a declared unit stands for; 1 for a unit in SI."""
-        own = OWN.search(unit)
-        if own is None:
-            return 1.0
-        per_time = _PER_TIME.search(unit)
-        power = int(per_time[1] or 1) if per_time else 0
-        return float(self.size ** int(own[1] or 1) / self.step**power)
-
-
-def scale_of(cls: type[Any], timeline: Timeline) -> Scale:
-    """Of the first channel that may have any unit; 1 without one."""
-    facts = channel_facts(cls, "inputs")
-    free = [name for name in timeline.channels if OWN.search(facts[name].unit)]
-    step = float(np.nanmedian(timeline.dt))
-    if not free:
-        return Scale(1.0, step)
-    columns = np.asarray(timeline.channels[free[0]], float).reshape(len(timeline.dt), -1).T
-    steps = np.concatenate([np.diff(column[np.isfinite(column)]) for column in columns])
-    # The median is not moved by outliers; that of squares of normal numbers is 0.455.
-    size = float(np.sqrt(np.median(steps**2) / 0.455 / 2)) if len(steps) else 0.0
-    return Scale(size or float(np.nanstd(columns)) or 1.0, step)
-
-
-def own_unit(cls: type[Any], timeline: Timeline) -> str:
-    """Unit of the first channel that may have any; "" without one, or where nobody told."""
-    facts = channel_facts(cls, "inputs")
-    units = (timeline.units.get(n, "") for n in timeline.channels if OWN.search(facts[n].unit))
-    return next(units, "")
-
-
-def _parameter(name: str, fact: Param, scale: Scale, unit: str, wishes: Wishes) -> Parameter:
-    if name in wishes.fix:
-        return Fixed(wishes.fix[name], unit, meaning=fact.meaning)
-    factor = scale.of(fact.unit)
-    if name not in wishes.bound and (fact.low is None or fact.high is None):
-        held = wishes.start.get(name, fact.typical)
-        return Fixed(held, unit, meaning=fact.meaning)
-    typical = float(np.asarray(fact.typical).flat[0]) * factor
-    low, high = wishes.bound.get(name, _range(fact, factor))
-    init = wishes.start.get(name, min(max(typical, low), high))
-    if name not in wishes.bound:
-        low, high = min(low, init), max(high, init)
-    try:
-        kind = Positive if low > 0 else Bounded
-        return kind(init, low, high, unit, meaning=fact.meaning)
-    except ValueError as error:
-        raise ValueError(f"{name}: {error}") from None
-
-
-def _range(fact: Param, factor: float) -> tuple[float, float]:
-    low, high = fact.low, fact.high
-    if low is None or high is None:
-        raise ValueError("the parameter has no range")
-    return low * factor, high * factor

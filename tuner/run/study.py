@@ -91,6 +91,7 @@ class Plan:
         claims: what is compared, in the order of the rows.
         figures: the figures, given the case and all solutions.
         report: what a fit is worth; None for a published study.
+        notes: what should be known before anything is solved, a sentence each.
 
     Raises:
         ValueError: where a problem is to be exported that nobody solves.
@@ -103,6 +104,7 @@ class Plan:
     claims: tuple[Claim, ...]
     figures: Callable[[Any, Solutions], Iterable[Figure]]
     report: "Callable[[Any, Solutions], FitRecord] | None" = None
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         solved = {task.problem.name for task in self.tasks}

@@ -1,10 +1,11 @@
 """A fit in five lines: use these numbers, how good, why to trust them, what is open, what next."""
 
+import re
 from collections.abc import Iterator
 
 import numpy as np
 
-from tuner.certificate.solution import Parameter, Solution
+from tuner.certificate.solution import Parameter, Solution, Status
 from tuner.problem.parameters import Fixed
 from tuner.run.judged import Judged
 from tuner.run.posed import Posed
@@ -18,29 +19,43 @@ WORDS = {
 }
 
 
-def five_lines(posed: Posed, solution: Solution, judged: Judged) -> list[str]:
+def five_lines(
+    posed: Posed, solution: Solution, judged: Judged, *, folder: bool = True
+) -> list[str]:
     """The lines, each beginning with what it answers; RUN in the last stands for the run's folder.
 
     Args:
         posed: the problem.
         solution: what was found.
         judged: what it is worth.
+        folder: whether there is a folder of the run.
     """
     return [
         "use       " + ", ".join(_numbers(posed, solution)),
         "how good  " + "; ".join(_worth(judged)),
         "trust     " + "; ".join(_trust(solution, judged)),
-        "open      " + ("; ".join(_open(posed, solution)) or "nothing: all is determined"),
-        f"next      tuner export RUN --to c -o {posed.problem.name}.h",
+        "open      " + ("; ".join(_open(solution)) or "nothing: all is determined"),
+        "next      " + _next(posed, solution, folder=folder),
     ]
 
 
 def _numbers(posed: Posed, solution: Solution) -> Iterator[str]:
     for name, kind in posed.problem.space.parameters:
         if not isinstance(kind, Fixed):
-            yield f"{name} = {_number(solution.parameters[name])}"
+            flat = any(name in words(told) for told in solution.certificate.flat_directions)
+            doubt = " (not determined)" if flat else ""
+            yield f"{name} = {_number(solution.parameters[name])}{doubt}"
     for name, value in solution.derived.items():
         yield f"{name} = {value:.5g}"
+
+
+def words(text: str) -> list[str]:
+    """The names in a sentence.
+
+    >>> words("only R*q^0.64 is determined")
+    ['only', 'R', 'q', 'is', 'determined']
+    """
+    return re.findall(r"[A-Za-z_]\w*", text)
 
 
 def _number(parameter: Parameter) -> str:
@@ -76,10 +91,31 @@ def _trust(solution: Solution, judged: Judged) -> Iterator[str]:
         for when, found in zip(("before", "now"), judged.consistency, strict=True):
             yield (
                 f"{when}: NIS {found.nis:.4g} ({found.low:.3g} to {found.high:.3g} expected: "
-                f"{found.verdict}), lag one {found.lag_one:+.2f}"
+                f"{found.verdict}){_lag(found.lag_one)}"
             )
 
 
-def _open(posed: Posed, solution: Solution) -> Iterator[str]:
+def _lag(correlation: float) -> str:
+    return f", lag one {correlation:+.2f}" if np.isfinite(correlation) else ""
+
+
+def _open(solution: Solution) -> Iterator[str]:
+    if solution.status is Status.FAILED:
+        yield "all: nothing was found"
+        return
     yield from solution.certificate.flat_directions
-    yield from (f"{label} lies at its bound" for label in solution.certificate.active_bounds)
+    yield from (f"{name} lies at its bound" for name in _at_bound(solution))
+
+
+def _at_bound(solution: Solution) -> list[str]:
+    """The parameters by name: a coordinate is called ln or logit of one."""
+    return [label.split()[-1] for label in solution.certificate.active_bounds]
+
+
+def _next(posed: Posed, solution: Solution, *, folder: bool) -> str:
+    if solution.status.trusted:
+        file = f"tuner export RUN --to c -o {posed.problem.name}.h"
+        return file if folder else "params are what the filter takes, outputs what it returned"
+    if bounds := _at_bound(solution):
+        return f"search again with a wider --bound, or --fix, for {' and '.join(bounds)}"
+    return "search again from another --start, with more --starts, or by --solver nelder-mead"

@@ -1,16 +1,14 @@
-"""What the flights say of the filter, row by row, with verdicts that are worked out."""
+"""What the flights say of the filter, one function a claim, with verdicts that are worked out."""
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from functools import partial
 
 import numpy as np
 
-from studies.uav.estimator import ANGLES, LAWS, PROCESS, Tuned
 from studies.uav.flights import AROUND, Flight
 from studies.uav.judging import (
     Field,
     Interval,
-    Outcome,
     by_update,
     in_words,
     interval,
@@ -18,9 +16,11 @@ from studies.uav.judging import (
     spread,
     turned,
 )
-from studies.uav.prediction import predicted
+from studies.uav.prediction import Predicted, predicted
+from studies.uav.problems import LAWS, PROCESS, Tuned
+from studies.uav.settings import ANGLES
 from tuner.run.comparison import Comparison, claim, undecided
-from tuner.run.study import Solutions, best, tuned_values
+from tuner.run.study import Claim, Solutions, best
 
 NIS = (0.5, 2.0)
 """A normalised innovation squared has the mean 1; so far from it R and Q still fit."""
@@ -34,41 +34,13 @@ WHITE = 1.96
 REFERENCE = "root mean square against the autopilot's attitude, a reference and no truth"
 
 
-class Run(NamedTuple):
-    """A law's run over a flight."""
-
-    law: Tuned
-    flight: Flight
-    outcome: Outcome
-
-
-def compare(field: Field, solutions: Solutions) -> list[Comparison]:
-    """All rows."""
-    runs = {
-        (law, flight.name): Run(law, flight, outcome_of(field, flight, law, solutions))
-        for flight in field.flights
-        for law in LAWS
-    }
-    rows = [row for flight in field.flights for row in _constructed(flight)]
+def constructed(field: Field, solutions: Solutions) -> Iterator[Comparison]:
+    """Whether the track's attitude is the vehicle's."""
     for flight in field.flights:
-        how = "tuned" if flight is field.tuned else "heldout"
-        for law in LAWS:
-            rows += _consistent(runs[law, flight.name], how)
-        rows += _laws(runs["constant", flight.name], runs["fuzzy", flight.name], how)
-        rows += _predicted(runs["constant", flight.name])
-        rows += [_attitude(runs[law, flight.name]) for law in LAWS]
-        rows += _glitch([runs[law, flight.name] for law in LAWS])
-    return [*rows, *(row for law in LAWS for row in _determined(law, solutions))]
-
-
-def outcome_of(field: Field, flight: Flight, law: Tuned, solutions: Solutions) -> Outcome:
-    """How a law, tuned on the field's first flight, does on a flight."""
-    values: dict[str, Any] = tuned_values(best(law, solutions))
-    return field.outcome(flight, law, values)
+        yield from _constructed(flight)
 
 
 def _constructed(flight: Flight) -> Iterator[Comparison]:
-    """Whether the track's attitude is the vehicle's."""
     seen = ~np.isnan(flight.z).any(axis=1)
     for i, name in enumerate(ANGLES):
         quantity = f"uav.constructed_{name}_deg.{flight.name}"
@@ -90,35 +62,48 @@ def _constructed(flight: Flight) -> Iterator[Comparison]:
         )
 
 
-def _consistent(run: Run, how: str) -> Iterator[Comparison]:
-    """Whether R and Q say how large innovations are, and whether these are white."""
-    keep, name = ~run.flight.glitch, f"{run.law}.{run.flight.name}"
-    found = interval(by_update(run.outcome.nis, keep))
-    sizes = in_words(spread(run.outcome.innovation, keep))
-    parts = ", ".join(
-        f"{angle} {interval(column).mean:.2g}"
-        for angle, column in zip(ANGLES, run.outcome.nis[keep].T, strict=True)
-        if not np.isnan(column).all()
-    )
-    yield _within(
-        f"uav.nis_{how}.{name}",
-        f"mean of innovation^2 / variance, within {NIS[0]:g} to {NIS[1]:g}",
-        found,
-        f"1 if R and Q fit; {found}, 95 % by blocks; {parts}; innovations {sizes} RMS",
-    )
-    count = int((keep & ~np.isnan(run.outcome.nis).all(axis=1)).sum())
-    rho, bound = likeness(run.outcome, keep), WHITE / np.sqrt(max(count, 1))
-    row = f"uav.white_{how}.{name}", "an innovation tells nothing of the next"
-    if not np.isfinite(rho):
-        yield undecided(*row, note=f"{count} updates are too few")
-        return
-    yield claim(
-        *row,
-        abs(rho) <= bound,
-        ours=rho,
-        note=f"largest correlation of an angle; white within {bound:.2g} of {count} updates; "
-        "neighbouring constructed attitudes share two positions",
-    )
+def consistent(field: Field, solutions: Solutions, *, law: Tuned) -> Iterator[Comparison]:
+    """Whether R and Q say how large innovations are."""
+    for flight in field.flights:
+        outcome, keep = field.tuned_outcome(flight, law, solutions), ~flight.glitch
+        found = interval(by_update(outcome.nis, keep))
+        sizes = in_words(spread(outcome.innovation, keep))
+        parts = ", ".join(
+            f"{angle} {interval(column).mean:.2g}"
+            for angle, column in zip(ANGLES, outcome.nis[keep].T, strict=True)
+            if not np.isnan(column).all()
+        )
+        yield _within(
+            f"uav.nis_{_how(field, flight)}.{law}.{flight.name}",
+            f"mean of innovation^2 / variance, within {NIS[0]:g} to {NIS[1]:g}",
+            found,
+            f"1 if R and Q fit; {found}, 95 % by blocks; {parts}; innovations {sizes} RMS",
+        )
+
+
+def white(field: Field, solutions: Solutions, *, law: Tuned) -> Iterator[Comparison]:
+    """Whether an innovation tells nothing of the next one."""
+    for flight in field.flights:
+        outcome, keep = field.tuned_outcome(flight, law, solutions), ~flight.glitch
+        count = int((keep & ~np.isnan(outcome.nis).all(axis=1)).sum())
+        rho, bound = likeness(outcome, keep), WHITE / np.sqrt(max(count, 1))
+        quantity = f"uav.white_{_how(field, flight)}.{law}.{flight.name}"
+        where = "an innovation tells nothing of the next"
+        if not np.isfinite(rho):
+            yield undecided(quantity, where, note=f"{count} updates are too few")
+            continue
+        yield claim(
+            quantity,
+            where,
+            abs(rho) <= bound,
+            ours=rho,
+            note=f"largest correlation of an angle; white within {bound:.2g} of {count} updates; "
+            "neighbouring constructed attitudes share two positions",
+        )
+
+
+def _how(field: Field, flight: Flight) -> str:
+    return "tuned" if flight is field.tuned else "heldout"
 
 
 def _within(quantity: str, where: str, found: Interval, note: str) -> Comparison:
@@ -134,15 +119,18 @@ def _within(quantity: str, where: str, found: Interval, note: str) -> Comparison
     return claim(quantity, where, inside, ours=found.mean, note=note)
 
 
-def _laws(constant: Run, fuzzy: Run, how: str) -> Iterator[Comparison]:
+def fuzzy_or_constant(field: Field, solutions: Solutions) -> Iterator[Comparison]:
     """Whether fuzzy process noise foretells better than constant, number by number."""
-    keep = ~constant.flight.glitch
-    gain = constant.outcome.surprise - fuzzy.outcome.surprise
-    found = interval(by_update(gain, keep))
-    quantity = f"uav.fuzzy_vs_constant_{how}.{constant.flight.name}"
-    where = "log likelihood gained by a measured number, fuzzy over constant process noise"
-    note = f"{found}, 95 % by blocks; both laws have as many free numbers and the same search"
-    yield _better(quantity, where, found, note, "")
+    for flight in field.flights:
+        constant, fuzzy = (field.tuned_outcome(flight, law, solutions) for law in LAWS)
+        found = interval(by_update(constant.surprise - fuzzy.surprise, ~flight.glitch))
+        yield _better(
+            f"uav.fuzzy_vs_constant_{_how(field, flight)}.{flight.name}",
+            "log likelihood gained by a measured number, fuzzy over constant process noise",
+            found,
+            f"{found}, 95 % by blocks; both laws have as many free numbers and the same search",
+            "",
+        )
 
 
 def _better(quantity: str, where: str, found: Interval, note: str, unit: str) -> Comparison:
@@ -153,15 +141,19 @@ def _better(quantity: str, where: str, found: Interval, note: str, unit: str) ->
     return claim(quantity, where, found.mean > 0, ours=found.mean, unit=unit, note=note)
 
 
-def _predicted(run: Run) -> Iterator[Comparison]:
+def foretold(field: Field, solutions: Solutions) -> Iterator[Comparison]:
     """Positions foretold, beside a straight line and the autopilot's attitude."""
-    found = predicted(run.flight, run.outcome)
+    for flight in field.flights:
+        outcome = field.tuned_outcome(flight, "constant", solutions)
+        yield _foretold(flight.name, predicted(flight, outcome))
+
+
+def _foretold(name: str, found: Predicted) -> Comparison:
     believed, at = ~found.glitch, HORIZON - 1
-    quantity = f"uav.gps_prediction_m.{run.flight.name}"
+    quantity = f"uav.gps_prediction_m.{name}"
     where = f"mean horizontal error {HORIZON} s ahead, less than a straight line's"
     if not believed.any():
-        yield undecided(quantity, where, unit="m", note="no positions could be foretold")
-        return
+        return undecided(quantity, where, unit="m", note="no positions could be foretold")
     each = ", ".join(f"{v:.1f}" for v in found.horizontal[believed].mean(axis=0))
     down = float(np.abs(found.vertical[believed, at]).mean())
     line = float(found.straight[believed, at].mean())
@@ -177,19 +169,24 @@ def _predicted(run: Run) -> Iterator[Comparison]:
     )
     ours = float(found.horizontal[believed, at].mean())
     if gain.low * gain.high > 0:
-        yield claim(quantity, where, gain.mean > 0, ours=ours, unit="m", note=note)
-    else:
-        yield undecided(quantity, where, ours=ours, unit="m", note=f"{note}; it may be 0")
+        return claim(quantity, where, gain.mean > 0, ours=ours, unit="m", note=note)
+    return undecided(quantity, where, ours=ours, unit="m", note=f"{note}; it may be 0")
 
 
-def _attitude(run: Run) -> Comparison:
-    quantity = f"uav.attitude_difference_deg.{run.law}.{run.flight.name}"
+def attitude(field: Field, solutions: Solutions, *, law: Tuned) -> Iterator[Comparison]:
+    """The estimated attitude beside the autopilot's."""
+    for flight in field.flights:
+        angles = field.tuned_outcome(flight, law, solutions).angles
+        yield _attitude(f"uav.attitude_difference_deg.{law}.{flight.name}", flight, angles)
+
+
+def _attitude(quantity: str, flight: Flight, angles: np.ndarray) -> Comparison:
     where = "phi and theta of the estimate, within 5 deg where it moves"
-    if run.flight.reference is None:
+    if flight.reference is None:
         note = "the autopilot's attitude is missing, or not that of the gyroscopes"
         return undecided(quantity, where, unit="deg", note=note)
-    difference = turned(run.outcome.angles - run.flight.reference)
-    near = _near_measurements(run.flight)
+    difference = turned(angles - flight.reference)
+    near = _near_measurements(flight)
     moving, whole = spread(difference, near), spread(difference, np.ones_like(near))
     worst = max(moving[:2])
     return claim(
@@ -209,16 +206,15 @@ def _near_measurements(flight: Flight) -> np.ndarray:
     return np.convolve(seen, np.ones(flight.every), "full")[: len(seen)] > 0
 
 
-def _glitch(runs: list[Run]) -> Iterator[Comparison]:
+def glitch(field: Field, solutions: Solutions, *, law: Tuned) -> Iterator[Comparison]:
     """Whether a GPS glitch shows in the innovations."""
-    flight = runs[0].flight
-    if not flight.jumps:
-        return
-    when = ", ".join(f"{at:.1f}" for at in flight.jumps)
-    for run in runs:
-        inside = by_update(run.outcome.nis, flight.glitch)
-        outside = by_update(run.outcome.nis, ~flight.glitch)
-        quantity = f"uav.glitch_nis.{run.law}.{flight.name}"
+    for flight in field.flights:
+        if not flight.jumps:
+            continue
+        nis = field.tuned_outcome(flight, law, solutions).nis
+        when = ", ".join(f"{at:.1f}" for at in flight.jumps)
+        inside, outside = (by_update(nis, keep) for keep in (flight.glitch, ~flight.glitch))
+        quantity = f"uav.glitch_nis.{law}.{flight.name}"
         where = "largest innovation^2 / variance of an update in the glitch, above all others"
         if not len(inside) or not len(outside):
             yield undecided(quantity, where, note="no attitude is constructed in it, or besides it")
@@ -235,7 +231,7 @@ def _glitch(runs: list[Run]) -> Iterator[Comparison]:
         )
 
 
-def _determined(law: Tuned, solutions: Solutions) -> Iterator[Comparison]:
+def determined(field: Field, solutions: Solutions, *, law: Tuned) -> Iterator[Comparison]:
     """Which numbers of the process noise the flight determines."""
     found = best(law, solutions)
     names = [name for name in found.parameters if name.startswith(PROCESS[law])]
@@ -252,3 +248,21 @@ def _determined(law: Tuned, solutions: Solutions) -> Iterator[Comparison]:
         else:
             note = f"the deviation rises by 1 % at {rises[0]:.2g} and {rises[1]:.2g}"
             yield claim(quantity, where, True, ours=value, unit=unit, note=note)
+
+
+def _of_law(law: Tuned) -> Iterator[Claim]:
+    """What is said of one law, tuned."""
+    needs = (law,)
+    yield Claim(f"uav.nis_*.{law}.*", partial(consistent, law=law), needs)
+    yield Claim(f"uav.white_*.{law}.*", partial(white, law=law), needs)
+    yield Claim(f"uav.attitude_difference_deg.{law}.*", partial(attitude, law=law), needs)
+    yield Claim(f"uav.glitch_nis.{law}.*", partial(glitch, law=law), needs)
+    yield Claim(f"uav.{law}.{PROCESS[law]}_*", partial(determined, law=law), needs)
+
+
+CLAIMS = (
+    Claim("uav.constructed_*_deg.*", constructed),
+    *(said for law in LAWS for said in _of_law(law)),
+    Claim("uav.fuzzy_vs_constant_*.*", fuzzy_or_constant, needs=LAWS),
+    Claim("uav.gps_prediction_m.*", foretold, needs=("constant",)),
+)

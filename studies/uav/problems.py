@@ -1,5 +1,6 @@
 """The filter that flights are estimated by, what is free in it, and the problems it is tuned in."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
@@ -8,50 +9,44 @@ import numpy as np
 from jax import Array
 from scipy.spatial.transform import Rotation
 
-from filters import GpsAidedKalman, GpsAidedNoise, GpsAidedSample
+from filters import GpsAidedKalman, GpsAidedNoise, GpsAidedSample, assembled, parameter_facts
 from objectives import Data, InnovationLikelihood
 from studies.uav.flights import Flight
+from studies.uav.settings import ANGLES, Angle
 from tuner.problem.parameters import Positive
 from tuner.problem.problem import Problem
 from tuner.problem.space import Space
 
-Angle = Literal["phi", "theta", "psi"]
 Tuned = Literal["constant", "fuzzy"]
-ANGLES: tuple[Angle, ...] = get_args(Angle)
 LAWS: tuple[Tuned, ...] = get_args(Tuned)
-STATES = (*(f"q{i}" for i in range(4)), *(f"bias_{axis}" for axis in "xyz"))
-VARIANCE0 = {"quaternion": 0.05, "bias": 1e-3}
-"""Variances at the start: half a radian of attitude, 0.03 rad/s of bias."""
 PROCESS = {"constant": "Q", "fuzzy": "floor"}
 """What a law's free numbers are called: the noise itself, or the least that it may be."""
-UNITS = {"quaternion": "1/s", "bias": "rad^2/s^3"}
 
 
 @dataclass(frozen=True)
 class Build:
-    """From free numbers to what the filter takes.
+    """From free numbers to what the filter takes; the others are typical.
 
     Attributes:
         law: of the process noise.
-        measured: the angles that are taken; R of the others does not matter.
         start: (phi, theta, psi) at which the flight begins, rad.
     """
 
     law: Tuned
-    measured: tuple[Angle, ...]
     start: tuple[float, ...]
 
-    def __call__(self, values: dict[str, Array]) -> GpsAidedNoise:
+    def __call__(self, values: Mapping[str, Array | float]) -> GpsAidedNoise:
         """R by angle; process noise equal for the quaternion's parts and for the biases."""
         kind = PROCESS[self.law]
-        numbers = {f"R_{a}": jnp.asarray(values.get(f"R_{a}", 1.0), float) for a in ANGLES}
-        for part in UNITS:
+        facts = parameter_facts(GpsAidedKalman)
+        numbers: dict[str, Any] = {name: fact.typical for name, fact in facts.items()} | {**values}
+        for part in ("quaternion", "bias"):
             # Of a fuzzy law Q holds until there are two residuals.
-            each = jnp.asarray(values[f"{kind}_{part}"])
+            each = values[f"{kind}_{part}"]
             numbers |= {f"Q_{part}": each, f"floor_{part}": each}
-            numbers |= {f"P0_{part}": jnp.asarray(VARIANCE0[part])}
-        q0 = jnp.asarray(quaternion(np.array(self.start)))
-        return GpsAidedNoise(**numbers, h=jnp.zeros(()), scale=jnp.zeros(7), q0=q0, b0=jnp.zeros(3))
+        start = quaternion(np.array(self.start))
+        found: GpsAidedNoise = assembled(GpsAidedKalman, numbers | {"q0": start})
+        return found
 
 
 def quaternion(angles: np.ndarray) -> np.ndarray:
@@ -68,12 +63,12 @@ def filter_of(law: Tuned, dt: float, every: int) -> GpsAidedKalman:
 def space(law: Tuned, measured: tuple[Angle, ...]) -> Space:
     """R of each measured angle and two numbers of the process noise, as many for either law."""
     kind = PROCESS[law]
+    ranges = {f"R_{angle}": (0.05, 1e-5, 10.0) for angle in measured}
+    ranges |= {f"{kind}_quaternion": (1e-6, 1e-10, 1.0), f"{kind}_bias": (1e-5, 1e-12, 1e-1)}
+    facts = parameter_facts(GpsAidedKalman)
     free = {
-        f"R_{angle}": Positive(init=0.05, low=1e-5, high=10.0, unit="rad^2") for angle in measured
-    }
-    free |= {
-        f"{kind}_quaternion": Positive(init=1e-6, low=1e-10, high=1.0, unit=UNITS["quaternion"]),
-        f"{kind}_bias": Positive(init=1e-5, low=1e-12, high=1e-1, unit=UNITS["bias"]),
+        name: Positive(*numbers, facts[name].unit, meaning=facts[name].meaning)
+        for name, numbers in ranges.items()
     }
     return Space.of(**free)
 
@@ -93,14 +88,14 @@ def problem(flight: Flight, law: Tuned, measured: tuple[Angle, ...]) -> Problem:
         name=law,
         space=tuned,
         filter=filter_of(law, flight.dt, flight.every),
-        build=Build(law, measured, tuple(flight.first.tolist())),
+        build=Build(law, tuple(flight.first.tolist())),
         objective=InnovationLikelihood(),
         data=data(flight, measured),
         known_starts=(livelier,),
+        source=flight.source,
     )
 
 
-def parameters(flight: Flight, law: Tuned, values: dict[str, Any]) -> GpsAidedNoise:
+def parameters(flight: Flight, law: Tuned, values: Mapping[str, Array | float]) -> GpsAidedNoise:
     """What the filter takes on a flight, of tuned numbers."""
-    measured = tuple(angle for angle in ANGLES if f"R_{angle}" in values)
-    return Build(law, measured, tuple(flight.first.tolist()))(values)
+    return Build(law, tuple(flight.first.tolist()))(values)

@@ -1,0 +1,176 @@
+"""The filters that compete: constant, fuzzy and random process noise; and how they are tuned."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from filters import AnyFilter, Batched, Lanes, assembled, parameter_facts, run, shared
+from filters.gps_aided import GpsAidedKalman, GpsAidedNoise, GpsAidedOutputs, GpsAidedSample
+from objectives import Data
+from objectives import Records as OverRecords
+from studies.chauhan2009.data import BEFORE, MOTIONS, Records, Step, records
+from studies.chauhan2009.paper import DT, EVERY
+from studies.chauhan2009.settings import Settings
+from tuner.problem.parameters import Bounded, Fixed, Parameter, Positive
+from tuner.problem.problem import Problem
+from tuner.problem.space import Space
+
+FUZZY = GpsAidedKalman(DT, EVERY, "fuzzy")
+RANDOM = GpsAidedKalman(DT, EVERY, "random")
+CONSTANT = GpsAidedKalman(DT, EVERY, "constant")
+BY_HAND = {"quaternion": 1e-4, "bias": 1e-6, "floor": 1e-12, "h": 0.0}
+"""Q until the fuzzy law has one, and its floor: none is in the paper."""
+HELD_OUT = 1000
+"""Seeds of held-out records lie this far above those that are tuned on."""
+
+
+def parameters(values: Mapping[str, Array | float]) -> GpsAidedNoise:
+    """The filter's parameters from values by name; those by hand where they are left out.
+
+    Args:
+        values: ``angle``, the deviation of the measured angles, deg; and of the others some.
+    """
+    given = {name: jnp.asarray(value, float) for name, value in (BY_HAND | {**values}).items()}
+    numbers: dict[str, Any] = {k: fact.typical for k, fact in parameter_facts(FUZZY).items()}
+    for angle in ("phi", "theta", "psi"):
+        numbers[f"R_{angle}"] = jnp.radians(given["angle"]) ** 2
+    for state in ("quaternion", "bias"):
+        numbers |= {f"Q_{state}": given[state], f"floor_{state}": given["floor"]}
+        numbers[f"P0_{state}"] = 0.01
+    found: GpsAidedNoise = assembled(FUZZY, numbers | {"h": given["h"]})
+    return found
+
+
+def by_hand(settings: Settings) -> dict[str, float]:
+    """Without tuning, the deviation of the measured angles is known."""
+    return {"angle": settings.noise}
+
+
+def estimated(
+    filter: GpsAidedKalman, inputs: GpsAidedSample, values: Mapping[str, Array | float]
+) -> GpsAidedOutputs:
+    """A filter's outputs over records side by side."""
+    found: GpsAidedOutputs = _run(Lanes(filter, inputs.gyr.shape[1]), parameters(values), inputs)
+    return found
+
+
+def random_scale(Q: np.ndarray, factor: float) -> np.ndarray:
+    """Of the random law on the same data: lambda sqrt(3) times the rms rate of the fuzzy law.
+
+    Both then have one mean of Q at lambda = 1, for a draw u is uniform and E 3 u^2 = 1.
+
+    Args:
+        Q: diagonals of a fuzzy run after the step, ``(N, k, 7)``.
+        factor: lambda.
+    """
+    return np.asarray(factor * np.sqrt(3 * (Q / (DT * EVERY)).mean(axis=0)))
+
+
+def randomly(
+    settings: Settings, made: Records, fuzzy: GpsAidedOutputs, factor: float, seed: int
+) -> GpsAidedOutputs:
+    """The random law's outputs on the same records, each with a scale of its own."""
+    late = np.asarray(fuzzy.Q)[round(BEFORE / DT) :]
+    params = shared(parameters(by_hand(settings)), made.truth.shape[1])
+    params = params._replace(scale=jnp.asarray(random_scale(late, factor)))
+    draw = np.random.default_rng([seed, 7]).uniform(size=(*made.truth.shape, 7))
+    inputs = made.inputs._replace(draw=jnp.asarray(draw))
+    found: GpsAidedOutputs = _run(Batched(RANDOM), params, inputs)
+    return found
+
+
+@dataclass(frozen=True)
+class PitchRmse:
+    """Root mean square error of the estimated pitch from the step on, deg.
+
+    Attributes:
+        skipped: ticks before.
+    """
+
+    skipped: int
+
+    def __call__(self, outputs: GpsAidedOutputs, truth: Array) -> Array:
+        """Of one record, ``()``."""
+        error = (outputs.angles[:, 1] - truth)[self.skipped :]
+        return jnp.degrees(jnp.sqrt((error**2).mean()))
+
+
+OBJECTIVE = OverRecords(PitchRmse(round(BEFORE / DT)))
+
+
+def space(law: str, noise: float) -> Space:
+    """What is tuned; of the constant law not R as well, which would only scale everything.
+
+    Args:
+        law: "constant", "fuzzy", or "edge", the fuzzy one with h.
+        noise: of the measured angles, deg.
+    """
+    if law == "constant":
+        return Space.of(
+            quaternion=_density(1e-5, 1e-12, 1e-1, "1/s", "of the quaternion's noise"),
+            bias=_density(1e-8, 1e-14, 1e-2, "rad^2/s^3", "of the gyroscopes' bias"),
+            angle=Fixed(noise, "deg", meaning="noise of the angles, held"),
+        )
+    free: dict[str, Parameter] = {
+        "angle": Positive(1.0, 1e-2, 1e2, "deg", meaning="deviation of the measured angles"),
+        "floor": Positive(
+            *(1e-8, 1e-14, 1e-2),
+            "1/s and rad^2/s^3",
+            meaning="least spectral density of each state's noise",
+        ),
+    }
+    if law == "edge":
+        free["h"] = Bounded(0.3, 0.0, 0.99, meaning="level of membership of the regression")
+    return Space.of(**free)
+
+
+def _density(init: float, low: float, high: float, unit: str, what: str) -> Positive:
+    return Positive(init, low, high, unit, meaning=f"spectral density {what}")
+
+
+def tuning_records(settings: Settings, count: int, seed: int) -> Records:
+    """Steps of both motions to the angles that are tuned on."""
+    steps = [Step(angle, motion) for angle in settings.tuned_on for motion in MOTIONS]
+    return records(settings, steps, [seed + i for i in range(count)])
+
+
+def filters(settings: Settings) -> dict[str, tuple[str, GpsAidedKalman]]:
+    """What is tuned, by problem: the law's name in :func:`space`, and the filter."""
+    found = {"constant": ("constant", CONSTANT)}
+    for samples in settings.windows:
+        found[f"fuzzy_{samples}"] = ("fuzzy", GpsAidedKalman(DT, EVERY, "fuzzy", samples))
+    edge = GpsAidedKalman(DT, EVERY, "fuzzy", settings.windows[-1], slope="edge")
+    return found | {"edge": ("edge", edge)}
+
+
+def posed(settings: Settings, made: Records) -> dict[str, Problem]:
+    """One for each filter, on the same records."""
+    return {
+        name: Problem(
+            name=name,
+            space=space(law, settings.noise),
+            filter=Lanes(filter, made.truth.shape[1]),
+            build=parameters,
+            objective=OBJECTIVE,
+            data=Data(made.inputs, made.truth),
+            source=made.source,
+        )
+        for name, (law, filter) in filters(settings).items()
+    }
+
+
+def judged(filter: GpsAidedKalman, made: Records, values: Mapping[str, Array | float]) -> float:
+    """The mean error over records, deg."""
+    return float(OBJECTIVE(estimated(filter, made.inputs, values), made.truth))
+
+
+def _passed(filter: AnyFilter, params: Any, inputs: Any) -> Any:
+    return run(filter, params, inputs)[1]
+
+
+_run: Callable[..., Any] = jax.jit(_passed, static_argnums=0)

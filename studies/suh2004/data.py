@@ -1,0 +1,119 @@
+"""The paper's two experiments, as far as its text determines them, and motion to tune on."""
+
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from filters import TiltSample
+from filters.tilt_euler import TO_PAPER
+from objectives import Data
+from studies.suh2004.paper import ACC_VARIANCE, DT, GYR_VARIANCE, SAMPLES, GyroUnit
+from studies.suh2004.settings import Settings
+from tuner.data.simulation import GRAVITY, Bursts, Motion, Sensor, Swing, measure, simulate
+from tuner.data.source import Source
+
+SWING = Swing(size=(np.radians(15.0), np.radians(12.0), np.radians(60.0)))
+EVERY = 10.0
+"""A burst comes every so many seconds on average."""
+HELD_OUT = 1000
+"""Seeds of held-out records lie this far above those that are tuned on."""
+
+
+@dataclass(frozen=True, eq=False)
+class Recordings:
+    """Records side by side: inputs ``(N, k, 3)`` and true (theta, phi), rad, ``(N, k, 2)``."""
+
+    inputs: TiltSample
+    truth: Array
+
+    @property
+    def count(self) -> int:
+        """k."""
+        return self.truth.shape[1]
+
+    @property
+    def data(self) -> Data:
+        """As a problem takes them."""
+        return Data(self.inputs, self.truth)
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """What is tuned on and what judges, by the settings of a study.
+
+    Attributes:
+        settings: the study's.
+        tuned_on: records of the seeds from the run's own.
+        judged_on: others.
+        source: where the records come from that are tuned on.
+    """
+
+    settings: Settings
+    tuned_on: Recordings
+    judged_on: Recordings
+    source: Source
+
+
+def bench(settings: Settings, seed: int) -> Bench:
+    """The records of a run."""
+    tuned_on = recordings(settings, settings.train, seed)
+    if settings.tune_on == "experiment2":
+        inputs = experiment_2(settings.gyro_unit)
+        still = jnp.zeros((len(inputs.gyr), 1, 2))
+        tuned_on = Recordings(jax.tree.map(lambda leaf: leaf[:, None], inputs), still)
+    name = f"{tuned_on.count} simulated motions with pushes and bias, seeds from {seed}"
+    source = Source.simulated(name, [np.asarray(tuned_on.inputs.acc)], 1 / DT)
+    judged_on = recordings(settings, settings.held_out, seed + HELD_OUT)
+    return Bench(settings, tuned_on, judged_on, source)
+
+
+def experiment_1(unit: GyroUnit, samples: int = SAMPLES) -> TiltSample:
+    """At rest: chirps sqrt(2) sin(a k^2) with the printed variances in place of the noise."""
+    k = np.arange(1, samples + 1)
+    a = 1.0 + 0.1 * np.arange(6)
+    chirps = np.sqrt(2) * np.sin(a * k[:, None] * k[:, None])
+    scale = np.radians(1.0) if unit == "deg/s" else 1.0
+    acceleration = chirps[:, :3] * np.sqrt(ACC_VARIANCE) + [0.0, 0.0, 1.0]
+    rate = chirps[:, 3:] * np.sqrt(GYR_VARIANCE) * scale
+    return TiltSample(jnp.asarray(acceleration), jnp.asarray(rate * TO_PAPER))
+
+
+def experiment_2(unit: GyroUnit) -> TiltSample:
+    """On the cart: the same, with five pushes along y, the true attitude still zero."""
+    still = experiment_1(unit)
+    t = DT * np.arange(1, SAMPLES + 1)
+    push = np.zeros(SAMPLES)
+    for i in range(5):
+        begin = 3.0 + 4 * i
+        on = (t >= begin) & (t < begin + 2)
+        push[on] += 0.1 * (i + 1) * (-1) ** i * np.sin(2 * np.pi * (t[on] - begin))
+    return still._replace(acc=still.acc.at[:, 1].add(push))
+
+
+def recordings(settings: Settings, count: int, seed: int) -> Recordings:
+    """Random motions of their own seeds, measured with the paper's noise and a random bias."""
+    made = [_record(settings, seed + i) for i in range(count)]
+    inputs = [sample for sample, _ in made]
+    stacked = jax.tree.map(lambda *leaves: jnp.stack(leaves, axis=1), *inputs)
+    return Recordings(stacked, jnp.stack([truth for _, truth in made], axis=1))
+
+
+def _record(settings: Settings, seed: int) -> tuple[TiltSample, Array]:
+    bursts = Bursts(round(settings.seconds / EVERY), settings.burst) if settings.burst else None
+    motion = simulate(seconds=settings.seconds, dt=DT, seed=seed, swing=SWING, bursts=bursts)
+    unit = np.radians(1.0) if settings.gyro_unit == "deg/s" else 1.0
+    bias = np.radians(settings.bias) * np.random.default_rng([seed, 1]).uniform(-1, 1, 3)
+    measured = measure(
+        motion,
+        gyroscope=Sensor(float(np.sqrt(np.mean(GYR_VARIANCE)) * unit), tuple(bias)),
+        accelerometer=Sensor(float(np.sqrt(np.mean(ACC_VARIANCE))) * GRAVITY),
+        seed=seed,
+    )
+    return TiltSample(measured.acc / GRAVITY, measured.gyr), jnp.asarray(_tilt(motion))
+
+
+def _tilt(motion: Motion) -> np.ndarray:
+    return np.ascontiguousarray(motion.angles[:, [1, 0]])
