@@ -74,7 +74,9 @@ def imu(seed=3, seconds=12.0, dt=0.02, bursts=True):
     )
     sensed = measure(
         motion,
-        gyroscope=Sensor(noise=GYRO_NOISE, bias=(0.02, -0.01, 0.015) if bursts else (0.0, 0.0, 0.0)),
+        gyroscope=Sensor(
+            noise=GYRO_NOISE, bias=(0.02, -0.01, 0.015) if bursts else (0.0, 0.0, 0.0)
+        ),
         accelerometer=Sensor(noise=ACC_NOISE),
         seed=seed + 1,
     )
@@ -260,5 +262,3 @@ def inclination_rms(estimate, truth):
         if not np.isnan(b).any()
     ]
     return float(np.degrees(np.sqrt(np.mean(np.square(angles)))))
-
-
