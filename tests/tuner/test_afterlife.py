@@ -133,7 +133,7 @@ def test_outputs_are_run_once_a_solution(monkeypatch):
         ran.append(given)
         return run(*given)[1]
 
-    monkeypatch.setattr(tuner.problem.problem, "_run", counting)
+    monkeypatch.setattr(tuner.problem.problem, "run_filter", counting)
     posed = smoothing()
     quick, slow = at(posed, alpha=0.25), at(posed, alpha=0.75)
     first = posed.outputs(quick)
@@ -230,7 +230,7 @@ def test_what_a_filter_says_of_itself():
     assert (told.filter, told.dt) == ("Smoother", 0.1)
     assert told.states == ("level_x", "level_y", "age")
     plain = exported_of(GyroscopeFilter(0.01))
-    assert (plain.filter, plain.states, plain.dt) == ("GyroscopeFilter", (), 0.01)
+    assert (plain.filter, plain.states, plain.dt) == ("GyroscopeFilter", ("omega", "epsilon"), 0.01)
     assert smoothing().what_is_exported().states == told.states
     own = Exported("Mine")
     assert smoothing(exported=own).what_is_exported() is own
