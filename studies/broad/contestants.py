@@ -65,7 +65,7 @@ PLAIN: dict[str, Parameter | float | tuple[float, ...]] = {
     "q0": LEVEL,
     "b0": (0.0, 0.0, 0.0),
 }
-SPACES: dict[str, Space] = {
+_SPACES: dict[str, Space] = {
     "room": Space.of_filter(BoundedMotionKalman, **ROOM, lead=LEAD),
     "room_now": Space.of_filter(BoundedMotionKalman, **ROOM),
     "gravity": Space.of_filter(AttitudeKalman, **PLAIN, memory=1.0, gain=0.0, delta=1e3),
@@ -78,12 +78,11 @@ SPACES: dict[str, Space] = {
     "mahony": Space.of_filter(Mahony, q0=LEVEL),
     "madgwick": Space.of_filter(Madgwick, q0=LEVEL),
 }
+SPACES = _SPACES | {f"{name}_field": _SPACES[name] for name in ("mahony", "madgwick")}
 """What is tuned, and where it begins: round numbers, or the gains published for the benchmark.
 
 room_now has no lead: it gives the attitude of the last sample, whatever the sensor's delay.
 """
-for _name in ("mahony", "madgwick"):
-    SPACES[f"{_name}_field"] = SPACES[_name]
 
 
 def start(name: str) -> dict[str, Array]:

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from filters import Channel, Mahony, channel_facts
 from tuner.data.logs.formats import open_table
+from tuner.data.logs.table import Table
 from tuner.data.reading import read_record
 from tuner.data.record import Record
 from tuner.data.source import Source
@@ -108,7 +109,7 @@ def _read(path: Path, acc_unit: AccUnit, gyr_unit: GyrUnit, seconds: float | Non
             f"{path.name} has no {', '.join(missing)}; a trial has {', '.join(NEEDED)}"
         )
     rate_hz = _rate(path.name, np.ravel(table.load(("sampling_rate",))["sampling_rate"]))
-    fields = ["mag=imu_mag"] if "imu_mag" in names else []
+    fields = ["mag=imu_mag"] if _has_field(table) else []
     record = read_record(
         path,
         [f"gyr=imu_gyr:{gyr_unit}", f"acc=imu_acc:{acc_unit}", "moves=movement", *fields],
@@ -118,6 +119,13 @@ def _read(path: Path, acc_unit: AccUnit, gyr_unit: GyrUnit, seconds: float | Non
         rate_hz=rate_hz,
     )
     return _checked(path.stem, record, seconds)
+
+
+def _has_field(table: Table) -> bool:
+    if "imu_mag" not in table.names:
+        return False
+    raw = table.load(("imu_mag",))["imu_mag"]
+    return raw.dtype.kind != "f" or bool(np.isfinite(raw).any())
 
 
 def _rate(name: str, rates: np.ndarray) -> float:

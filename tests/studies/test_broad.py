@@ -199,6 +199,11 @@ def test_what_is_infinite_in_a_field_is_missing(tmp_path):
     assert not np.isnan(np.delete(trial.field, 8, axis=0)).any()
 
 
+def test_a_field_without_a_number_is_none(tmp_path):
+    trial = only(written(tmp_path, imu_mag=np.full((SAMPLES, 3), np.nan)))
+    assert trial.field is trial.start is None
+
+
 def planned(folder, **settings):
     return plan(Settings(folder=str(folder), **settings), (), 0, "")
 
