@@ -25,7 +25,9 @@ def fitted(cli, *words):
 
 
 def values(fit):
-    return {name: float(p.value) for name, p in fit.solution.parameters.items() if p.value.ndim == 0}
+    return {
+        name: float(p.value) for name, p in fit.solution.parameters.items() if p.value.ndim == 0
+    }
 
 
 def test_units_of_sensors_do_not_matter(cli, here):
@@ -168,7 +170,9 @@ def test_recordings_of_unequal_clocks(cli, here):
 
 
 def test_order_of_recordings_and_of_columns_does_not_matter():
-    recordings = [tuner.Record.of({"z": z}, rate_hz=1.0, name=f"{i}") for i, z in enumerate(lanes())]
+    recordings = [
+        tuner.Record.of({"z": z}, rate_hz=1.0, name=f"{i}") for i, z in enumerate(lanes())
+    ]
     there = tuner.fit("local-level", recordings, **ONCE)
     back = tuner.fit("local-level", recordings[::-1], **ONCE)
     assert values(back) == pytest.approx(values(there), rel=1e-6)

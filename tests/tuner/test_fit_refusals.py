@@ -10,6 +10,7 @@ import tuner.catalogue
 from tests.tuner import fit_cases as cases
 
 SIX = ("--map", "gyr=gx,gy,gz:rad/s", "--map", "acc=ax,ay,az:m/s^2")
+CLIMB = ("climb.csv", "--filter", "vertical", "--map", "acc=acc", "--map", "baro=baro")
 QUATERNION = ("--truth", "att=q0,q1,q2,q3")
 
 
@@ -27,7 +28,9 @@ def refused(outcome, here, *words):
     """Exit code 2, one sentence, the last line of stderr, and no folder."""
     code, out, err = outcome
     assert (code, out) == (2, ""), (out, err)
-    assert [line for line in err.splitlines() if line.startswith("tuner: ")] == err.splitlines()[-1:]
+    assert [line for line in err.splitlines() if line.startswith("tuner: ")] == err.splitlines()[
+        -1:
+    ]
     assert "Traceback" not in err
     told = err.splitlines()[-1]
     for word in words:
@@ -63,8 +66,7 @@ REFUSED = {
     "unknown truth": (level("--map", "z=z", "--truth", "lvl=level"), ("lvl", "level")),
     "detail as truth": (level("--map", "z=z", "--truth", "variance=level"), ("variance", "level")),
     "two truths": (
-        ("climb.csv", "--filter", "vertical", "--map", "acc=acc", "--map", "baro=baro")
-        + ("--truth", "height=baro", "--truth", "climb=acc"),
+        (*CLIMB, "--truth", "height=baro", "--truth", "climb=acc"),
         ("height and climb", "give one"),
     ),
     "truth and likelihood": (
@@ -92,8 +94,7 @@ REFUSED = {
     "unknown bound": (level("--map", "z=z", "--bound", "p=1..2"), ("'p'", "R, q")),
     "unknown option": (level("--map", "z=z", "--set", "law=one"), ("'law'",)),
     "option of another kind": (
-        ("climb.csv", "--filter", "vertical", "--map", "acc=acc", "--map", "baro=baro")
-        + ("--set", "gravity=gone"),
+        (*CLIMB, "--set", "gravity=gone"),
         ("removed", "included"),
     ),
     "dt as option": (level("--map", "z=z", "--set", "dt=1"), ("'dt'",)),
@@ -110,7 +111,10 @@ REFUSED = {
         level("--map", "z=z", "--start", "q=5", "--bound", "q=0.1..1"),
         ("q begins at 5", "0.1 to 1"),
     ),
-    "fixed and started": (level("--map", "z=z", "--start", "q=5", "--fix", "q=5"), ("one of them",)),
+    "fixed and started": (
+        level("--map", "z=z", "--start", "q=5", "--fix", "q=5"),
+        ("one of them",),
+    ),
     "everything fixed": (
         level("--map", "z=z", "--fix", "q=1", "--fix", "R=1"),
         ("nothing is left to tune", "q, R"),
