@@ -69,14 +69,13 @@ def imu(seed=3, seconds=12.0, dt=0.02, bursts=True):
     With ``bursts`` it is pushed, and its gyroscopes have a bias.
     """
     pushed = Bursts(3, 2.0) if bursts else None
+    bias = (0.02, -0.01, 0.015) if bursts else (0.0, 0.0, 0.0)
     motion = simulate(
         seconds=seconds, dt=dt, seed=seed, swing=Swing((0.2, 0.2, 0.3)), bursts=pushed
     )
     sensed = measure(
         motion,
-        gyroscope=Sensor(
-            noise=GYRO_NOISE, bias=(0.02, -0.01, 0.015) if bursts else (0.0, 0.0, 0.0)
-        ),
+        gyroscope=Sensor(noise=GYRO_NOISE, bias=bias),
         accelerometer=Sensor(noise=ACC_NOISE),
         seed=seed + 1,
     )
@@ -220,7 +219,7 @@ def down_to_sensor(q):
 
 
 def levelled(acc):
-    """The attitude without heading in which gravity's reaction is measured, turned the short way."""
+    """The attitude without heading in which gravity is measured, turned the short way."""
     a = acc / np.linalg.norm(acc)
     q = np.array([1 + a[2], a[1], -a[0], 0.0])
     return q / np.linalg.norm(q)
@@ -229,8 +228,8 @@ def levelled(acc):
 def madgwick_loop(gyr, acc, beta, dt):
     """Madgwick's filter as published for six axes."""
     q, found = levelled(acc[0]), []
-    for w, a in zip(gyr, acc, strict=True):
-        a = a / np.linalg.norm(a)
+    units = acc / np.linalg.norm(acc, axis=1)[:, None]
+    for w, a in zip(gyr, units, strict=True):
         q0, q1, q2, q3 = q
         f = np.array(
             [

@@ -43,7 +43,7 @@ def bounds(option: str, pairs: Iterable[str]) -> dict[str, tuple[float, float]]:
     """Ranges LOW..HIGH by name.
 
     Raises:
-        ValueError: as :func:`words`, and for what is no range of two rising numbers.
+        ValueError: for a name that is given twice, and what is no range of two rising numbers.
 
     >>> bounds("--bound", ["tau=0.1..10"])
     {'tau': (0.1, 10.0)}
@@ -54,6 +54,8 @@ def bounds(option: str, pairs: Iterable[str]) -> dict[str, tuple[float, float]]:
         low, dots, high = (part.strip() for part in text.partition(".."))
         if not (name and dots and low and high):
             raise ValueError(f"{option} {pair} is no range; write {option} NAME=LOW..HIGH")
+        if name in found:
+            raise ValueError(f"{option} names {name} twice; name it once")
         ends = _number(option, name, value_of(low)), _number(option, name, value_of(high))
         if not ends[0] < ends[1]:
             raise ValueError(f"{option} {pair} does not rise; write the lower end first")

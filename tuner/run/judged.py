@@ -147,7 +147,8 @@ def _held_out(problem: Problem, begun: Mapping[str, Any], tuned: Mapping[str, An
         raise ValueError("nothing is held out of so little data")
     rest = _only(problem, ~mask)
     count = int((~mask).sum())
-    what = f"{count} recordings" if mask.ndim == 2 else f"the last {count} samples"
+    recordings = f"{count} recording{'' if count == 1 else 's'}"
+    what = recordings if mask.ndim == 2 else f"the last {count} samples"
     return HeldOut(what, rest.score(begun), rest.score(tuned))
 
 
