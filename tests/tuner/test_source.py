@@ -57,8 +57,9 @@ def test_joined_sources():
     assert (both.name, both.samples, both.rate_hz) == ("both", 24, 50.0)
     longer = Source(one.name, one.sha256, one.samples + 1, one.rate_hz)
     faster = Source(one.name, one.sha256, one.samples, 100.0)
-    joined = ([one, two], [two, one], [one], [one, one], [longer, two], [faster, two])
+    joined = ([one, two], [two, one], [one, one], [longer, two], [faster, two])
     all_differ([*(Source.joined("both", parts) for parts in joined), one, two])
+    assert Source.joined("alone", [one]) == one
     renamed = Source("c", one.sha256, one.samples, one.rate_hz)
     assert Source.joined("both", [renamed, two]).sha256 == both.sha256
 

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from filters import FixedGainFilter, Param
+from filters import LinearKalman, Param
 from filters.declared import assembled
 from objectives import covariance
 from tests.strategies import seeds
@@ -382,8 +382,8 @@ def test_unknown_names_of_a_filters_parameters():
     sentence = "unknown parameter 'bais'; did you mean bias? There are: P0, R, bias, g, low, share"
     with pytest.raises(ValueError, match=exactly(sentence)):
         Space.of_filter(Declaring, bais=0.0)
-    with pytest.raises(ValueError, match=r"^FixedGainFilter declares no params; give the class "):
-        Space.of_filter(FixedGainFilter, K1=0.1)
+    with pytest.raises(ValueError, match=r"^LinearKalman declares no params; give the class "):
+        Space.of_filter(LinearKalman, K1=0.1)
 
 
 @pytest.mark.parametrize(
