@@ -24,7 +24,6 @@ from filters.bounded_motion import (  # noqa: E402
     BoundedMotionNoise,
     BoundedMotionOutputs,
     BoundedMotionState,
-    RestRule,
     blocks,
 )
 from filters.complementary import (  # noqa: E402
@@ -92,7 +91,7 @@ from filters.extended import (  # noqa: E402
 )
 from filters.fuzzy_regression import line, regression  # noqa: E402
 from filters.gps_aided import GpsAidedKalman, GpsAidedNoise, GpsAidedSample  # noqa: E402
-from filters.imu import ImuSample  # noqa: E402
+from filters.imu import ImuSample, SixAxes  # noqa: E402
 from filters.ins import ErrorStateIns, InsNoise, InsOutputs, InsSample, InsState  # noqa: E402
 from filters.kalman import Estimate, Innovation, decorrelate, predict, update, update_entry  # noqa: E402
 from filters.kownacki import (  # noqa: E402
@@ -132,6 +131,7 @@ from filters.pi_complementary import (  # noqa: E402
 )
 from filters.protocol import AnyFilter, Filter, run  # noqa: E402
 from filters.residual_noise import ResidualNoise  # noqa: E402
+from filters.strapdown import RestRule  # noqa: E402
 from filters.tilt_euler import (  # noqa: E402
     TiltKalman,
     TiltNoise,
@@ -233,6 +233,7 @@ __all__ = [
     "RestRule",
     "RiccatiCovariance",
     "Sample",
+    "SixAxes",
     "SteadyState",
     "StoredGains",
     "TableCovariance",

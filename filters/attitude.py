@@ -13,7 +13,7 @@ from jax import Array
 
 from filters.declared import Channel, Param, components
 from filters.extended import linearised
-from filters.imu import ATTITUDE, GRAVITY, LEVEL, XYZ, ImuSample
+from filters.imu import ATTITUDE, GRAVITY, LEVEL, XYZ, ImuSample, SixAxes
 from filters.kalman import Estimate, predict
 from filters.rotation import begun, from_rotation_vector, multiply, normalise, or_else, rotate_back
 from filters.validate import check_setup
@@ -144,7 +144,7 @@ class AttitudeKalman:
     dt: float
     adaptive: bool = True
 
-    params, inputs, outputs = AttitudeNoise, ImuSample, AttitudeOutputs
+    params, inputs, outputs = AttitudeNoise, SixAxes, AttitudeOutputs
     states = (
         components("q", "", "attitude, sensor to earth", "wxyz")
         | components("bias", "rad/s", "bias of the gyroscopes", "xyz")
@@ -161,7 +161,7 @@ class AttitudeKalman:
         return AttitudeState(params.q0, params.b0, jnp.diag(start**2), r)
 
     def step(
-        self, params: AttitudeNoise, state: AttitudeState, inputs: ImuSample
+        self, params: AttitudeNoise, state: AttitudeState, inputs: SixAxes | ImuSample
     ) -> tuple[AttitudeState, AttitudeOutputs]:
         """Turn by the gyroscopes, detect, and correct by the accelerometers."""
         turn = from_rotation_vector((or_else(inputs.gyr, state.b) - state.b) * self.dt)

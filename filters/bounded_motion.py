@@ -14,10 +14,20 @@ from jax import Array
 
 from filters.attitude import skew
 from filters.declared import Channel, Param, components
-from filters.imu import ATTITUDE, GRAVITY, LEVEL, XYZ, ImuSample
+from filters.imu import ATTITUDE, GRAVITY, LEVEL, XYZ, ImuSample, SixAxes
 from filters.kalman import Estimate, predict, update
 from filters.protocol import run
-from filters.rotation import begun, from_rotation_vector, multiply, normalise, or_else, rotate
+from filters.rotation import begun, from_rotation_vector, multiply, normalise
+from filters.strapdown import (
+    AT_REST,
+    Calibration,
+    Navigation,
+    Quiet,
+    Reckoning,
+    RestRule,
+    Strapdown,
+    Sums,
+)
 from filters.validate import check_setup
 
 SIZE = 21
@@ -129,128 +139,6 @@ class BoundedMotionNoise(NamedTuple):
     q0: Annotated[Array, LEVEL]
 
 
-class Calibration(NamedTuple):
-    """A gyroscope's errors: bias, rad/s, ``(3,)``, and matrix ``(3, 3)`` of the rest."""
-
-    bias: Array
-    matrix: Array
-
-
-class Navigation(NamedTuple):
-    """Where dead reckoning has come: attitude ``(4,)``, speed and place in earth axes ``(3,)``."""
-
-    q: Array
-    speed: Array
-    place: Array
-
-
-class Sums(NamedTuple):
-    """What a block of samples sums up to, times the sample time, for the error's transition.
-
-    Attributes:
-        axes: rotation matrices, ``(3, 3)``.
-        force: specific force in earth axes, ``(3,)``.
-        turned: columns of the rotation matrix times rates, ``(3, 9)``.
-        square: squared rate, ``()``.
-        rate: raw rates, ``(3,)``.
-    """
-
-    axes: Array
-    force: Array
-    turned: Array
-    square: Array
-    rate: Array
-
-
-class Quiet(NamedTuple):
-    """For the detection of rest: low-passed rate and force ``(3,)``, and how long it lasts, s."""
-
-    rate: Array
-    force: Array
-    seconds: Array
-
-
-@dataclass(frozen=True)
-class RestRule:
-    """When the sensor is at rest, and how sure that is.
-
-    Attributes:
-        memory: time constant of the low pass that samples are compared with, s.
-        rate: largest rate, and deviation of it, rad/s.
-        force: largest deviation of the specific force, m/s^2.
-        seconds: how long both have to be small.
-        speed: root of the density of the speed's measurement at rest, m/s s^1/2.
-        bias: the same of the bias's measurement, rad/s s^1/2.
-    """
-
-    memory: float = 0.5
-    rate: float = 0.0349
-    force: float = 0.5
-    seconds: float = 1.5
-    speed: float = 1e-3
-    bias: float = 5e-4
-
-
-class Reckoned(NamedTuple):
-    """The state of dead reckoning within a block."""
-
-    at: Navigation
-    sums: Sums
-    quiet: Quiet
-
-
-@dataclass(frozen=True)
-class _Strapdown:
-    """Dead reckoning through a block of samples."""
-
-    dt: float
-    rule: RestRule
-
-    def init(self, params: tuple[BoundedMotionNoise, Calibration, Navigation, Quiet]) -> Reckoned:
-        _, _, at, quiet = params
-        zero = jnp.zeros(3, at.q.dtype)
-        sums = Sums(jnp.outer(zero, zero), zero, jnp.zeros((3, 9), zero.dtype), zero[0], zero)
-        return Reckoned(at, sums, quiet)
-
-    def step(
-        self,
-        params: tuple[BoundedMotionNoise, Calibration, Navigation, Quiet],
-        state: Reckoned,
-        inputs: ImuSample,
-    ) -> tuple[Reckoned, Array]:
-        noise, known, _, _ = params
-        (q, speed, place), sums, quiet = state
-        inputs = inputs._replace(gyr=or_else(inputs.gyr, known.bias))
-        free = inputs.gyr - known.bias
-        rate = free - (known.matrix * free).sum(axis=1)
-        q = normalise(multiply(q, from_rotation_vector(rate * self.dt)))
-        axes = jnp.stack([rotate(q, axis) for axis in jnp.eye(3, dtype=q.dtype)], axis=1)
-        down = jnp.zeros(3, q.dtype).at[2].set(noise.gravity)
-        missing = jnp.isnan(inputs.acc).any()
-        a = jnp.where(missing, 0.0, inputs.acc)
-        force = jnp.where(missing, down, (axes * a).sum(axis=1))  # then as if nothing pushed
-        seen = inputs._replace(acc=jnp.where(missing, quiet.force, a))
-        speed = speed + (force - down) * self.dt
-        place = place + speed * self.dt
-        turned = (axes[:, :, None] * rate).reshape(3, 9)
-        grown = Sums(axes, force, turned, rate @ rate, inputs.gyr)
-        sums = Sums(*(total + self.dt * part for total, part in zip(sums, grown, strict=True)))
-        ahead = multiply(q, from_rotation_vector(rate * noise.lead))
-        return Reckoned(Navigation(q, speed, place), sums, self._quiet(quiet, seen)), ahead
-
-    def _quiet(self, quiet: Quiet, inputs: ImuSample) -> Quiet:
-        rule = self.rule
-        share = -jnp.expm1(jnp.asarray(-self.dt / rule.memory, inputs.gyr.dtype))
-        rate = quiet.rate + share * (inputs.gyr - quiet.rate)
-        force = quiet.force + share * (inputs.acc - quiet.force)
-        still = (
-            (((inputs.gyr - rate) ** 2).sum() < rule.rate**2)
-            & (((inputs.acc - force) ** 2).sum() < rule.force**2)
-            & (jnp.abs(rate).max() < rule.rate)
-        )
-        return Quiet(rate, force, jnp.where(still, quiet.seconds + self.dt, 0.0))
-
-
 class BoundedMotionState(NamedTuple):
     """Navigation, calibration, covariance of all errors ``(21, 21)``, and the rest detection."""
 
@@ -297,9 +185,9 @@ class BoundedMotionKalman:
     """
 
     dt: float
-    rule: RestRule = RestRule()
+    rule: RestRule = AT_REST
 
-    params, inputs, outputs = BoundedMotionNoise, ImuSample, BoundedMotionOutputs
+    params, inputs, outputs = BoundedMotionNoise, SixAxes, BoundedMotionOutputs
     states = (
         components("turn", "rad", "error of the attitude, earth axes", "xyz")
         | components("bias", "rad/s", "error of the gyroscopes' bias", "xyz")
@@ -324,18 +212,18 @@ class BoundedMotionKalman:
         return BoundedMotionState(Navigation(params.q0, zero, zero), known, P, quiet)
 
     def step(
-        self, params: BoundedMotionNoise, state: BoundedMotionState, inputs: ImuSample
+        self, params: BoundedMotionNoise, state: BoundedMotionState, inputs: SixAxes | ImuSample
     ) -> tuple[BoundedMotionState, BoundedMotionOutputs]:
         """Reckon through a sample or a block, then correct."""
         if inputs.gyr.ndim == 1:
-            alone = ImuSample(inputs.acc[None], inputs.gyr[None])
+            alone = SixAxes(inputs.acc[None], inputs.gyr[None])
             state, outputs = self.step(params, state, alone)
             return state, outputs._replace(att=outputs.att[0])
         whole = jnp.nan_to_num(inputs.acc).sum(axis=0)
         at = state.at._replace(q=begun(state.at.q, whole))
-        reckoning = params, state.known, at, state.quiet
-        samples = ImuSample(inputs.acc, inputs.gyr)
-        (at, sums, quiet), att = run(_Strapdown(self.dt, self.rule), reckoning, samples)
+        reckoning = Reckoning(params.gravity, params.lead, state.known, at, state.quiet)
+        samples = SixAxes(inputs.acc, inputs.gyr)
+        (at, sums, quiet), att = run(Strapdown(self.dt, self.rule), reckoning, samples)
         span = jnp.maximum(self.dt * inputs.gyr.shape[0], _SHORTEST)
         P = _spread(state.P, params, sums, span)
         rest = quiet.seconds > self.rule.seconds

@@ -25,6 +25,13 @@ class ImuSample(NamedTuple):
     mag: Annotated[Array | None, Channel("", "magnetic field, in any unit", XYZ)] = None
 
 
+class SixAxes(NamedTuple):
+    """One sample of an inertial unit without a magnetometer, for filters that take none."""
+
+    acc: Annotated[Array, Channel("m/s^2", "specific force, +g along z at rest, z up", XYZ)]
+    gyr: Annotated[Array, Channel("rad/s", "angular rate", XYZ)]
+
+
 ATTITUDE = Channel("", "attitude, sensor to earth, earth z up", WXYZ, "attitude")
 """What an attitude filter estimates, ``(4,)``."""
 LEVEL = Param(

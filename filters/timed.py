@@ -24,15 +24,14 @@ class Timed:
 
     >>> import jax.numpy as jnp
     >>> from filters import AngleSample, Complementary, ComplementaryGain, run
-    >>> rates = AngleSample(jnp.ones(2), jnp.full(2, jnp.nan))
-    >>> samples = TimedSample(jnp.array([0.25, 0.5]), rates)
+    >>> turning = AngleSample(jnp.ones(2), jnp.full(2, jnp.nan))
+    >>> samples = TimedSample(jnp.array([0.25, 0.5]), turning)
     >>> still = ComplementaryGain(jnp.array(1.0), jnp.array(0.0))
     >>> run(Timed(Complementary(dt=1.0)), still, samples)[1].tolist()
     [0.25, 0.75]
     """
 
     filter: Any
-    same_params = True
 
     def __post_init__(self) -> None:
         if "dt" not in getattr(self.filter, "__dataclass_fields__", {}):

@@ -10,13 +10,13 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import AnyFilter, Batched, ImuSample, run
+from filters import AnyFilter, Batched, ImuSample, Lanes, assembled, run
 from objectives import AttitudeRmse, Data, Records, attitude_error
 from objectives.attitude import Part
-from studies.broad.contestants import FREE, PARAMETERS, Build, filter_of, group, takes_field
+from studies.broad.contestants import LEVEL, SPACES, Build, filter_of, group, takes_field
 from studies.broad.trials import Trial
+from tuner.data.source import Source
 from tuner.problem.problem import Problem
-from tuner.problem.space import Space
 
 
 @dataclass(frozen=True)
@@ -85,14 +85,22 @@ class Contest:
 
     def problem(self, title: str, name: str) -> Problem:
         """A filter tuned on all trials: by inclination, or with a field by the total error."""
+        filter, field = filter_of(name, self.rate_hz), takes_field(name)
         return Problem(
             name=title,
-            space=Space.of(**FREE[name]),
-            filter=Batched(filter_of(name, self.rate_hz)),
-            build=self._build(name),
-            objective=Records(Error("total" if takes_field(name) else "inclination")),
+            space=SPACES[name],
+            filter=Batched(filter) if field else Lanes(filter, len(self.trials)),
+            build=Build(filter, self._starts(name)) if field else None,
+            objective=Records(Error("total" if field else "inclination")),
             data=self.data(name),
+            source=self.source,
         )
+
+    @cached_property
+    def source(self) -> Source:
+        """The files."""
+        parts = [trial.source for trial in self.trials]
+        return Source.joined(f"{len(parts)} trials of BROAD", parts)
 
     def judged(self, name: str, values: dict[str, Array]) -> Outcome:
         """How a filter does with parameters that all trials share."""
@@ -100,11 +108,11 @@ class Contest:
 
     def judged_each(self, name: str, values: Sequence[dict[str, Array]]) -> Outcome:
         """How a filter does with parameters for every trial: one time loop for all."""
-        rows = [PARAMETERS[name](each) for each in values]
+        filter = filter_of(name, self.rate_hz)
+        rows = [assembled(filter, each) for each in values]
         # Arrays of NumPy are float64 whatever they were made of, so all share one compilation.
         params = jax.tree.map(lambda *leaves: np.stack(leaves, dtype=float), *rows)
-        params = params._replace(q0=np.array(self._build(name).starts))
-        filter = filter_of(name, self.rate_hz)
+        params = params._replace(q0=np.array(self._starts(name)))
         parts: tuple[Part, ...] = get_args(Part) if takes_field(name) else ("inclination",)
         key = filter, parts, *(leaf.tobytes() for leaf in params)
         if key not in self._outcomes:
@@ -113,10 +121,10 @@ class Contest:
             self._outcomes[key] = Outcome(found, np.asarray(last))
         return self._outcomes[key]
 
-    def _build(self, name: str) -> Build:
-        level = 4 * (0.0,)
+    def _starts(self, name: str) -> tuple[tuple[float, ...], ...]:
+        """Where a filter begins on each trial: with a field at its attitude, otherwise level."""
         starts = [trial.start if takes_field(name) else None for trial in self.trials]
-        return Build(name, tuple(level if q is None else tuple(q.tolist()) for q in starts))
+        return tuple(LEVEL if q is None else tuple(q.tolist()) for q in starts)
 
     @cached_property
     def _blocks(self) -> Data:

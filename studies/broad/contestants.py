@@ -1,6 +1,5 @@
 """The filters that compete: their parameters, where a search begins, and by what it is judged."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -10,17 +9,14 @@ from jax import Array
 from filters import (
     AnyFilter,
     AttitudeKalman,
-    AttitudeNoise,
     BoundedMotionKalman,
-    BoundedMotionNoise,
     Madgwick,
-    MadgwickGain,
     Mahony,
-    MahonyGains,
+    assembled,
     shared,
 )
-from studies.broad.trials import GRAVITY
 from tuner.problem.parameters import Limited, Parameter, Positive
+from tuner.problem.space import Space
 
 BLOCK = 0.196
 """How often the room filter corrects, s; 10 to 200 ms give the same errors."""
@@ -30,7 +26,7 @@ SPEED = 0.3
 """Held: all noises of the room filter share a scale that only the start's deviations see."""
 GYROSCOPE = 1e-4
 """Held: the same of the gravity filters, rad^2/s."""
-LEVEL = jnp.zeros(4)
+LEVEL = (0.0, 0.0, 0.0, 0.0)
 """No attitude to begin with: the first samples say where up is."""
 
 Contestant = Literal[
@@ -55,76 +51,44 @@ LABELS: dict[str, str] = {
 }
 
 
-def room(values: dict[str, Array]) -> BoundedMotionNoise:
-    """Parameters of the room filter."""
-    fixed = {"speed": SPEED, "gyroscope": 0.0, "bias0": 0.02, "tilt0": 0.03, "lead": 0.0}
-    numbers = _arrays(fixed | {"gravity": GRAVITY}) | values
-    return BoundedMotionNoise(**numbers, q0=LEVEL)
-
-
-def gravity(values: dict[str, Array]) -> AttitudeNoise:
-    """Parameters of the gravity filter; the adaptive ones do nothing where it is not."""
-    fixed = {"memory": 1.0, "gain": 0.0, "delta": 1e3, "bias0": 0.02, "tilt0": 0.03}
-    numbers = _arrays(fixed | {"gravity": GRAVITY, "gyroscope": GYROSCOPE}) | values
-    return AttitudeNoise(**numbers, q0=LEVEL, b0=jnp.zeros(3))
-
-
-def mahony(values: dict[str, Array]) -> MahonyGains:
-    """Gains of Mahony's filter."""
-    return MahonyGains(**values, q0=LEVEL)
-
-
-def madgwick(values: dict[str, Array]) -> MadgwickGain:
-    """The gain of Madgwick's filter."""
-    return MadgwickGain(**values, q0=LEVEL)
-
-
-PLAIN: dict[str, Parameter] = {
-    "bias": Positive(1e-7, 1e-15, 1e-3, "rad^2/s^3"),
+LEAD = Limited(0.0, -0.02, 0.02, scale=2e-3, limited=False)
+ROOM: dict[str, Parameter | float | tuple[float, ...]] = {
+    "speed": SPEED,
+    "gyroscope": 0.0,
+    "q0": LEVEL,
+}
+PLAIN: dict[str, Parameter | float | tuple[float, ...]] = {
+    "gyroscope": GYROSCOPE,
+    "bias": Positive(1e-7, 1e-15, 1e-3),
     "accelerometer": Positive(1.0, 1e-5, 1e4),
+    "tilt0": 0.03,
+    "q0": LEVEL,
+    "b0": (0.0, 0.0, 0.0),
 }
-LEAD = Limited(0.0, -0.02, 0.02, "s", scale=2e-3, limited=False)
-FREE: dict[str, dict[str, Parameter]] = {
-    "room": {
-        "place": Positive(0.2, 1e-3, 1e2, "m s^0.5"),
-        "accelerometer": Positive(0.03, 1e-4, 1e1, "m/s^1.5"),
-        "turning": Positive(5e-4, 1e-6, 1e-1, "s^0.5"),
-        "bias": Positive(2e-4, 1e-7, 1e-1, "rad/s^1.5"),
-        "matrix0": Positive(3e-3, 1e-5, 1e-1),
-        "lead": LEAD,
-    },
-    "gravity": PLAIN,
-    "two_step": PLAIN
-    | {
-        "memory": Positive(0.5, 1e-2, 1e2, "s"),
-        "gain": Positive(10.0, 1e-4, 1e6),
-        "delta": Positive(0.05, 1e-3, 1.0, threshold=True),
-    },
-    "mahony": {
-        "Kp": Positive(0.74, 1e-3, 1e2, "1/s"),
-        "Ki": Positive(0.0012, 1e-7, 1e1, "1/s^2"),
-    },
-    "madgwick": {"beta": Positive(0.12, 1e-4, 1e1, "rad/s")},
+_SPACES: dict[str, Space] = {
+    "room": Space.of_filter(BoundedMotionKalman, **ROOM, lead=LEAD),
+    "room_now": Space.of_filter(BoundedMotionKalman, **ROOM),
+    "gravity": Space.of_filter(AttitudeKalman, **PLAIN, memory=1.0, gain=0.0, delta=1e3),
+    "two_step": Space.of_filter(
+        AttitudeKalman,
+        **PLAIN,
+        gain=Positive(10.0, 1e-4, 1e6),
+        delta=Positive(0.05, 1e-3, 1.0, threshold=True),
+    ),
+    "mahony": Space.of_filter(Mahony, q0=LEVEL),
+    "madgwick": Space.of_filter(Madgwick, q0=LEVEL),
 }
-"""What is tuned, and where it begins: round numbers, or the gains published for the benchmark."""
-FREE["room_now"] = {name: p for name, p in FREE["room"].items() if name != "lead"}
-"""The room filter without a lead: the attitude of the last sample, whatever the sensor's delay."""
-PARAMETERS: dict[str, Callable[[dict[str, Array]], Any]] = {
-    "room": room,
-    "room_now": room,
-    "gravity": gravity,
-    "two_step": gravity,
-    "mahony": mahony,
-    "madgwick": madgwick,
-}
-for _name in ("mahony", "madgwick"):
-    FREE[f"{_name}_field"] = FREE[_name]
-    PARAMETERS[f"{_name}_field"] = PARAMETERS[_name]
+SPACES = _SPACES | {f"{name}_field": _SPACES[name] for name in ("mahony", "madgwick")}
+"""What is tuned, and where it begins: round numbers, or the gains published for the benchmark.
+
+room_now has no lead: it gives the attitude of the last sample, whatever the sensor's delay.
+"""
 
 
 def start(name: str) -> dict[str, Array]:
     """Where a filter's search begins."""
-    return {key: p.constrain(jnp.asarray(p.start())) for key, p in FREE[name].items()}
+    space = SPACES[name]
+    return space.constrain(jnp.asarray(space.start()))
 
 
 def takes_field(name: str) -> bool:
@@ -134,19 +98,19 @@ def takes_field(name: str) -> bool:
 
 @dataclass(frozen=True)
 class Build:
-    """From parameters by name to those of k filters side by side.
+    """From parameters by name to those of k filters side by side, each with a start of its own.
 
     Attributes:
-        name: the filter's.
+        filter: the filter.
         starts: attitudes ``(k, 4)`` that they begin at, as tuples; zeros: level, heading 0.
     """
 
-    name: str
+    filter: AnyFilter
     starts: tuple[tuple[float, ...], ...]
 
     def __call__(self, values: dict[str, Array]) -> Any:
         """The same for every trial but for where it begins."""
-        params = shared(PARAMETERS[self.name](values), len(self.starts))
+        params = shared(assembled(self.filter, values), len(self.starts))
         return params._replace(q0=jnp.asarray(self.starts))
 
 
@@ -170,7 +134,3 @@ def group(name: str, rate_hz: float) -> int:
     if name.startswith("room"):
         return max(round(BLOCK * rate_hz), 1)
     return max(round(rate_hz / THINNED), 1) if name in ("gravity", "two_step") else 1
-
-
-def _arrays(numbers: dict[str, float]) -> dict[str, Array]:
-    return {name: jnp.asarray(number, float) for name, number in numbers.items()}

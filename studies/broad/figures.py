@@ -1,11 +1,12 @@
 """Errors by trial, and one trial in time."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 
+from studies.broad.claims import judged_at, left_out
 from studies.broad.contest import Contest
-from studies.broad.rows import judged_at, left_out
+from studies.broad.problems import Case
 from tuner.run.figure import Chart, Figure, Line
 from tuner.run.study import Solutions
 
@@ -13,15 +14,14 @@ WINDOW = 1.0
 """Errors in time are root mean squares over so many seconds: single samples only blacken."""
 
 
-def figures(
-    contest: Contest, folds: Sequence[int], tuned: Sequence[str], solutions: Solutions
-) -> Iterator[Figure]:
+def figures(case: Case, solutions: Solutions) -> Iterator[Figure]:
     """All of them."""
-    found = {name: judged_at(name, contest, solutions) for name in tuned}
+    contest, folds = case.contest, case.folds
+    found = {name: judged_at(name, contest, solutions) for name in case.tuned}
     at, label = _numbers(contest)
     lines = [Line(name, at, one.inclination) for name, one in found.items()]
     if folds:
-        errors = left_out(contest, folds, solutions)
+        errors = left_out(case, solutions)
         lines.insert(0, Line("room, trial left out", at[list(folds)], errors))
     yield Chart(
         name="by_trial",

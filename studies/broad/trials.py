@@ -1,8 +1,5 @@
 """The benchmark's published recordings, read from the user's folder and checked."""
 
-import hashlib
-import struct
-import zlib
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -10,11 +7,16 @@ from typing import Literal
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from tuner.data.mat import variables
+from filters import Channel, Mahony, channel_facts
+from tuner.data.logs.formats import open_table
+from tuner.data.logs.table import Table
+from tuner.data.reading import read_record
+from tuner.data.record import Record
+from tuner.data.source import Source
 
 GRAVITY = 9.81
 NEEDED = ("imu_acc", "imu_gyr", "opt_quat", "movement", "sampling_rate")
-WIDTHS = {"imu_acc": 3, "imu_gyr": 3, "opt_quat": 4, "imu_mag": 3}
+MOVES = Channel("", "whether the sensor moves, so that the sample counts")
 SHORTEST = 1.0
 """A rest phase before the movement has to last this long, s, so that a filter can begin."""
 APART = 5.0
@@ -38,7 +40,7 @@ class Trial:
         truth: optical attitude, sensor to earth, ``(N, 4)``; NaN where it is missing or the sensor
             rests, so that it does not count.
         rate_hz: sample rate.
-        sha256: of the file.
+        source: the file.
     """
 
     name: str
@@ -48,7 +50,7 @@ class Trial:
     start: np.ndarray | None
     truth: np.ndarray
     rate_hz: float
-    sha256: str
+    source: Source
 
     @property
     def disturbed(self) -> bool:
@@ -99,48 +101,52 @@ def read(folder: str, acc_unit: AccUnit, gyr_unit: GyrUnit, seconds: float | Non
 
 
 def _read(path: Path, acc_unit: AccUnit, gyr_unit: GyrUnit, seconds: float | None) -> Trial:
-    data = path.read_bytes()
-    try:
-        found, _ = variables(data)
-    except (ValueError, struct.error, zlib.error, IndexError) as error:
-        raise ValueError(f"{path.name} is no MAT v5 file that can be read: {error}") from None
-    missing = [name for name in NEEDED if name not in found]
+    table = open_table(path)
+    names = table.names
+    missing = [name for name in NEEDED if name not in names]
     if missing:
         raise ValueError(
             f"{path.name} has no {', '.join(missing)}; a trial has {', '.join(NEEDED)}"
         )
-    rates = np.ravel(found["sampling_rate"])
+    rate_hz = _rate(path.name, np.ravel(table.load(("sampling_rate",))["sampling_rate"]))
+    fields = ["mag=imu_mag"] if _has_field(table) else []
+    record = read_record(
+        path,
+        [f"gyr=imu_gyr:{gyr_unit}", f"acc=imu_acc:{acc_unit}", "moves=movement", *fields],
+        truth=["att=opt_quat"],
+        inputs=channel_facts(Mahony, "inputs") | {"moves": MOVES},
+        outputs={"att": channel_facts(Mahony, "outputs")["att"]},
+        rate_hz=rate_hz,
+    )
+    return _checked(path.stem, record, seconds)
+
+
+def _has_field(table: Table) -> bool:
+    if "imu_mag" not in table.names:
+        return False
+    raw = table.load(("imu_mag",))["imu_mag"]
+    return raw.dtype.kind != "f" or bool(np.isfinite(raw).any())
+
+
+def _rate(name: str, rates: np.ndarray) -> float:
     if rates.size != 1:
-        raise ValueError(f"{path.name} has {rates.size} numbers as sampling_rate; give one, in Hz")
+        raise ValueError(f"{name} has {rates.size} numbers as sampling_rate; give one, in Hz")
     rate_hz = float(rates[0])
     if not 0 < rate_hz < np.inf:
-        raise ValueError(f"{path.name} has a sampling_rate of {rate_hz:g} Hz; it must be positive")
+        raise ValueError(f"{name} has a sampling_rate of {rate_hz:g} Hz; it must be positive")
+    return rate_hz
+
+
+def _checked(name: str, record: Record, seconds: float | None) -> Trial:
+    source = record.sources[0]
+    rate_hz = source.rate_hz
     count = None if seconds is None else max(round(seconds * rate_hz), 1)
-    parts = {name: found[name][:count] for name in WIDTHS if name in found}
-    moving = np.ravel(found["movement"])[:count] > 0
-    for name, part in parts.items():
-        if part.shape != (len(moving), WIDTHS[name]):
-            raise ValueError(
-                f"{name} of {path.name} has the shape {part.shape}; {len(moving)} samples of "
-                f"movement need {(len(moving), WIDTHS[name])}"
-            )
-    return _checked(path.stem, parts, moving, rate_hz, (acc_unit, gyr_unit), data)
-
-
-def _checked(
-    name: str,
-    parts: dict[str, np.ndarray],
-    moving: np.ndarray,
-    rate_hz: float,
-    units: tuple[AccUnit, GyrUnit],
-    data: bytes,
-) -> Trial:
-    acc = parts["imu_acc"] * (GRAVITY if units[0] == "g" else 1.0)
-    gyr = np.radians(parts["imu_gyr"]) if units[1] == "deg/s" else parts["imu_gyr"]
-    truth = parts["opt_quat"]
+    signals = {**record.channels, **record.truth}
+    parts = {key: signal.values[:count] for key, signal in signals.items()}
+    acc, gyr, truth, moving = parts["acc"], parts["gyr"], parts["att"], parts["moves"] > 0
     for what, values in (("imu_acc", acc), ("imu_gyr", gyr)):
-        if not np.isfinite(values).all():
-            first = int(np.argwhere(~np.isfinite(values))[0][0])
+        if np.isnan(values).any():
+            first = int(np.argwhere(np.isnan(values))[0][0])
             raise ValueError(f"{what} of {name} has no number at sample {first}; fill or cut it")
     if not moving.any():
         raise ValueError(
@@ -161,16 +167,13 @@ def _checked(
     _check_axes(name, acc[:begins], truth[:begins])
     _check_rate(name, gyr, truth, rate_hz)
     masked = np.where(moving[:, None], truth, np.nan)
-    field = parts.get("imu_mag")
-    start = None if field is None else _start(name, acc[:begins], field)
-    return Trial(name, acc, gyr, field, start, masked, rate_hz, hashlib.sha256(data).hexdigest())
+    field = parts.get("mag")
+    start = None if field is None else _start(acc[:begins], field)
+    return Trial(name, acc, gyr, field, start, masked, rate_hz, replace(source, samples=len(acc)))
 
 
-def _start(name: str, acc: np.ndarray, field: np.ndarray) -> np.ndarray | None:
+def _start(acc: np.ndarray, field: np.ndarray) -> np.ndarray | None:
     """The attitude at rest that gravity and the field point to, at the first sample with both."""
-    if np.isinf(field).any():
-        first = int(np.argwhere(np.isinf(field))[0][0])
-        raise ValueError(f"imu_mag of {name} is infinite at sample {first}; use NaN if missing")
     east = np.cross(field[: len(acc)], acc)
     known = np.flatnonzero((east**2).sum(axis=1) > 0)  # false for NaN
     if not known.size:

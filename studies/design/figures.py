@@ -7,16 +7,17 @@ import numpy as np
 from jax.scipy.linalg import expm
 
 from studies.design.designed import Designed
+from studies.design.problems import Posed
 from tuner.run.figure import Chart, Figure, Line
 from tuner.run.study import Solutions, best
 
 CURVE = 400
 
 
-def figures(designed: Designed, solutions: Solutions) -> Iterator[Figure]:
+def figures(posed: Posed, solutions: Solutions) -> Iterator[Figure]:
     """The response, and the poles."""
-    full = designed.full
-    L = designed.gain(best(designed.problem.name, solutions))
+    designed, full = posed.designed, posed.designed.full
+    L = designed.gain(posed.problem.params(best(posed.problem.name, solutions)))
     yield _response(designed, L)
     poles = full.poles(L)
     per = "" if full.discrete else ", 1/s"

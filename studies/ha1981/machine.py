@@ -1,47 +1,28 @@
 """What is written down for the machine, and how it does there in single precision."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
 from filters import (
-    AnyFilter,
     ConventionalLoop,
     GainedSample,
     GainTable,
     StoredGains,
-    channel_facts,
     loop_step,
 )
 from studies.ha1981 import scheme
 from studies.ha1981.channel import Channel, Gains
 from studies.ha1981.conventional import Loop, poles
 from tuner.export.tuned import Quantity
-from tuner.problem.exported import Exported, Trial, exported_of
+from tuner.problem.exported import Exported, Trial, Weighed, exported_of
 
 LOOP_DT = 0.1
 """How often the loop is tried, s."""
-
-
-@dataclass(frozen=True)
-class BiasOf:
-    """A filter of the channel of which only the estimated bias counts, as in the paper."""
-
-    filter: AnyFilter
-    outputs = {"A_B": channel_facts(ConventionalLoop, "states")["A_B"]}  # noqa: RUF012
-
-    def init(self, params: Any) -> Any:
-        """The filter's own start."""
-        return self.filter.init(params)
-
-    def step(self, params: Any, state: Any, inputs: Any) -> tuple[Any, Array]:
-        """Take one sample; the first of the filter's outputs alone."""
-        state, x = self.filter.step(params, state, inputs)
-        return state, x[0]
+BIAS = (1.0, 0.0, 0.0)
+"""Of the state, what both schemes are for."""
 
 
 def loop(channel: Channel) -> Exported:
@@ -73,7 +54,7 @@ def _loop_quantities(channel: Channel, params: Loop) -> tuple[Quantity, ...]:
 def _loop_runs(channel: Channel, params: Loop) -> dict[str, Trial]:
     at = np.arange(0, 5 / channel.eta, LOOP_DT)
     step = loop_step(_gains(params).loop(channel.k_gh), LOOP_DT, channel.k_gh)
-    return {"loop": Trial(BiasOf(ConventionalLoop()), step, _altitude(channel, at))}
+    return {"loop": Trial(Weighed(ConventionalLoop(), BIAS), step, _altitude(channel, at))}
 
 
 def _altitude(channel: Channel, at: np.ndarray) -> np.ndarray:
@@ -115,4 +96,4 @@ def _stored_runs(channel: Channel, storage: scheme.Storage, params: GainTable) -
     gains = params.K[storage.which]
     z = _altitude(channel, np.arange(len(gains)) * storage.Ts)
     inputs = GainedSample(jnp.asarray(z)[:, None], gains)
-    return {"stored gains": Trial(BiasOf(StoredGains()), params.model, inputs)}
+    return {"stored gains": Trial(Weighed(StoredGains(), BIAS), params.model, inputs)}

@@ -146,7 +146,8 @@ def _tradeoff(bench: Bench, ratio: float, *, published: bool = True) -> Figure:
 def _of_table_2(bench: Bench, problem: Problem) -> tuple[Line]:
     ratio = bench.sensor.table2.Q / bench.sensor.table2.R
     there = _parts(problem, np.array([bench.R * ratio]))
-    return (Line(f"Table 2: Q/R = {ratio:.4g}", *map(np.asarray, (there.noise, there.inertia))),)
+    x, y = np.asarray(there.noise), np.asarray(there.inertia)
+    return (Line(f"Table 2: Q/R = {ratio:.4g}", x, y),)
 
 
 def _parts(problem: Problem, Q: np.ndarray) -> StepCost:

@@ -102,7 +102,8 @@ def _glitch(field: Field, flight: Flight, solutions: Solutions) -> Chart:
         nis = field.tuned_outcome(flight, law, solutions).nis
         seen = ~np.isnan(nis).all(axis=1)
         t, mean = flight.t[seen], np.nanmean(nis[seen], axis=1)
-        lines.append(Line(law, *_broken(t, flight.every * flight.dt, mean)))
+        x, y = _broken(t, flight.every * flight.dt, mean)
+        lines.append(Line(law, x, y))
     at = flight.t[flight.glitch]
     if len(at):
         lines.append(Line("glitch and 5 s around", at[[0, -1]], np.ones(2)))

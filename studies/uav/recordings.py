@@ -13,7 +13,8 @@ from studies.uav.texts import table, texts
 from tuner.data.geodesy import east, north
 from tuner.data.logs import LogError
 from tuner.data.plausible import check_accelerometer, check_gyroscope
-from tuner.data.record import Floats, Record
+from tuner.data.record import Record
+from tuner.data.signal import Floats
 from tuner.data.units import convert
 
 GRAVITY = 9.8

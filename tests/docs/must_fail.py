@@ -6,7 +6,7 @@ None of these functions is ever called. See test_types.py.
 import tuner
 from filters import Channel, GyroscopeFilter, Param
 from objectives import ChannelRmse, StepResponse, Welch
-from tuner import Data, Gradient, NelderMead, Positive, Problem, Solution, Space, read_log
+from tuner import Data, Gradient, NelderMead, Positive, Problem, Solution, Space, read_record
 
 
 def names() -> None:
@@ -35,7 +35,7 @@ def arguments(problem: Problem) -> None:
     ChannelRmse("z", "nummer")  # refused: arg-type
     Param("s", "time constant")  # refused: call-arg
     Channel("m", "height", axis=("x",))  # refused: call-arg
-    read_log("rest.csv", mapping=[])  # refused: call-arg
+    read_record("rest.csv", mapping=[])  # refused: call-arg
     Data(1.0)  # refused: call-arg
     Problem("p", Space.of(), filter=None, bild=abs)  # refused: call-arg
     NelderMead(seed=0)(problem.space)  # refused: arg-type

@@ -13,13 +13,24 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").g
 WRONG = Path(__file__).with_name("must_fail.py")
 
 
-def code_alone(text):
-    """The Python blocks of a page one after another, every line at its own number."""
+FILE = re.compile(r"# (\w+)\.py\n")
+"""How a block begins that is a file, which the page's other blocks import."""
+
+
+def code_alone(text, *, file=""):
+    """The Python blocks of a page one after another, every line at its own number.
+
+    Args:
+        text: of the page.
+        file: a block that is this file, alone; without one all blocks that are none.
+    """
     kept = [""] * (text.count("\n") + 1)
     for block in re.finditer(r"```python\n(.*?)```", text, re.DOTALL):
-        first = text.count("\n", 0, block.start(1))
-        lines = block[1].splitlines()
-        kept[first : first + len(lines)] = lines
+        name = FILE.match(block[1])
+        if (name[1] if name else "") == file:
+            first = text.count("\n", 0, block.start(1))
+            lines = block[1].splitlines()
+            kept[first : first + len(lines)] = lines
     return "\n".join(kept) + "\n"
 
 
@@ -32,8 +43,14 @@ def found(tmp_path_factory):
     pages.mkdir()
     (pages / "__init__.py").touch()
     for page in PAGES:
-        text = code_alone(page.read_text(encoding="utf-8"))
-        (pages / f"{page.stem.lower()}.py").write_text(text, encoding="utf-8")
+        text = page.read_text(encoding="utf-8")
+        files = re.findall(rf"```python\n{FILE.pattern}", text)
+        imports = re.compile(rf"^from ({'|'.join(files)}) import", re.MULTILINE)
+        for file in ("", *files):
+            code = code_alone(text, file=file)
+            code = imports.sub(r"from pages.\1 import", code) if files else code
+            name = file or page.stem.lower()
+            (pages / f"{name}.py").write_text(code, encoding="utf-8")
     (pages / WRONG.name).write_text(WRONG.read_text(encoding="utf-8"), encoding="utf-8")
     words = [sys.executable, "-m", "mypy", "--hide-error-context", "--no-pretty"]
     ran = subprocess.run(
@@ -42,7 +59,7 @@ def found(tmp_path_factory):
         text=True,
         check=False,
         cwd=ROOT,
-        env=os.environ | {"MYPYPATH": str(ROOT)},
+        env=os.environ | {"MYPYPATH": f"{ROOT}{os.pathsep}{folder}"},
     )
     assert ran.returncode in {0, 1}, ran.stdout + ran.stderr
     return ran.stdout.splitlines()

@@ -47,6 +47,7 @@ from filters import (
     ImuSample,
     KalmanCovariance,
     KownackiNoise,
+    Lanes,
     LevelSample,
     LinearKalman,
     LinearModel,
@@ -449,6 +450,7 @@ CASES = [
         _POINT,
         _TWO,
     ),
+    Case("records, shared", Lanes(GyroscopeFilter(0.1), 2), _noise, _POINT, _TWO),
     Case(
         "varying sample times",
         Timed(GyroscopeFilter(0.1)),

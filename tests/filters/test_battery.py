@@ -177,7 +177,7 @@ def test_typical_values_make_what_the_filter_takes(case):
     own = jax.tree.map(jnp.asarray, case.build(case.point))
     params = jax.tree.map(lambda typical, leaf: jnp.broadcast_to(typical, leaf.shape), params, own)
     inputs = case.inputs(case.measured)
-    state, outputs = quickly(run, static_argnums=0)(case.filter, params, inputs)
+    state, outputs = compiled(case.filter, params, inputs)
     assert jax.tree.structure(state) == jax.tree.structure(run_case(case)[0])
     for part in ("inputs", "states"):
         assert channel_facts(case.filter, part)

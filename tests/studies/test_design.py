@@ -232,6 +232,31 @@ def test_what_nothing_drives_is_named_and_left_alone(tmp_path):
     assert rows["minimum_variance.every_mode_driven"]["verdict"] == "claim fails"
     assert "constant mode along bias" in rows["minimum_variance.every_mode_driven"]["note"]
     assert found["P"][0].tolist() == [0.0, 0.0, 0.0]
+    (check,) = result["single_precision"]
+    assert (check["form"], check["warning"]) == ("fixed gain", "")
+    assert 0 < check["share"] < 1e-3
+
+
+def test_a_continuous_observer_is_not_tried_in_single_precision(noisy):
+    assert noisy["single_precision"] == []
+
+
+def test_a_measured_unstable_model_is_tried_as_far_as_numbers_go(tmp_path):
+    """It grows by 1e12 in 12 samples of 100: the observer follows it, within float32's digits."""
+    growing = {"A": [[10.0]], "C": [[1.0]], "Q": [[1.0]], "R": [[1.0]], "error": "x1", "dt": 0.1}
+    (check,) = ran(tmp_path, **growing)["single_precision"]
+    assert 0 < check["share"] < 1e-5
+    assert check["sample"] < 20
+
+
+def test_a_claim_alone(tmp_path):
+    path = written(tmp_path / "design.toml", **NOISY)
+    name = "minimum_variance.matrix_inequality"
+    assert invoke(["run", str(path), "--claim", name, "--out", str(tmp_path / "run")]) == 0
+    alone = json.loads((tmp_path / "run/result.json").read_bytes())
+    assert [row["quantity"] for row in alone["comparisons"]] == [name]
+    assert alone["comparisons"][0]["verdict"] == "claim holds"
+    assert alone["exports"] == alone["tuned"] == []
 
 
 def without(name):

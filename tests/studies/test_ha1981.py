@@ -127,7 +127,6 @@ def test_the_estimated_bias_survives_single_precision(ran):
     loop, stored = ran[1]["single_precision"]
     assert (loop["form"], stored["form"]) == ("loop", "stored gains")
     for check in (loop, stored):
-        assert check["output"] == "A_B"
         # float32 resolves 1e-7 of an altitude that grows to 1e4 ft; a loop of 0.1 s keeps 1e-3
         assert 0 < check["share"] < 2e-3
         assert check["warning"] == ""

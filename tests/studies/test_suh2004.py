@@ -216,7 +216,7 @@ def test_held_out_error_is_the_textbooks():
     judged_on = recordings(SHORT, 1, 1000)
     acceleration, rate = (np.asarray(leaf)[:, 0] for leaf in judged_on.inputs)
     assert HEURISTIC.items() <= oracle.DEFAULTS.items()
-    found = oracle.run(acceleration, rate, "two-step")
+    found = oracle.run(acceleration, rate * TO_PAPER, "two-step")
     error = np.stack([found["theta"], found["phi"]], axis=1) - np.asarray(judged_on.truth)[:, 0]
     by_hand = np.degrees(np.sqrt((error**2).sum(axis=1).mean()))
     # 400 samples' rounding

@@ -12,7 +12,7 @@ import tuner.problem.problem
 from filters import Channel, GyroscopeFilter, Param, run
 from objectives import Data
 from tests.tuner.helpers import Solved, problem, toy_plan, trench
-from tuner.certificate.solution import Parameter
+from tuner.certificate.solution import TunedParameter
 from tuner.data.source import Source
 from tuner.problem.exported import Exported, Trial, exported_of
 from tuner.problem.parameters import Fixed, Positive
@@ -327,4 +327,4 @@ def test_edited_parameters_are_the_ones_that_count():
 
 
 def tuned(value):
-    return Parameter(np.array(value), "1", None)
+    return TunedParameter(np.array(value), "1", None)

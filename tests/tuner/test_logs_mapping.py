@@ -2,8 +2,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tuner.data.logs import LogError, Mapping, parse_mapping
+from tests.tuner.recordings import refusal
 from tuner.data.logs.error import FEW, suggest
+from tuner.data.logs.mapping import Mapped, Mapping, parse_maps
 
 CHANNELS = ("omega", "theta", "acc_x")
 
@@ -26,7 +27,8 @@ CHANNELS = ("omega", "theta", "acc_x")
     ],
 )
 def test_mapping_is_read(text, expected):
-    assert parse_mapping(text, CHANNELS) == expected
+    ((part,),) = (mapped.parts for mapped in parse_maps(text, CHANNELS))
+    assert part == expected
 
 
 @pytest.mark.parametrize(
@@ -45,18 +47,14 @@ def test_mapping_is_read(text, expected):
     ],
 )
 def test_bad_mapping_is_refused_in_one_line(text, parts):
-    with pytest.raises(LogError) as caught:
-        parse_mapping(text, CHANNELS)
-    sentence = str(caught.value)
-    assert "\n" not in sentence
+    sentence = refusal(text, CHANNELS, reader=parse_maps)
     for part in parts:
         assert part in sentence
 
 
 def test_among_many_channels_the_near_ones_are_named():
     many = [f"state_{i}" for i in range(30)] + ["Omega_x"]
-    with pytest.raises(LogError, match="near names are 'Omega_x'"):
-        parse_mapping("omega_y=gx", many)
+    assert "near names are 'Omega_x'" in refusal("omega_y=gx", many, reader=parse_maps)
 
 
 def test_suggestions_never_list_a_crowd():
@@ -65,7 +63,7 @@ def test_suggestions_never_list_a_crowd():
 
 
 names = st.text(
-    st.characters(codec="ascii", exclude_characters="[]*:=", min_codepoint=33), min_size=1
+    st.characters(codec="ascii", exclude_characters="[]*:=,", min_codepoint=33), min_size=1
 ).filter(lambda name: not name.startswith("-"))
 factors = st.one_of(
     st.none(),
@@ -76,14 +74,17 @@ factors = st.one_of(
 
 @settings(max_examples=200, deadline=None)
 @given(
-    column=names,
-    index=st.none() | st.integers(0, 99),
-    factor=factors,
+    columns=st.lists(
+        st.tuples(names, st.none() | st.integers(0, 99), factors, st.booleans()),
+        min_size=1,
+        max_size=3,
+    ),
     unit=st.none() | names,
-    minus=st.booleans(),
     blank=st.sampled_from(["", " "]),
 )
-def test_what_is_written_is_read_back(column, index, factor, unit, minus, blank):
-    mapping = Mapping("theta", column, index, factor, unit, minus)
-    suffix = "" if unit is None else f"{blank}:{blank}{unit}"
-    assert parse_mapping(f"theta{blank}={blank}{mapping.source}{suffix}", CHANNELS) == mapping
+def test_what_is_written_is_read_back(columns, unit, blank):
+    parts = tuple(Mapping("theta", *column, unit, minus) for *column, minus in columns)
+    written = f"{blank},{blank}".join(part.source for part in parts)
+    written += "" if unit is None else f"{blank}:{blank}{unit}"
+    mapped = Mapped("theta", parts, written)
+    assert parse_maps(f"theta{blank}={blank}{written}", CHANNELS) == (mapped,)

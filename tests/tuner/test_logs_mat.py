@@ -3,23 +3,17 @@ import sys
 import numpy as np
 import pytest
 
-from tuner.data.logs import LogError, parse_mapping, read_log
+from tests.tuner.recordings import refusal, values
+from tuner.data.reading import read_record
 
-CHANNELS = ("omega", "theta")
 N = 40
 NOISE = np.random.default_rng(2).normal(size=(N, 3))
 
 
-def read(path, *maps, **options):
-    return read_log(path, [parse_mapping(text, CHANNELS) for text in maps], **options)
-
-
-def refusal(path, *maps, **options):
-    with pytest.raises(LogError) as caught:
-        read(path, *maps, **options)
-    assert "\n" not in str(caught.value)
-    assert str(caught.value).startswith("log.mat: ")
-    return str(caught.value)
+def refused(path, text):
+    sentence = refusal(path, [text])
+    assert sentence.startswith("log.mat: ")
+    return sentence
 
 
 CONTENT = {
@@ -68,6 +62,7 @@ def save(request):
 @pytest.mark.parametrize(
     ("column", "expected"),
     [
+        ("gyr", NOISE),
         ("gyr[2]", NOISE[:, 2]),
         ("row", NOISE[:, 0]),
         ("column", NOISE[:, 1]),
@@ -77,63 +72,62 @@ def save(request):
     ],
 )
 def test_both_versions_agree(tmp_path, save, column, expected):
-    log = read(save(tmp_path, CONTENT), f"omega={column}")
-    np.testing.assert_array_equal(log.channels["omega"], expected)
-    assert log.channels["omega"].flags.c_contiguous
-    assert log.rate_hz == 50.0
-    assert log.findings.rate_source == "scalar 'fs'"
+    record = read_record(save(tmp_path, CONTENT), [f"omega={column}"])
+    omega = record.channels["omega"]
+    np.testing.assert_array_equal(omega.values, expected)
+    assert omega.values.flags.c_contiguous
+    assert (omega.clock.source, record.sources[0].rate_hz) == ("scalar 'fs'", 50.0)
 
 
 @pytest.mark.parametrize(
     ("column", "parts"),
     [
-        ("gyr", ["shape (40, 3)", "gyr[0] to gyr[2]"]),
+        ("gyr,row", ["shape (40, 3)", "gyr[0] to gyr[2]"]),
         ("nothing", ["0 rows"]),
         ("imu", ["no column 'imu'", "'imu.acc'"]),
         ("fs", ["single number"]),
     ],
 )
 def test_bad_columns(tmp_path, save, column, parts):
-    sentence = refusal(save(tmp_path, CONTENT), f"omega={column}")
+    sentence = refused(save(tmp_path, CONTENT), f"omega={column}")
     for part in parts:
         assert part in sentence
 
 
 def test_time_inside_a_struct(tmp_path, save):
     content = {"imu": {"gyr": NOISE, "t_ms": 10.0 * np.arange(N)[:, None]}, "t": np.ones((1, 3))}
-    log = read(save(tmp_path, content), "omega=imu.gyr[0]")
-    assert log.findings.time_column == "imu.t_ms"
-    assert log.rate_hz == pytest.approx(100)
+    omega = read_record(save(tmp_path, content), ["omega=imu.gyr[0]"]).channels["omega"]
+    assert omega.clock.source == "column 'imu.t_ms'"
+    assert omega.rate_hz == pytest.approx(100)
 
 
 def test_damaged_files(tmp_path, save):
     path = save(tmp_path, CONTENT)
     path.write_bytes(path.read_bytes()[:900])
-    assert "the MAT file is damaged" in refusal(path, "omega=gyr[0]")
+    assert "the MAT file is damaged" in refused(path, "omega=gyr[0]")
 
 
 def test_files_without_arrays(tmp_path):
     from scipy.io import savemat
 
     savemat(tmp_path / "log.mat", {})
-    assert "no arrays" in refusal(tmp_path / "log.mat", "omega=gyr[0]")
+    assert "no arrays" in refused(tmp_path / "log.mat", "omega=gyr[0]")
 
 
 def test_text_in_version_5(tmp_path):
-    assert "holds text" in refusal(save5(tmp_path, CONTENT), "omega=note")
+    assert "holds text" in refused(save5(tmp_path, CONTENT), "omega=note")
 
 
 def test_without_h5py_the_extra_is_named(tmp_path, monkeypatch):
     path = save73(tmp_path, CONTENT)
     monkeypatch.setitem(sys.modules, "h5py", None)
-    assert "pip install 'filter-tuner[mat73]'" in refusal(path, "omega=gyr[0]")
+    assert "pip install 'filter-tuner[mat73]'" in refused(path, "omega=gyr[0]")
 
 
 def test_plain_hdf5_and_numbers_as_text(tmp_path):
     h5py = pytest.importorskip("h5py")
     with h5py.File(tmp_path / "log.mat", "w") as file:
         file["x.y"] = NOISE[:, 0]
-    assert read(tmp_path / "log.mat", "omega=x.y", rate_hz=1).findings.samples == N
+    np.testing.assert_array_equal(values(tmp_path / "log.mat", "omega=x.y", rate_hz=1), NOISE[:, 0])
     np.savetxt(tmp_path / "log.mat", NOISE)  # as MATLAB's save -ascii does
-    log = read(tmp_path / "log.mat", "omega=3", rate_hz=1)
-    np.testing.assert_array_equal(log.channels["omega"], NOISE[:, 2])
+    np.testing.assert_array_equal(values(tmp_path / "log.mat", "omega=3", rate_hz=1), NOISE[:, 2])

@@ -1,34 +1,38 @@
 import numpy as np
 import pytest
 
-from tuner.data.logs import LogError, parse_mapping, read_log
+from tests.tuner.recordings import refusal
 from tuner.data.logs.timename import UNITS, is_time, unit_of
+from tuner.data.reading import read_record
 
 N = 400
 NOISE = np.random.default_rng(3).normal(size=N)
 
 
-def read(folder, time=None, rate_hz=None, limit=None, samples=N, **arrays):
-    path = folder / "log.npz"
-    np.savez(path, x=NOISE[:samples], **arrays)
-    mapping = parse_mapping("omega=x", ["omega"])
-    return read_log(path, [mapping], rate_hz=rate_hz, time=time, limit=limit)
+def read(folder, time=None, rate_hz=None, samples=N, **arrays):
+    """The clock of a log."""
+    np.savez(folder / "log.npz", x=NOISE[:samples], **arrays)
+    return clock_of(folder / "log.npz", time=time, rate_hz=rate_hz)
 
 
-def printed(folder, times, decimals):
-    """A text log whose times are rounded to so many decimals."""
+def clock_of(path, **options):
+    record = read_record(path, ["omega=x:rad/s"], **options)
+    clock = record.channels["omega"].clock
+    assert record.sources[0].rate_hz == record.channels["omega"].rate_hz == clock.rate_hz
+    assert record.sources[0].samples == len(clock.seconds)
+    assert record.notes == clock.notes
+    return clock
+
+
+def printed(folder, times, decimals=None):
+    """The clock of a text log whose times are rounded to so many decimals."""
     path = folder / "log.csv"
-    lines = (f"{t:.{decimals}f},{x}\n" for t, x in zip(times, NOISE, strict=False))
-    path.write_text("t,x\n" + "".join(lines))
-    return read_log(path, [parse_mapping("omega=x", ["omega"])])
-
-
-def refusal(*args, **options):
-    with pytest.raises(LogError) as caught:
-        read(*args, **options)
-    assert "\n" not in str(caught.value)
-    assert str(caught.value).startswith("log.npz: ")
-    return str(caught.value)
+    texts = times if decimals is None else [f"{t:.{decimals}f}" for t in times]
+    lines = (f"{t},{x}\n" for t, x in zip(texts, NOISE, strict=False))
+    path.write_text(
+        "t_ns,x\n" * (decimals is None) + "t,x\n" * (decimals is not None) + "".join(lines)
+    )
+    return clock_of(path)
 
 
 @pytest.mark.parametrize(
@@ -76,21 +80,20 @@ def test_unit_at_the_end_of_any_name():
 @pytest.mark.parametrize("start", [0, 1_700_000_000])
 def test_units_are_scaled_to_seconds(tmp_path, name, scale, start):
     exact = start * int(scale) + np.arange(N) * int(scale) // 200
-    log = read(tmp_path, **{name: exact if scale > 1 else start + np.arange(N) / 200})
-    assert log.rate_hz == pytest.approx(200, rel=1e-6)
-    assert log.findings.duration_s == pytest.approx((N - 1) / 200, rel=1e-6)
-    assert log.findings.rate_source == f"time column {name!r}"
-    assert log.findings.gaps == ()
-    assert log.findings.jitter < 1e-4
+    clock = read(tmp_path, **{name: exact if scale > 1 else start + np.arange(N) / 200})
+    assert clock.rate_hz == pytest.approx(200, rel=1e-6)
+    assert clock.step == pytest.approx(1 / 200, rel=1e-6)
+    assert clock.seconds[0] == 0.0
+    assert clock.seconds[-1] == pytest.approx((N - 1) / 200, rel=1e-6)
+    assert clock.source == f"column {name!r}"
+    assert clock.gaps == ()
+    assert clock.jitter < 1e-4
 
 
 def test_nanoseconds_since_1970_in_text_are_even_but_for_their_rounding(tmp_path):
-    path = tmp_path / "log.csv"
-    lines = (f"{1_700_000_000_000_000_000 + 5_000_000 * i},{x}\n" for i, x in enumerate(NOISE))
-    path.write_text("t_ns,x\n" + "".join(lines))
-    log = read_log(path, [parse_mapping("omega=x", ["omega"])])
-    assert log.findings.jitter == 0.0
-    assert log.rate_hz == pytest.approx(200, rel=1e-6)
+    clock = printed(tmp_path, 1_700_000_000_000_000_000 + 5_000_000 * np.arange(N))
+    assert clock.jitter == 0.0
+    assert clock.rate_hz == pytest.approx(200, rel=1e-6)
 
 
 def test_nanoseconds_since_1970_keep_their_digits(tmp_path):
@@ -104,9 +107,9 @@ def test_nanoseconds_since_1970_keep_their_digits(tmp_path):
 def test_named_time_column(tmp_path, time):
     ticks = 5.0 * np.arange(N)
     arrays = {"clock": ticks, "clock_ms": ticks, "both": np.column_stack([NOISE, ticks])}
-    log = read(tmp_path, time, milli=np.float64(1e-3), **arrays)
-    assert log.rate_hz == pytest.approx(200)
-    assert log.findings.time_column == time.split(":")[0].split("*")[0].split("[")[0]
+    clock = read(tmp_path, time, milli=np.float64(1e-3), **arrays)
+    assert clock.rate_hz == pytest.approx(200)
+    assert clock.source == f"column {time.split(':')[0].split('*')[0].split('[')[0]!r}"
 
 
 def test_bursts_are_spread_since_the_time_before(tmp_path):
@@ -114,30 +117,30 @@ def test_bursts_are_spread_since_the_time_before(tmp_path):
     burst = times.copy()
     burst[10:13] = times[12]
     burst[200:202] = times[201]
-    findings = read(tmp_path, t=burst).findings
-    assert findings.notes == ("time 't': 3 repeated times spread over their time",)
-    assert (findings.gaps, findings.rate_hz) == ((), pytest.approx(100))
-    assert findings.jitter < 1e-6
+    clock = read(tmp_path, t=burst)
+    assert clock.notes == ("time 't': 3 repeated times spread over their time",)
+    assert (clock.gaps, clock.rate_hz) == ((), pytest.approx(100))
+    assert clock.jitter < 1e-6
 
 
 def test_a_clock_of_coarse_ticks_is_spread(tmp_path):
-    findings = read(tmp_path, t=np.floor(np.arange(N) / 7.3) / 10).findings
-    assert findings.rate_hz == pytest.approx(73, rel=0.05)  # ticks of 7 and 8 samples
-    assert (findings.gaps, findings.jitter < 0.2) == ((), True)
+    clock = read(tmp_path, t=np.floor(np.arange(N) / 7.3) / 10)
+    assert clock.rate_hz == pytest.approx(73, rel=0.05)  # ticks of 7 and 8 samples
+    assert (clock.gaps, clock.jitter < 0.2) == ((), True)
 
 
 def test_a_rate_overrules_a_clock_that_stands_still(tmp_path):
-    findings = read(tmp_path, rate_hz=100.0, t=np.floor(np.arange(N) / 7)).findings
-    assert (findings.rate_hz, findings.rate_source, findings.time_column) == (100, "--rate", None)
-    assert "342" in findings.notes[0]  # 400 samples of 58 times
+    clock = read(tmp_path, rate_hz=100.0, t=np.floor(np.arange(N) / 7))
+    assert (clock.rate_hz, clock.source, clock.origin) == (100, "--rate", None)
+    assert "342" in clock.notes[0]  # 400 samples of 58 times
 
 
 @pytest.mark.parametrize(("unit", "scale"), [("s", 1), ("ms", 10**3), ("us", 10**6), ("ns", 10**9)])
 def test_times_since_1970_tell_their_unit(tmp_path, unit, scale):
     ticks = 1_700_000_000 * scale + np.arange(N) * (2 * scale)
-    findings = read(tmp_path, t=ticks).findings
-    assert findings.rate_hz == pytest.approx(0.5)
-    assert findings.notes == (f"time 't': taken as {unit} since 1970",)
+    clock = read(tmp_path, t=ticks)
+    assert clock.rate_hz == pytest.approx(0.5)
+    assert clock.notes == (f"time 't': taken as {unit} since 1970",)
 
 
 @pytest.mark.parametrize(("name", "scale"), [("millis", 1e3), ("micros", 1e6)])
@@ -146,41 +149,38 @@ def test_names_of_arduino_clocks(tmp_path, name, scale):
 
 
 def test_single_precision_times_are_widened(tmp_path):
-    findings = read(tmp_path, t=STEADY.astype(np.float32)).findings
-    assert (findings.rate_hz, findings.jitter) == (pytest.approx(100, rel=1e-6), 0.0)
+    clock = read(tmp_path, t=STEADY.astype(np.float32))
+    assert (clock.rate_hz, clock.jitter) == (pytest.approx(100, rel=1e-6), 0.0)
 
 
 def test_steps_in_turn_are_uneven_and_no_gaps(tmp_path):
     times = np.cumsum(np.resize([0.005, 0.015], N))
-    findings = read(tmp_path, t=times).findings
-    assert findings.gaps == ()
-    assert findings.rate_hz == pytest.approx(100, rel=1e-2)
-    assert findings.jitter == pytest.approx(0.5, rel=1e-2)
+    clock = read(tmp_path, t=times)
+    assert clock.gaps == ()
+    assert clock.rate_hz == pytest.approx(100, rel=1e-2)
+    assert clock.jitter == pytest.approx(0.5, rel=1e-2)
 
 
 def test_a_rate_that_agrees_is_kept(tmp_path):
-    log = read(tmp_path, rate_hz=100.5, t=np.arange(N) / 100)
-    assert (log.rate_hz, log.findings.rate_source) == (100.5, "--rate")
-    assert log.findings.time_column == "t"
+    clock = read(tmp_path, rate_hz=100.5, t=np.arange(N) / 100)
+    assert (clock.rate_hz, clock.step) == (100.5, 1 / 100.5)
+    assert clock.source == "column 't' and --rate"
+    np.testing.assert_allclose(clock.seconds, np.arange(N) / 100, atol=1e-12)
 
 
 @pytest.mark.parametrize(
     "array", [np.array(["noon"] * N), np.arange(N + 1), np.float64(3), np.ones((N, 2)), NOISE * 1j]
 )
 def test_what_cannot_be_time_is_passed_over(tmp_path, array):
-    path = tmp_path / "log.npz"
-    np.savez(path, x=NOISE, time=array, t=np.arange(N) / 50)
-    log = read_log(path, [parse_mapping("omega=x", ["omega"])])
-    assert log.findings.time_column == "t"
+    np.savez(tmp_path / "log.npz", x=NOISE, time=array, t=np.arange(N) / 50)
+    assert clock_of(tmp_path / "log.npz").source == "column 't'"
 
 
 def test_a_text_column_called_time_is_passed_over(tmp_path):
     path = tmp_path / "log.csv"
     path.write_text("time,x\n12:00:00,1\n12:00:01,2\n")
-    mappings = [parse_mapping("omega=x", ["omega"])]
-    assert read_log(path, mappings, rate_hz=1).findings.time_column is None
-    with pytest.raises(LogError, match="neither a time column nor a rate"):
-        read_log(path, mappings)
+    assert clock_of(path, rate_hz=1).origin is None
+    assert "neither a time column nor a rate" in refusal(path, ["omega=x"])
 
 
 STEADY = np.arange(N) / 100
@@ -216,55 +216,48 @@ STEADY = np.arange(N) / 100
     ids=lambda value: "; ".join(value) if isinstance(value, list) else "",
 )
 def test_bad_timing_is_refused(tmp_path, options, arrays, parts):
-    sentence = refusal(tmp_path, **options, **arrays)
+    sentence = refusal(tmp_path, **options, **arrays, reader=read)
+    assert sentence.startswith("log.npz: ")
     for part in parts:
         assert part in sentence
 
 
 def test_gaps_are_found_not_refused(tmp_path):
     kept = np.delete(np.arange(N), [10, 200, 201, 202])
-    findings = read(tmp_path, samples=N - 4, t=kept / 100).findings
-    assert [row for row, _ in findings.gaps] == [9, 198]
-    np.testing.assert_allclose([seconds for _, seconds in findings.gaps], [0.02, 0.04])
-    assert findings.rate_hz == pytest.approx(100)
-    assert findings.jitter == 0.0
-    assert findings.samples == N - 4
+    clock = read(tmp_path, samples=N - 4, t=kept / 100)
+    assert [row for row, _ in clock.gaps] == [9, 198]
+    np.testing.assert_allclose([seconds for _, seconds in clock.gaps], [0.02, 0.04])
+    assert clock.rate_hz == pytest.approx(100)
+    assert clock.jitter == 0.0
+    np.testing.assert_allclose(clock.seconds, kept / 100, atol=1e-12)
 
 
 def test_jitter_is_the_largest_deviation_from_the_median(tmp_path):
     steps = np.full(N - 1, 0.01)
     steps[[5, 50]] = 0.0125, 0.0078
     times = np.r_[0.0, np.cumsum(steps)] + 1e-7 * NOISE[0]
-    findings = read(tmp_path, t=times).findings
-    assert findings.jitter == pytest.approx(0.25, rel=1e-6)
-    assert findings.rate_hz == pytest.approx(100)
-    assert findings.gaps == ()
+    clock = read(tmp_path, t=times)
+    assert clock.jitter == pytest.approx(0.25, rel=1e-6)
+    assert clock.rate_hz == pytest.approx(100)
+    assert clock.gaps == ()
 
 
 @pytest.mark.parametrize("rate", [100.0, 128.0, 2000 / 7, 333.3, 700.0, 960.0])
 def test_rounded_times_count_as_even(tmp_path, rate):
-    findings = printed(tmp_path, np.arange(N) / rate, 3).findings
-    assert findings.jitter == 0.0
-    assert findings.gaps == ()
-    assert findings.rate_hz == pytest.approx(rate, rel=5e-3)
+    clock = printed(tmp_path, np.arange(N) / rate, 3)
+    assert clock.jitter == 0.0
+    assert clock.gaps == ()
+    assert clock.rate_hz == pytest.approx(rate, rel=5e-3)
 
 
 def test_samples_lost_by_a_clock_without_spare_digits(tmp_path):
     kept = np.delete(np.arange(N), np.random.default_rng(4).choice(np.arange(1, N - 1), 30, False))
-    findings = printed(tmp_path, kept / 100, 2).findings
-    assert len(findings.gaps) > 20
-    assert findings.rate_hz == pytest.approx(100)
-
-
-def test_a_limit_cuts_the_time_too(tmp_path):
-    findings = read(tmp_path, limit=50, t=np.r_[STEADY[:100], STEADY[100:] + 5]).findings
-    assert findings.gaps == ()
-    assert findings.duration_s == pytest.approx(0.49)
-    assert read(tmp_path, limit=50, fs=np.float64(10)).findings.duration_s == pytest.approx(4.9)
+    clock = printed(tmp_path, kept / 100, 2)
+    assert len(clock.gaps) > 20
+    assert clock.rate_hz == pytest.approx(100)
 
 
 def test_a_text_log_tells_the_line(tmp_path):
     path = tmp_path / "log.csv"
     path.write_text("# two\n# lines\nt,x\n0,1\n0.1,2\n\n0.05,3\n")
-    with pytest.raises(LogError, match="runs backwards by 0.05 s at line 7"):
-        read_log(path, [parse_mapping("omega=x", ["omega"])])
+    assert "runs backwards by 0.05 s at line 7" in refusal(path, ["omega=x"])

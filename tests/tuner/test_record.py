@@ -2,6 +2,7 @@ import csv
 import doctest
 import hashlib
 import importlib
+import pkgutil
 import subprocess
 import sys
 from pathlib import Path
@@ -12,12 +13,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tuner.data.logs import LogError
+import tuner.data
+from tests.tuner.recordings import refusal
 from tuner.data.reading import read_record, read_records
 from tuner.data.record import Record
 
 CASES = Path(__file__).parents[2].parent / "shared" / "cases"
 cases = pytest.mark.skipif(not CASES.is_dir(), reason="no public cases beside the repository")
+MODULES = [info.name for info in pkgutil.walk_packages(tuner.data.__path__, "tuner.data.")]
 N = 60
 RNG = np.random.default_rng(11)
 GYR = RNG.normal(size=(N, 3))
@@ -54,13 +57,6 @@ def saved(folder, name="log.npz", **arrays):
     return folder / name
 
 
-def refusal(*arguments, reader=read_record, **options):
-    with pytest.raises(LogError) as caught:
-        reader(*arguments, **options)
-    assert "\n" not in str(caught.value)
-    return str(caught.value)
-
-
 @pytest.mark.parametrize("text", ["gyr=gx,gy,gz:deg/s", "gyr=1,2,3:deg/s", "gyr=gx*1,gy,gz:°/s"])
 def test_vectors_of_columns_come_in_si(tmp_path, text):
     path = written(tmp_path, gx=GYR[:, 0], gy=GYR[:, 1], gz=GYR[:, 2])
@@ -81,6 +77,8 @@ def test_arrays_are_taken_whole_and_axes_may_be_turned(tmp_path):
     assert record.notes == ()
     assert record.sources[0].sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
     assert (record.sources[0].samples, record.sources[0].rate_hz) == (N, 20.0)
+    sentence = refusal(path, ["x=gyro:m"], inputs=INPUTS)
+    assert "x is one number a sample, and 'gyro' is 3 columns" in sentence
 
 
 def test_a_name_to_the_letter_goes_before_its_parts(tmp_path):
@@ -98,7 +96,7 @@ def test_what_is_missing_is_nan(tmp_path):
     record = read_record(written(tmp_path, t=np.arange(5) / 10, z=z), ["z=z"], inputs=INPUTS)
     np.testing.assert_array_equal(record.channels["z"].values, [1.5, *[np.nan] * 3, 2.5])
     assert record.channels["z"].rate_hz == pytest.approx(2.5)  # two samples 0.4 s apart
-    assert record.describe()[2].split()[4] == "3"
+    assert record.describe()[3].split()[4] == "3"
 
 
 def test_what_was_taken_for_granted_is_said(tmp_path):
@@ -123,6 +121,7 @@ def test_what_was_taken_for_granted_is_said(tmp_path):
     [
         (["gyr=gx,gy,gz:m/s^2"], ["'gx'", "m/s^2", "rad/s is needed"]),
         (["gyr=gx,gy,gz:def/s"], ["unknown unit 'def/s'", "deg/s"]),
+        (["gyr=gx:rad/s"], ["gyr has 3 axes (x, y, z)", "1 column;"]),
         (["gyr=gx,gy:deg/s"], ["gyr has 3 axes (x, y, z)", "2 columns", "gyr=COLUMN,COLUMN,"]),
         (["x=gx,gy:m"], ["x is one number a sample", "2 columns"]),
         (["gyr=gx,gy,hz:deg/s"], ["no column 'hz'", "'gz'"]),
@@ -213,23 +212,10 @@ def test_one_recording_may_lack_a_channel_and_short_ones_are_left_out(tmp_path):
     )
 
 
-def test_description_of_a_record(tmp_path):
-    times = np.delete(np.arange(N + 5) / 10, np.s_[20:25])
-    path = written(tmp_path, t=times, gx=GYR[:, 0], gy=GYR[:, 1], gz=[0.5] * N)
-    lines = read_record(path, ["gyr=gx,gy,gz"], inputs=INPUTS).describe()
-    assert lines[0] == "log.csv: 60 samples at 10 Hz"
-    assert lines[1] == "time of gyr: even, 1 gap (rows count from 0), longest 0.6 s"
-    assert lines[3].split()[:5] == ["gyr.x", "gx", "rad/s", "10", "0"]
-    assert lines[6:] == [
-        "gyr.z: constant, 0.5 in every sample",
-        "gyr: no unit given, taken as rad/s",
-    ]
-
-
 def test_lengths_of_one_file_need_clocks_of_their_own(tmp_path):
     arrays = {"a": GYR, "b": GYR[::2, 0], "t": np.arange(N) / 10}
     sentence = refusal(saved(tmp_path, **arrays), ["gyr=a", "x=b:m"], inputs=INPUTS, rate_hz=10)
-    assert "30 rows where 'a' has 60" in sentence
+    assert "'b' (mapped to x) has 30 rows where 'a' has 60" in sentence
     path = saved(tmp_path, **arrays, t_ms=np.arange(N // 2) * 200.0)
     record = read_record(path, ["gyr=a", "x=b:m"], inputs=INPUTS)
     np.testing.assert_allclose(record.channels["x"].times, np.arange(N // 2) / 5, atol=1e-12)
@@ -280,22 +266,9 @@ def test_bad_arrays_are_refused(channels, options, part):
     assert part in refusal(channels, reader=Record.of, **options)
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "units",
-        "record",
-        "reading",
-        "merge",
-        "splitting",
-        "geodesy",
-        "plausible",
-        "frames",
-        "channels",
-    ],
-)
+@pytest.mark.parametrize("name", MODULES)
 def test_examples_in_docstrings(name):
-    assert doctest.testmod(importlib.import_module(f"tuner.data.{name}")).failed == 0
+    assert doctest.testmod(importlib.import_module(name)).failed == 0
 
 
 def test_reading_is_light():

@@ -10,7 +10,7 @@ import pytest
 from pydantic import ValidationError
 
 from tests.tuner.helpers import bowl, hollow, problem
-from tuner.certificate.solution import Certificate, Parameter, Solution, Starts, Status
+from tuner.certificate.solution import Certificate, Solution, Starts, Status, TunedParameter
 from tuner.run.comparison import Comparison, Verdict
 from tuner.run.result import (
     ComparisonRecord,
@@ -31,9 +31,9 @@ SOLUTION = Solution(
     value=1 / 3,
     z=np.array([0.1, -2e-300]),
     parameters={
-        "R": Parameter(np.array(1e-6), "(rad/s)^2", (1e-7, 1e-5)),
-        "P0": Parameter(np.array([[1.0, 0.5], [0.5, 2.0]]), "", None),
-        "v": Parameter(np.array([1.0, 2.0]), "", None),
+        "R": TunedParameter(np.array(1e-6), "(rad/s)^2", (1e-7, 1e-5)),
+        "P0": TunedParameter(np.array([[1.0, 0.5], [0.5, 2.0]]), "", None),
+        "v": TunedParameter(np.array([1.0, 2.0]), "", None),
     },
     derived={"q_over_r": 1027.47},
     evaluations=12,

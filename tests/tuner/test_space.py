@@ -317,32 +317,6 @@ def test_values_outside_a_constraint(values, sentence):
 # The helper that checks covariances.
 
 
-def test_semi_definite_matrices_are_allowed_unless_definite_ones_are_asked_for():
-    for matrix in (np.zeros((2, 2)), np.ones((2, 2)), np.outer([1e-3, 1e3], [1e-3, 1e3])):
-        np.testing.assert_array_equal(covariance(matrix), matrix)
-        with pytest.raises(ValueError, match="must be positive definite, but has the eigenvalue"):
-            covariance(matrix, definite=True)
-    np.testing.assert_array_equal(covariance([[2, 1], [1, 2]], definite=True), [[2, 1], [1, 2]])
-    assert covariance([[2, 1], [1, 2]]).dtype == np.float64
-
-
-@given(seeds(), st.integers(2, 5), st.integers(-12, 12))
-def test_rounding_of_a_rank_one_matrix_is_no_negative_eigenvalue(rng, n, exponent):
-    vector = rng.normal(size=n)
-    covariance(10.0**exponent * np.outer(vector, vector))
-
-
-def test_the_copy_that_is_returned_is_its_own():
-    given = np.eye(2)
-    covariance(given)[0, 0] = 5.0
-    assert given[0, 0] == 1.0
-
-
-def test_an_empty_matrix_is_refused():
-    with pytest.raises(ValueError, match="must be a square matrix"):
-        covariance(np.zeros((0, 0)))
-
-
 # Spaces of filters.
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tuner.certificate.kkt import NEAR, Held
-from tuner.certificate.solution import Certificate, Parameter, Starts
+from tuner.certificate.solution import Certificate, Starts, TunedParameter
 from tuner.problem.problem import Problem
 
 TENFOLD = math.log(10)
@@ -130,7 +130,7 @@ def flat_in_words(labels: list[str], direction: np.ndarray) -> str:
     return f"{sentence}: only {second}{'/' if power > 0 else '*'}{name} is determined"
 
 
-def estimates(problem: Problem, z: np.ndarray, curved: Spectrum) -> dict[str, Parameter]:
+def estimates(problem: Problem, z: np.ndarray, curved: Spectrum) -> dict[str, TunedParameter]:
     """The parameters at z ``(n,)`` with their units and 1 % intervals."""
     values = problem.parameters(z)
     spread = _spread(curved)
@@ -141,7 +141,7 @@ def estimates(problem: Problem, z: np.ndarray, curved: Spectrum) -> dict[str, Pa
             reach = np.where(np.arange(len(z)) == at, spread, 0.0)
             low, high = problem.parameters(z - reach)[name], problem.parameters(z + reach)[name]
             interval = float(low), float(high)
-        found[name] = Parameter(values[name], parameter.unit, interval)
+        found[name] = TunedParameter(values[name], parameter.unit, interval)
         at += parameter.size
     return found
 

@@ -42,7 +42,7 @@ _SENTENCES = {
 
 
 @dataclass(frozen=True)
-class Parameter:
+class TunedParameter:
     """One tuned parameter.
 
     Attributes:
@@ -123,7 +123,7 @@ class Solution:
     message: str
     value: float
     z: np.ndarray
-    parameters: dict[str, Parameter]
+    parameters: dict[str, TunedParameter]
     derived: dict[str, float]
     evaluations: int
     seconds: float

@@ -19,6 +19,31 @@ app = typer.Typer(
 
 Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout.")]
 Force = Annotated[bool, typer.Option(help="Replace files that are there already.")]
+Maps = Annotated[
+    list[str] | None,
+    typer.Option(metavar="NAME=COLUMN", help="Channel: column[,column...][*factor][:unit]."),
+]
+Truths = Annotated[
+    list[str] | None,
+    typer.Option(metavar="NAME=COLUMN", help="What an output should have been."),
+]
+Rate = Annotated[float | None, typer.Option(metavar="HZ", help="Sample rate of the log.")]
+Time = Annotated[str | None, typer.Option(metavar="COLUMN", help="Time column.")]
+By = Annotated[
+    str | None, typer.Option(metavar="COLUMN", help="Tells the recordings of a file apart.")
+]
+Out = Annotated[Path | None, typer.Option(help="Folder for the results.")]
+Seed = Annotated[
+    int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all random numbers; 0.")
+]
+Storage = Annotated[
+    str | None, typer.Option(metavar="URL", help="Database for samplers; SQLite in the folder.")
+]
+Jobs = Annotated[
+    int | None, typer.Option(min=1, help="Problems solved at once; one per processor.")
+]
+Resume = Annotated[bool, typer.Option(help="Go on with an interrupted run in --out.")]
+DryRun = Annotated[bool, typer.Option(help="Say what would be done, and stop.")]
 
 
 @app.command("list")
@@ -44,14 +69,9 @@ def run(
         str, typer.Argument(help="A study's name, or a study.toml of an earlier run.")
     ],
     log: Annotated[list[Path] | None, typer.Option(help="Sensor log: CSV, NPZ or MAT.")] = None,
-    map: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME=COLUMN", help="Channel: column[index][*factor][:unit]."),
-    ] = None,
-    rate: Annotated[
-        float | None, typer.Option(metavar="HZ", help="Sample rate of the log.")
-    ] = None,
-    time: Annotated[str | None, typer.Option(metavar="COLUMN", help="Time column.")] = None,
+    map: Maps = None,
+    rate: Rate = None,
+    time: Time = None,
     set: Annotated[
         list[str] | None, typer.Option(metavar="KEY=VALUE", help="A setting of the study.")
     ] = None,
@@ -59,18 +79,12 @@ def run(
         list[str] | None,
         typer.Option(metavar="NAME", help="Try this row of the comparison alone; * for any."),
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for the results.")] = None,
-    seed: Annotated[
-        int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all random numbers; 0.")
-    ] = None,
-    storage: Annotated[
-        str | None, typer.Option(metavar="URL", help="Database for samplers; SQLite in the folder.")
-    ] = None,
-    jobs: Annotated[
-        int | None, typer.Option(min=1, help="Problems solved at once; one per processor.")
-    ] = None,
-    resume: Annotated[bool, typer.Option(help="Go on with an interrupted run in --out.")] = False,
-    dry_run: Annotated[bool, typer.Option(help="Say what would be done, and stop.")] = False,
+    out: Out = None,
+    seed: Seed = None,
+    storage: Storage = None,
+    jobs: Jobs = None,
+    resume: Resume = False,
+    dry_run: DryRun = False,
     force: Force = False,
     json: Json = False,
 ) -> None:
@@ -102,19 +116,11 @@ def run(
 def fit(
     logs: Annotated[list[Path], typer.Argument(help="Recordings: CSV, NPZ or MAT.")],
     filter: Annotated[str, typer.Option(help="Of tuner list filters.")],
-    map: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME=COLUMN", help="Channel: column[,column...][*factor][:unit]."),
-    ] = None,
-    truth: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME=COLUMN", help="What an output should have been."),
-    ] = None,
-    rate: Annotated[float | None, typer.Option(metavar="HZ", help="Sample rate.")] = None,
-    time: Annotated[str | None, typer.Option(metavar="COLUMN", help="Time column.")] = None,
-    by: Annotated[
-        str | None, typer.Option(metavar="COLUMN", help="Tells the recordings of a file apart.")
-    ] = None,
+    map: Maps = None,
+    truth: Truths = None,
+    rate: Rate = None,
+    time: Time = None,
+    by: By = None,
     start: Annotated[
         list[str] | None, typer.Option(metavar="NAME=VALUE", help="Where the search begins.")
     ] = None,
@@ -133,18 +139,12 @@ def fit(
     solver: Annotated[str, typer.Option(help="Of tuner list solvers.")] = "l-bfgs-b",
     starts: Annotated[int, typer.Option(min=1, help="Starts of the search.")] = 4,
     hold_out: Annotated[bool, typer.Option(help="Judge on what a second fit left out.")] = True,
-    out: Annotated[Path | None, typer.Option(help="Folder for the results.")] = None,
-    seed: Annotated[
-        int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all random numbers; 0.")
-    ] = None,
-    storage: Annotated[
-        str | None, typer.Option(metavar="URL", help="Database for samplers; SQLite in the folder.")
-    ] = None,
-    jobs: Annotated[
-        int | None, typer.Option(min=1, help="Problems solved at once; one per processor.")
-    ] = None,
-    resume: Annotated[bool, typer.Option(help="Go on with an interrupted run in --out.")] = False,
-    dry_run: Annotated[bool, typer.Option(help="Say what would be done, and stop.")] = False,
+    out: Out = None,
+    seed: Seed = None,
+    storage: Storage = None,
+    jobs: Jobs = None,
+    resume: Resume = False,
+    dry_run: DryRun = False,
     force: Force = False,
     json: Json = False,
 ) -> None:

@@ -43,7 +43,7 @@ def building() -> Iterator[None]:
 
 
 @dataclass(frozen=True)
-class Run:
+class Descent:
     """What the solver came to.
 
     Attributes:
@@ -165,7 +165,7 @@ def compiled(problem: "cp.Problem") -> Compiled:
         return Compiled(*problem.get_problem_data(cp.CLARABEL, solver_opts=options))
 
 
-def descend(problem: "cp.Problem") -> Run:
+def descend(problem: "cp.Problem") -> Descent:
     """The first run that gets to its tolerance, or the last; with the iterations of all."""
     program = compiled(problem)
     iterations = 0
@@ -180,7 +180,7 @@ def descend(problem: "cp.Problem") -> Run:
     if _has_point(ended) and np.isfinite(raw.x).all():
         bound = dual_bound(program.data, raw.x, raw.z, raw.s)
         proved = None if bound is None else float(solution.opt_val - raw.obj_val + bound)
-    return Run(ended, tolerance, solution, proved, iterations)
+    return Descent(ended, tolerance, solution, proved, iterations)
 
 
 def _ended(program: Compiled, raw: Found, tolerance: float) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from tuner.certificate.solution import Status
 from tuner.convex.answer import Answer
-from tuner.convex.clarabel import Run
+from tuner.convex.clarabel import Descent
 
 if TYPE_CHECKING:
     import cvxpy as cp
@@ -43,7 +43,7 @@ class Readable(Protocol):
         ...
 
 
-def read(program: Readable, run: Run, begun: float) -> Answer:
+def read(program: Readable, run: Descent, begun: float) -> Answer:
     """The answer that a run amounts to, checked by the constraints themselves.
 
     Args:
@@ -115,7 +115,7 @@ def _multipliers(program: Readable, duals: dict[str, np.ndarray], value: float) 
     return found
 
 
-def _message(name: str, run: Run, status: Status, gap: float, violation: float) -> str:
+def _message(name: str, run: Descent, status: Status, gap: float, violation: float) -> str:
     looser = f", at a tolerance of {run.tolerance:g} only" if run.looser else ""
     reached = f"gap {gap:.1e}, largest violation {violation:.1e}"
     match status:

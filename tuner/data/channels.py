@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from tuner.data.geodesy import east, height, north
+from tuner.data.logs.clock import Clock
 from tuner.data.logs.error import LogError, counted
 from tuner.data.logs.mapping import Mapping as Column
 from tuner.data.logs.table import Floats, Raw
-from tuner.data.logs.timing import Timing, find_timing
+from tuner.data.logs.timing import find_clock
 from tuner.data.logs.values import Columns, pick, pick_whole, rounded, to_float
 from tuner.data.units import Unit, change
 from tuner.data.wanted import Wanted
@@ -27,14 +28,14 @@ class Reading:
         wanted: what was asked for.
         values: ``(N,)`` or ``(N, k)``, in ``unit``; NaN where nothing was measured.
         unit: SI.
-        timing: when it was measured.
+        clock: when it was measured.
         notes: what was taken for granted.
     """
 
     wanted: Wanted
     values: Floats
     unit: str
-    timing: Timing
+    clock: Clock
     notes: tuple[str, ...]
 
 
@@ -47,14 +48,14 @@ def read_channels(
         LogError: for columns, units or times that cannot be used, in one sentence.
     """
     picked = [_picked(columns, one) for one in wanted]
-    timings = _timings(columns, wanted, picked, time, rate_hz)
+    clocks = _clocks(columns, wanted, picked, time, rate_hz)
     zero = _first_fix(columns, wanted)
     found = []
     for one, raw in zip(wanted, picked, strict=True):
         values, unit, notes = _in_si(columns, one, raw, zero)
         notes = (*(rounded(column) for column in raw[:1]), *notes)
         told = tuple(f"{one.mapped.channel}: {note}" for note in notes if note)
-        found.append(Reading(one, values, unit, timings[len(raw[0])], told))
+        found.append(Reading(one, values, unit, clocks[len(raw[0])], told))
     return found
 
 
@@ -85,17 +86,17 @@ def _picked(columns: Columns, one: Wanted) -> list[Raw]:
     return raw
 
 
-def _timings(
+def _clocks(
     columns: Columns,
     wanted: Sequence[Wanted],
     picked: list[list[Raw]],
     time: Column | None,
     rate_hz: float | None,
-) -> dict[int, Timing]:
+) -> dict[int, Clock]:
     """When the samples were taken, by their number: each length has a clock of its own."""
     lengths = dict.fromkeys(len(raw[0]) for raw in picked)
-    found = {n: find_timing(columns, time, rate_hz, n, None) for n in lengths}
-    if len(found) > 1 and any(timing.column is None for timing in found.values()):
+    found = {n: find_clock(columns, time, rate_hz, n) for n in lengths}
+    if len(found) > 1 and any(clock.origin is None for clock in found.values()):
         first, other = list(found)[:2]
         name = next(w for w, raw in zip(wanted, picked, strict=True) if len(raw[0]) == other)
         raise columns.error(

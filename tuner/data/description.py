@@ -1,48 +1,79 @@
 """A record as lines for a terminal."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from tuner.data.findings import find
+from tuner.data.logs.clock import Clock
 from tuner.data.logs.error import counted
-from tuner.data.logs.findings import find_values
-from tuner.data.logs.report import aligned, evenness, gaps_told
-from tuner.data.record import Record, Signal
+from tuner.data.signal import Floats, Signal
+from tuner.data.source import Source
 
+_GAPS_TOLD = 5
 _HEADER = ("channel", "column", "unit", "Hz", "missing", "mean", "std", "min", "max", "step")
 _TRUTH = "truth "
 _AXES = {2: "xy", 3: "xyz", 4: "wxyz"}
 
 
-def describe_record(record: Record) -> list[str]:
-    """What a record holds: files, clocks, each channel in SI, and what was taken for granted."""
+def described(
+    sources: Sequence[Source], channels: Mapping[str, Signal], truth: Mapping[str, Signal]
+) -> list[str]:
+    """What a record holds: files, clocks, and each channel in SI with what there is to say of it.
+
+    >>> z = Signal(np.array([1.0, 3.0]), np.array([0.0, 0.5]), "m", "height")
+    >>> print("\\n".join(described([Source("log.csv", "", 2, 2.0)], {"z": z}, {})))
+    log.csv: 2 samples at 2 Hz
+    channel  column  unit  Hz  missing  mean  std  min  max  step
+    z        height  m      2        0     2    1    1    3     2
+    """
+    signals = {**channels, **{_TRUTH + name: signal for name, signal in truth.items()}}
     rows: list[tuple[str, ...]] = [_HEADER]
     notes: list[str] = []
-    for prefix, signals in (("", record.channels), (_TRUTH, record.truth)):
-        for name, signal in signals.items():
-            for row, note in _rows(prefix + name, signal):
-                rows.append(row)
-                notes += [note] if note else []
-    files = [
-        f"{s.name}: {counted(s.samples, 'sample')} at {s.rate_hz:.6g} Hz" for s in record.sources
-    ]
-    return [*files, *_clocks(record), *aligned(rows), *notes, *record.notes]
+    for name, signal in signals.items():
+        for row, note in _rows(name, signal):
+            rows.append(row)
+            notes += [note] if note else []
+    files = [f"{s.name}: {counted(s.samples, 'sample')} at {s.rate_hz:.6g} Hz" for s in sources]
+    return [*files, *_clocks(signals), *_aligned(rows), *notes]
 
 
-def _clocks(record: Record) -> list[str]:
-    """One line for each clock that is not even, with the first channel that has it."""
-    seen: dict[int, str] = {}
-    for name, signal in (*record.channels.items(), *record.truth.items()):
+def _clocks(signals: Mapping[str, Signal]) -> list[str]:
+    """What there is to say of each clock, with the first channel that has it."""
+    first: dict[int, tuple[str, Signal, Clock]] = {}
+    for name, signal in signals.items():
         clock = signal.running
-        if not clock.even and id(clock) not in seen:
-            kept = evenness(clock.jitter) if clock.steady else _spread(signal)
-            seen[id(clock)] = f"time of {name}: {kept}, {gaps_told(clock.gaps)}"
-    return list(seen.values())
+        first.setdefault(id(clock if signal.clock else signal), (name, signal, clock))
+    return [line for name, signal, clock in first.values() for line in _clock(name, signal, clock)]
+
+
+def _clock(name: str, signal: Signal, clock: Clock) -> Iterator[str]:
+    """How a clock runs, and where its first gaps are."""
+    told = [clock.source] if clock.source else []
+    if clock.origin is not None or not clock.even:
+        told += [_evenness(clock.jitter) if clock.steady else _spread(signal), _told(clock.gaps)]
+    if told:
+        yield f"time of {name}: {', '.join(told)}"
+    yield from (f"  {seconds:.4g} s after row {row}" for row, seconds in clock.gaps[:_GAPS_TOLD])
+    if len(clock.gaps) > _GAPS_TOLD:
+        yield f"  and {len(clock.gaps) - _GAPS_TOLD} more"
+
+
+def _evenness(jitter: float) -> str:
+    return "even" if jitter < 1e-6 else f"jitter up to {100 * jitter:.2g} % of a step"
 
 
 def _spread(signal: Signal) -> str:
     low, high = np.quantile(np.diff(signal.times), [0.05, 0.95])
     return f"uneven, steps of {low:.3g} to {high:.3g} s"
+
+
+def _told(gaps: Sequence[tuple[int, float]]) -> str:
+    """How many gaps a clock has, and the longest."""
+    if not gaps:
+        return "no gaps"
+    longest = max(seconds for _, seconds in gaps)
+    return f"{counted(len(gaps), 'gap')} (rows count from 0), longest {longest:.4g} s"
 
 
 def _rows(name: str, signal: Signal) -> Iterator[tuple[tuple[str, ...], str]]:
@@ -57,12 +88,10 @@ def _rows(name: str, signal: Signal) -> Iterator[tuple[tuple[str, ...], str]]:
         yield _row(label, source, signal, columns[:, axis])
 
 
-def _row(
-    label: str, source: str, signal: Signal, values: np.ndarray
-) -> tuple[tuple[str, ...], str]:
+def _row(label: str, source: str, signal: Signal, values: Floats) -> tuple[tuple[str, ...], str]:
     if np.isnan(values).all():
         return (label, source, signal.unit or "-", "0", str(len(values)), *("-",) * 5), ""
-    found = find_values(label, source, signal.unit, values)
+    found = find(values)
     mean, low, high = (f"{x:.6g}" for x in (found.mean, found.minimum, found.maximum))
     step = "-" if found.resolution is None else f"{found.resolution:.4g}"
     rest = (f"{signal.rate_hz:.4g}", str(found.missing), mean, f"{found.std:.4g}", low, high, step)
@@ -73,3 +102,14 @@ def _row(
             "the sensor may have been saturated"
         )
     return (label, source, signal.unit or "-", *rest), note
+
+
+def _aligned(rows: Sequence[tuple[str, ...]]) -> list[str]:
+    """Columns of equal width: three of words to the left, numbers to the right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = []
+    for row in rows:
+        words = [cell.ljust(width) for cell, width in zip(row[:3], widths[:3], strict=True)]
+        numbers = [cell.rjust(width) for cell, width in zip(row[3:], widths[3:], strict=True)]
+        lines.append("  ".join(words + numbers))
+    return lines

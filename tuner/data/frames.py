@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tuner.data.record import Floats
+from tuner.data.signal import Floats
 
 _FITS = 0.05  # of 1 - cos of the angle to the vertical, in the mean: 18 deg of accelerations
 _BETTER = 1.5

@@ -7,7 +7,8 @@ import numpy as np
 
 from tuner.data.logs.clock import Clock
 from tuner.data.logs.error import LogError, counted, quoted
-from tuner.data.record import Floats, Record, Signal
+from tuner.data.record import Record
+from tuner.data.signal import Floats, Signal
 
 _FASTER = 2.0
 _NEAR_S = 0.1
@@ -217,7 +218,7 @@ def _told(count: int, placed: int, far: int) -> str:
 
 
 def _rate(clock: Clock) -> float | None:
-    return 1.0 / clock.step if clock.even else None
+    return clock.rate_hz if clock.even else None
 
 
 def _steps(instants: Floats, rate: float | None) -> Floats:

@@ -8,7 +8,7 @@ import numpy as np
 from tuner.data.frames import frame_of
 from tuner.data.logs.error import LogError
 from tuner.data.merge import Timeline
-from tuner.data.record import Floats
+from tuner.data.signal import Floats
 
 if TYPE_CHECKING:
     from filters.declared import Channel

@@ -1,5 +1,7 @@
 """From files and mappings to records."""
 
+import hashlib
+import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -13,14 +15,14 @@ import numpy as np
 from tuner.data.channels import Reading, read_channels
 from tuner.data.logs.error import LogError, counted, quoted
 from tuner.data.logs.formats import open_table
-from tuner.data.logs.log import check_rate, sha256_of
 from tuner.data.logs.mapping import Mapping as Column
 from tuner.data.logs.mapping import parse_column
 from tuner.data.logs.table import Table
 from tuner.data.logs.timename import is_time
 from tuner.data.logs.timing import timing_names
 from tuner.data.logs.values import Columns, load_columns
-from tuner.data.record import Record, Signal
+from tuner.data.record import Record
+from tuner.data.signal import Signal
 from tuner.data.source import Source
 from tuner.data.splitting import labels_of, split
 from tuner.data.wanted import Declared, Wanted, all_of, asked, shared_out
@@ -122,7 +124,7 @@ def read_records(
     if not files:
         raise LogError("no file is named; give at least one")
     if rate_hz is not None:
-        check_rate(rate_hz)
+        _check_rate(rate_hz)
     names = [path.name for path in files]
     maps = asked(mappings, inputs, names, truth=False) + asked(truth, outputs, names, truth=True)
     tables = [open_table(path) for path in files]
@@ -141,6 +143,11 @@ def read_records(
     if by is None:
         return tuple(_merged([file], timed) for file in alone)
     return tuple(record for file in alone for record in _parted(file, timed, by))
+
+
+def _check_rate(rate_hz: float) -> None:
+    if not (math.isfinite(rate_hz) and rate_hz > 0):
+        raise LogError(f"--rate is {rate_hz:g} Hz; it must be positive and finite")
 
 
 def _files(
@@ -210,7 +217,7 @@ def _parted(file: _File, timed: _Timed, by: str) -> list[Record]:
 def _record(name: str, found: Sequence[tuple[_File, list[Reading]]]) -> Record:
     """Channels with their times since the first of them."""
     readings = [reading for _, those in found for reading in those]
-    origins = [r.timing.clock.origin for r in readings if r.timing.clock.origin is not None]
+    origins = [r.clock.origin for r in readings if r.clock.origin is not None]
     start = min(origins, default=Fraction(0))
     channels: dict[str, Signal] = {}
     truth: dict[str, Signal] = {}
@@ -222,17 +229,19 @@ def _record(name: str, found: Sequence[tuple[_File, list[Reading]]]) -> Record:
 
 
 def _signal(reading: Reading, start: Fraction) -> Signal:
-    clock = reading.timing.clock
+    clock = reading.clock
     later = 0.0 if clock.origin is None else float(clock.origin - start)
     values, times = reading.values, clock.seconds + later
     values.flags.writeable = times.flags.writeable = False
-    return Signal(values, times, reading.unit, reading.wanted.mapped.source, clock)
+    source = ",".join(part.source for part in reading.wanted.parts)
+    return Signal(values, times, reading.unit, source, clock)
 
 
 def _source(file: _File, readings: Sequence[Reading]) -> Source:
-    longest = max((reading.timing for reading in readings), key=lambda t: len(t.clock.seconds))
-    samples = len(longest.clock.seconds)
-    return Source(file.path.name, sha256_of(file.path), samples, longest.rate_hz)
+    longest = max((reading.clock for reading in readings), key=lambda clock: len(clock.seconds))
+    with file.path.open("rb") as stream:
+        sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
+    return Source(file.path.name, sha256, len(longest.seconds), longest.rate_hz)
 
 
 def _check_present(found: Sequence[tuple[_File, list[Reading]]]) -> None:
@@ -258,7 +267,7 @@ def _notes(found: Sequence[tuple[_File, list[Reading]]]) -> tuple[str, ...]:
     notes: list[str] = []
     for file, readings in found:
         prefix = f"{file.path.name}: " if len(found) > 1 else ""
-        clocks = {id(r.timing): r.timing.clock for r in readings}
+        clocks = {id(r.clock): r.clock for r in readings}
         notes += [prefix + note for clock in clocks.values() for note in clock.notes]
         notes += [note for reading in readings for note in reading.notes]
         if len(found) > 1 and any(clock.origin is None for clock in clocks.values()):

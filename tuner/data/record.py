@@ -6,56 +6,19 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from tuner.data.description import described
 from tuner.data.logs.clock import Clock, judged
 from tuner.data.logs.error import LogError, quoted, suggest
+from tuner.data.signal import Floats, Signal
 from tuner.data.source import Source
 from tuner.data.units import change
 
 if TYPE_CHECKING:
     from filters.declared import Channel
 
-Floats = NDArray[np.float64]
 Times: TypeAlias = ArrayLike | Mapping[str, ArrayLike] | None
-
-
-@dataclass(frozen=True, eq=False)
-class Signal:
-    """The samples of one channel.
-
-    Attributes:
-        values: in ``unit``, ``(N,)`` or ``(N, k)``, float64; NaN is a missing sample.
-        times: since the record's start, s, ``(N,)``, rising.
-        unit: in SI.
-        source: the columns that it was read from.
-        clock: how the times run; None where nothing but the times is known.
-    """
-
-    values: Floats
-    times: Floats
-    unit: str
-    source: str
-    clock: Clock | None = None
-
-    @property
-    def running(self) -> Clock:
-        """How the times run."""
-        return self.clock or judged(self.times)
-
-    @property
-    def present(self) -> NDArray[np.bool_]:
-        """Which samples hold a number, ``(N,)``."""
-        filled: NDArray[np.bool_] = ~np.isnan(self.values)
-        return filled if filled.ndim == 1 else np.asarray(filled.any(axis=1))
-
-    @property
-    def rate_hz(self) -> float:
-        """Samples that hold a number, per second; 0 where there is one alone."""
-        times = self.times[self.present]
-        if len(times) == len(self.times):
-            return 1.0 / self.running.step
-        return float((len(times) - 1) / np.ptp(times)) if len(times) > 1 else 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,9 +99,7 @@ class Record:
 
     def describe(self) -> list[str]:
         """What the record holds, in lines for a terminal."""
-        from tuner.data.description import describe_record
-
-        return describe_record(self)
+        return [*described(self.sources, self.channels, self.truth), *self.notes]
 
     def __repr__(self) -> str:
         def told(signals: Mapping[str, Signal]) -> str:

@@ -5,7 +5,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NamedTuple
 
+import jax.numpy as jnp
 import numpy as np
+from jax import Array
 
 from filters import AnyFilter
 from filters.declared import bare, channel_facts, in_unit, parameter_facts, values_of
@@ -31,6 +33,28 @@ class Trial(NamedTuple):
     filter: AnyFilter
     params: Any
     inputs: Any
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """A filter of whose estimate, a vector, one weighted sum counts.
+
+    Attributes:
+        filter: the filter.
+        weights: of the estimate's entries.
+    """
+
+    filter: AnyFilter
+    weights: tuple[float, ...]
+
+    def init(self, params: Any) -> Any:
+        """The filter's own start."""
+        return self.filter.init(params)
+
+    def step(self, params: Any, state: Any, inputs: Any) -> tuple[Any, Array]:
+        """Take one sample; the sum, ``()``."""
+        state, x = self.filter.step(params, state, inputs)
+        return state, jnp.asarray(self.weights, x.dtype) @ x
 
 
 @dataclass(frozen=True)

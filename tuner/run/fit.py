@@ -14,6 +14,7 @@ from tuner.data.merge import stacked, timeline
 from tuner.data.plausible import implausible
 from tuner.data.record import Record
 from tuner.data.source import Source
+from tuner.problem.problem import Problem
 from tuner.problem.surface import values
 from tuner.run.fit_figures import figures
 from tuner.run.judged import Judged, filter_name, first_part, judge
@@ -159,8 +160,10 @@ def plan_fit(posed: Posed, request: Request) -> Plan:
     solver = make_solver(
         request.solver, seed=request.seed, starts=request.starts, storage=request.storage
     )
-    posed = replace(posed, problem=screened(posed, request))
     part = first_part(posed) if request.hold_out else None
+    if part is not None:  # by itself: its starts know nothing of what is held out
+        part = screened(part, request)
+    posed = replace(posed, problem=screened(posed.problem, request))
     tasks = [Task(posed.problem, solver)]
     tasks += [] if part is None else [Task(part, _quick(solver))]
     return Plan(
@@ -191,9 +194,8 @@ def concluded(posed: Posed, solutions: Solutions) -> Fit:
     return Fit(posed, solution, judge(posed, solution, part))
 
 
-def screened(posed: Posed, request: Request) -> Any:
+def screened(problem: Problem, request: Request) -> Problem:
     """The problem with known starts: the best of random points of its box, those that count."""
-    problem = posed.problem
     if request.starts < 2 or not problem.space.size:
         return problem
     points = problem.space.starts(1 + SCREENED, request.seed)[1:]

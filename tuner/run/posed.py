@@ -19,6 +19,8 @@ from tuner.problem.exported import exported_of
 from tuner.problem.problem import Problem
 from tuner.run.searched import Wishes, own_unit, space_of
 
+HEADING = frozenset(("mag", "gps", "gps_vel"))
+"""Inputs that show a heading; without one an attitude is judged by its inclination."""
 NO_TRUTH = ("likelihood", "prediction")
 """Objectives that need no truth."""
 
@@ -211,8 +213,8 @@ def _needs(name: str, objective: str, outputs: Mapping[str, Channel]) -> None:
 def _by_what_there_is(name: str, cls: type[Any], truth: Channel | None, timeline: Timeline) -> str:
     """With a truth its error; without one the likelihood of the innovations, or their size."""
     if truth is not None:
-        free_heading = truth.kind == "attitude" and "mag" in channel_facts(cls, "inputs")
-        return "inclination" if free_heading and "mag" not in timeline.channels else "rmse"
+        blind = truth.kind == "attitude" and not HEADING & timeline.channels.keys()
+        return "inclination" if blind else "rmse"
     return "prediction" if "variance" not in channel_facts(cls, "outputs") else "likelihood"
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from tuner.certificate.solution import Certificate, Parameter, Solution, Starts, Status
+from tuner.certificate.solution import Certificate, Solution, Starts, Status, TunedParameter
 from tuner.run.comparison import Comparison, Verdict
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ class _Record(BaseModel):
 
 
 class ParameterRecord(_Record):
-    """A tuned parameter; see :class:`tuner.certificate.solution.Parameter`."""
+    """A tuned parameter; see :class:`tuner.certificate.solution.TunedParameter`."""
 
     value: float | list[float] | list[list[float]]
     unit: str
@@ -76,7 +76,7 @@ class SolutionRecord(_Record):
             value=_infinite(self.value),
             z=np.array(self.z),
             parameters={
-                name: Parameter(np.array(p.value), p.unit, p.interval)
+                name: TunedParameter(np.array(p.value), p.unit, p.interval)
                 for name, p in self.parameters.items()
             },
             derived=_infinite(self.derived),

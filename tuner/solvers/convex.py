@@ -6,7 +6,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from tuner.certificate.solution import Certificate, Parameter, Solution, Starts
+from tuner.certificate.solution import Certificate, Solution, Starts, TunedParameter
 from tuner.convex import Answer, Report
 from tuner.names import unknown
 
@@ -85,7 +85,7 @@ class Convex:
             value=answer.value,
             z=np.empty(0),
             parameters={
-                name: Parameter(value, task.units.get(name, ""), None)
+                name: TunedParameter(value, task.units.get(name, ""), None)
                 for name, value in answer.variables.items()
             },
             derived=reported,

@@ -1,6 +1,6 @@
 """A time column: its seconds, its usual step, its gaps and its jitter."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
@@ -28,26 +28,25 @@ class Clock:
     Attributes:
         seconds: since the first sample, ``(N,)``, rising.
         step: seconds between two samples as a rule; their mean where there is no rule.
+        rate_hz: samples per second, the same the other way round.
         gaps: ``(row, seconds)`` of each step above 1.5 times the median; the row before it.
         jitter: largest relative deviation of the other steps from the usual one; 0 where the
             digits of the column explain it.
         steady: whether there is a usual step: four fifths of all are within a tenth of it.
         origin: the first sample's time as the column has it, s; None without a column.
+        source: ``column 't'``, ``--rate`` or ``scalar 'fs'``; ``""`` for times that no file has.
         notes: what was taken for granted.
     """
 
     seconds: Floats
     step: float
+    rate_hz: float
     gaps: tuple[tuple[int, float], ...] = ()
     jitter: float = 0.0
     steady: bool = True
     origin: Fraction | None = None
+    source: str = ""
     notes: tuple[str, ...] = ()
-
-    @property
-    def duration_s(self) -> float:
-        """Seconds from the first sample to the last."""
-        return float(self.seconds[-1] - self.seconds[0])
 
     @property
     def even(self) -> bool:
@@ -55,9 +54,12 @@ class Clock:
         return self.steady and not self.gaps and self.jitter <= _GAP - 1.0
 
     @classmethod
-    def rated(cls, samples: int, rate_hz: float, notes: tuple[str, ...] = ()) -> "Clock":
+    def rated(
+        cls, samples: int, rate_hz: float, source: str = "", notes: tuple[str, ...] = ()
+    ) -> "Clock":
         """A clock that only its rate tells."""
-        return cls(np.arange(samples) / rate_hz, 1.0 / rate_hz, notes=notes)
+        seconds, step = np.arange(samples) / rate_hz, 1.0 / rate_hz
+        return cls(seconds, step, float(rate_hz), source=source, notes=notes)
 
 
 def read_clock(columns: Columns, mapping: Mapping, column: Raw) -> Clock:
@@ -83,22 +85,20 @@ def read_clock(columns: Columns, mapping: Mapping, column: Raw) -> Clock:
     first = Fraction(column[0].item()) * scale
     spread = f"{counted(repeated, 'repeated time')} spread over their time" * bool(repeated)
     notes = tuple(f"time {mapping.column!r}: {told}" for told in (note, spread) if told)
-    return judged(seconds, resolution, first + Fraction(float(seconds[0])), notes)
+    return replace(
+        judged(seconds, resolution),
+        origin=first + Fraction(float(seconds[0])),
+        source=f"column {mapping.column!r}",
+        notes=notes,
+    )
 
 
-def judged(
-    seconds: Floats,
-    resolution: float = 0.0,
-    origin: Fraction | None = None,
-    notes: tuple[str, ...] = (),
-) -> Clock:
+def judged(seconds: Floats, resolution: float = 0.0) -> Clock:
     """The clock of rising times.
 
     Args:
         seconds: the times, ``(N,)`` with N of at least 2.
         resolution: the step of the digits they were written with.
-        origin: the first one as it was written, s.
-        notes: what was taken for granted before.
     """
     steps = np.diff(seconds)
     resolution = resolution + 4.0 * float(np.spacing(np.abs(seconds).max()))
@@ -116,7 +116,7 @@ def judged(
     jitter = 0.0 if rounded else float(np.abs(regular - step).max()) / step
     rows = np.flatnonzero(gap)
     gaps = tuple(zip(rows.tolist(), steps[rows].tolist(), strict=True))
-    return Clock(seconds - seconds[0], step, gaps, jitter, steady, origin, notes)
+    return Clock(seconds - seconds[0], step, 1.0 / step, gaps, jitter, steady)
 
 
 def _scale(columns: Columns, mapping: Mapping, column: Raw) -> tuple[Fraction, bool, str]:

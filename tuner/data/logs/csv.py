@@ -16,15 +16,12 @@ from tuner.data.logs.table import Floats, Raw, Table
 _BLOCK = 8192
 
 
-def open_csv(path: Path, limit: int | None = None) -> Table:
+def open_csv(path: Path) -> Table:
     """Open a text log with or without a header.
 
     The delimiter (tab, semicolon, comma or blanks) is found from the first lines; lines that
     start with ``#`` or ``%`` are comments. Nameless columns are called column1, column2, ...
-
-    Args:
-        path: the file; compressed where its bytes say so.
-        limit: how many rows to read at most.
+    It is compressed where its bytes say so.
 
     Raises:
         LogError: where the file is damaged, is no text or holds no numbers; loading raises it
@@ -36,9 +33,9 @@ def open_csv(path: Path, limit: int | None = None) -> Table:
     def load(names: Sequence[str]) -> dict[str, Raw]:
         with _damage_told(path):
             columns = [layout.names.index(name) for name in names]
-            values = _fast(layout, columns, limit)
+            values = _fast(layout, columns)
             if values is None:
-                values = _careful(layout, columns, limit)
+                values = _careful(layout, columns)
             return dict(zip(names, values, strict=True))
 
     def place(row: int) -> str:
@@ -46,7 +43,7 @@ def open_csv(path: Path, limit: int | None = None) -> Table:
 
     def labels(name: str) -> Raw:
         with _damage_told(path):
-            return _words(layout, layout.names.index(name), limit)
+            return _words(layout, layout.names.index(name))
 
     return Table(path.name, layout.names, load, place, True, layout.texts, labels)
 
@@ -62,7 +59,7 @@ def _damage_told(path: Path) -> Iterator[None]:
         ) from error
 
 
-def _fast(layout: Layout, columns: list[int], limit: int | None) -> list[Floats] | None:
+def _fast(layout: Layout, columns: list[int]) -> list[Floats] | None:
     """The columns by numpy's reader; None where it cannot take the file as a whole."""
     if layout.texts or layout.comma:
         return None
@@ -75,7 +72,6 @@ def _fast(layout: Layout, columns: list[int], limit: int | None) -> list[Floats]
                 comments=None,
                 quotechar='"',
                 ndmin=2,
-                max_rows=limit,
             )
         except ValueError:
             return None
@@ -84,12 +80,12 @@ def _fast(layout: Layout, columns: list[int], limit: int | None) -> list[Floats]
     return [np.ascontiguousarray(table[:, column]) for column in columns]
 
 
-def _careful(layout: Layout, columns: list[int], limit: int | None) -> list[Floats]:
+def _careful(layout: Layout, columns: list[int]) -> list[Floats]:
     """The columns cell by cell: slower, but able to skip text columns and to say what is wrong."""
     parts: list[list[Floats]] = [[] for _ in columns]
     with open_text(layout.path) as stream:
         lines = islice(filter(is_content, stream), layout.above, None)
-        rows = islice(split(lines, layout.delimiter), limit)
+        rows = split(lines, layout.delimiter)
         start = 0
         while block := list(islice(rows, _BLOCK)):
             _check_widths(layout, start, block)
@@ -99,11 +95,11 @@ def _careful(layout: Layout, columns: list[int], limit: int | None) -> list[Floa
     return [np.concatenate(part) for part in parts]
 
 
-def _words(layout: Layout, column: int, limit: int | None) -> Raw:
+def _words(layout: Layout, column: int) -> Raw:
     """One column as it is written."""
     with open_text(layout.path) as stream:
         lines = islice(filter(is_content, stream), layout.above, None)
-        rows = islice(split(lines, layout.delimiter), limit)
+        rows = split(lines, layout.delimiter)
         return np.array([row[column].strip() for row in rows if len(row) > column])
 
 

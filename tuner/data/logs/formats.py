@@ -16,12 +16,8 @@ _NPY = b"\x93NUMPY"
 _PICKLE = (b"\x80\x02", b"\x80\x03", b"\x80\x04", b"\x80\x05")
 
 
-def open_table(path: Path, limit: int | None = None) -> Table:
+def open_table(path: Path) -> Table:
     """Open a log of any known format.
-
-    Args:
-        path: the file.
-        limit: how many rows a text file is read for at most; arrays load whole.
 
     Raises:
         LogError: where there is no such file, or it is empty, damaged or of no known format.
@@ -39,7 +35,7 @@ def open_table(path: Path, limit: int | None = None) -> Table:
         raise LogError(
             f"{path.name}: this is a pickle, which is never run; save plain arrays with np.savez"
         )
-    return open_csv(path, limit)
+    return open_csv(path)
 
 
 def _head(path: Path) -> bytes:

@@ -73,28 +73,6 @@ class Mapped:
         return self.parts[-1].unit
 
 
-def parse_mapping(text: str, channels: Sequence[str]) -> Mapping:
-    """Read one ``NAME=COLUMN``, where COLUMN is ``column[index]*factor:unit``.
-
-    Args:
-        text: what the user wrote; index, factor and unit may be left out.
-        channels: the channels that may be mapped.
-
-    Raises:
-        LogError: for a text of another form, an unknown channel or an unusable factor.
-
-    Example:
-        >>> parse_mapping("omega=-gyr_degs[0]*0.05:deg/s", ["omega", "theta"]).source
-        '-gyr_degs[0]*0.05'
-    """
-    channel, equals, column = (part.strip() for part in text.partition("="))
-    if not (channel and equals and column):
-        raise LogError(f"{text!r} maps nothing; write NAME=COLUMN, such as 'omega=gyr[0]:deg/s'")
-    if channel not in channels:
-        raise LogError(f"{text!r} maps no known channel: {suggest(channel, channels)}")
-    return parse_column(channel, column)
-
-
 def parse_column(channel: str, text: str) -> Mapping:
     """Read one ``column[index]*factor:unit``, a minus before it if wanted, for a channel.
 

@@ -1,7 +1,7 @@
 """When the samples were taken: from a time column, a given rate or a scalar of the file."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import replace
 
 from tuner.data.logs.clock import Clock, read_clock
 from tuner.data.logs.error import LogError, counted, suggest
@@ -14,39 +14,21 @@ _RATES = ("fs", "rate", "rate_hz", "sampling_rate", "sample_rate")
 _CONTRADICTION = 0.01
 
 
-@dataclass(frozen=True, eq=False)
-class Timing:
-    """The rate of a log, where it comes from and how evenly it was kept.
-
-    Attributes:
-        rate_hz: samples per second.
-        source: ``time column 't'``, ``--rate`` or ``scalar 'fs'``.
-        column: the time column, or None.
-        clock: the samples' times.
-    """
-
-    rate_hz: float
-    source: str
-    column: str | None
-    clock: Clock
-
-
 def timing_names(table: Table) -> list[str]:
     """The names in a file that may tell the timing: time columns and scalar rates."""
     return [*_time_names(table), *_rate_names(table)]
 
 
-def find_timing(
-    columns: Columns, time: Mapping | None, rate_hz: float | None, samples: int, limit: int | None
-) -> Timing:
-    """The timing of a log.
+def find_clock(
+    columns: Columns, time: Mapping | None, rate_hz: float | None, samples: int
+) -> Clock:
+    """When the samples of a file were taken.
 
     Args:
         columns: the loaded columns, among them those of :func:`timing_names`.
         time: the time column where the user named one; otherwise it is found by its name.
         rate_hz: the rate where the user gave one.
         samples: how many samples the file holds.
-        limit: how many of them count; None for all.
 
     Raises:
         LogError: where neither time nor rate is known, they contradict each other, or the
@@ -54,12 +36,11 @@ def find_timing(
     """
     mapping = time or _found(columns, samples)
     if mapping is not None:
-        return _from_time(columns, mapping, rate_hz, samples, limit)
-    wanted = samples if limit is None else min(samples, limit)
+        return _from_time(columns, mapping, rate_hz, samples)
     if rate_hz is not None:
-        return _rated(wanted, rate_hz, "--rate")
+        return Clock.rated(samples, rate_hz, "--rate")
     name, rate = _scalar_rate(columns)
-    return _rated(wanted, rate, f"scalar {name!r}")
+    return Clock.rated(samples, rate, f"scalar {name!r}")
 
 
 def _time_names(table: Table) -> Iterable[str]:
@@ -81,33 +62,27 @@ def _found(columns: Columns, samples: int) -> Mapping | None:
     return None
 
 
-def _from_time(
-    columns: Columns, time: Mapping, rate_hz: float | None, samples: int, limit: int | None
-) -> Timing:
+def _from_time(columns: Columns, time: Mapping, rate_hz: float | None, samples: int) -> Clock:
     column = pick(columns, time)
     if len(column) != samples:
         rows = counted(len(column), "row")
         raise columns.error(
             time, f"has {rows} where the channels have {samples}; name another --time"
         )
-    column = column[:limit]
-    if rate_hz is not None and (repeated := int((column[1:] == column[:-1]).sum())):
+    if rate_hz is None:
+        return read_clock(columns, time, column)
+    if repeated := int((column[1:] == column[:-1]).sum()):
         told = f"time {time.column!r}: left out for its {counted(repeated, 'repeated time')}"
-        return _rated(len(column), rate_hz, "--rate", (told,))
+        return Clock.rated(samples, rate_hz, "--rate", (told,))
     clock = read_clock(columns, time, column)
-    found = 1.0 / clock.step
-    if rate_hz is not None and abs(rate_hz - found) > _CONTRADICTION * found:
+    if abs(rate_hz - clock.rate_hz) > _CONTRADICTION * clock.rate_hz:
         raise columns.error(
             time,
-            f"runs at {found:.6g} Hz, which contradicts --rate {rate_hz:.6g} Hz; leave --rate out "
-            f"or name the unit of time, such as --time '{time.column}:ms'",
+            f"runs at {clock.rate_hz:.6g} Hz, which contradicts --rate {rate_hz:.6g} Hz; leave "
+            f"--rate out or name the unit of time, such as --time '{time.column}:ms'",
         )
-    source = f"time column {time.column!r}" if rate_hz is None else "--rate"
-    return Timing(float(rate_hz or found), source, time.column, clock)
-
-
-def _rated(samples: int, rate_hz: float, source: str, notes: tuple[str, ...] = ()) -> Timing:
-    return Timing(float(rate_hz), source, None, Clock.rated(samples, float(rate_hz), notes))
+    source = f"{clock.source} and --rate"
+    return replace(clock, step=1.0 / rate_hz, rate_hz=float(rate_hz), source=source)
 
 
 def _scalar_rate(columns: Columns) -> tuple[str, float]:

@@ -3,8 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tuner.data.logs import Mapping
-from tuner.data.logs.findings import find_channel, resolution, saturation
+from tuner.data.findings import find, resolution, saturation
 
 N = 20_000
 NOISE = np.random.default_rng(5).normal(size=N)
@@ -16,12 +15,11 @@ def quantised(values, step):
 
 
 def test_numbers_of_a_channel():
-    found = find_channel(Mapping("omega", "gyr", 0, 0.5, "deg/s"), np.array([1.0, -2.0, 4.0, 1.0]))
-    assert (found.name, found.source, found.unit) == ("omega", "gyr[0]*0.5", "deg/s")
+    found = find(np.array([1.0, -2.0, np.nan, 4.0, 1.0]))
     assert (found.mean, found.minimum, found.maximum) == (1.0, -2.0, 4.0)
     assert found.std == pytest.approx(np.sqrt(4.5))
-    assert not found.constant
-    assert find_channel(Mapping("omega", "gyr"), np.full(9, 0.1)).constant
+    assert (found.constant, found.missing) == (False, 1)
+    assert find(np.full(9, 0.1)).constant
 
 
 @pytest.mark.parametrize("step", [0.05, 1 / 16.4, 0.25, 1.0, 3.0])

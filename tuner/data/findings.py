@@ -1,11 +1,11 @@
-"""What a log holds, in numbers: the first thing a user reads about it."""
+"""What a channel holds, in numbers: the first thing a user reads about it."""
 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from tuner.data.logs.mapping import Mapping
-from tuner.data.logs.table import Floats
+Floats = NDArray[np.float64]
 
 _PROBE = 20_000
 _CONTINUOUS = 1 << 16
@@ -16,13 +16,10 @@ _RUN = 3
 
 
 @dataclass(frozen=True)
-class ChannelFindings:
+class Findings:
     """What one channel holds; all values are in the channel's unit.
 
     Attributes:
-        name: the channel.
-        source: the column it was read from, with index and factor.
-        unit: ``""`` where none was given.
         mean: mean of the samples.
         std: their standard deviation (divided by N).
         minimum: the smallest.
@@ -32,12 +29,8 @@ class ChannelFindings:
         saturated: how many samples rest at the limit of the range (see :func:`saturation`).
         constant: whether all samples are equal.
         missing: how many samples are not there.
-        note: what else there is to say, such as that it was rounded.
     """
 
-    name: str
-    source: str
-    unit: str
     mean: float
     std: float
     minimum: float
@@ -45,54 +38,19 @@ class ChannelFindings:
     resolution: float | None
     saturated: int
     constant: bool
-    missing: int = 0
-    note: str = ""
+    missing: int
 
 
-@dataclass(frozen=True)
-class Findings:
-    """What a log holds.
+def find(samples: Floats) -> Findings:
+    """Look at the samples of one channel, ``(N,)``, of which one at least is there.
 
-    Attributes:
-        samples: number of samples, N.
-        duration_s: seconds from the first sample to the last.
-        rate_hz: samples per second.
-        rate_source: ``time column 't'``, ``--rate`` or ``scalar 'fs'``.
-        time_column: name of the time column; None without one.
-        gaps: ``(row, seconds)`` of each step longer than 1.5 median steps: the row before the
-            gap, counted from 0, and the time to the next.
-        jitter: largest relative deviation of the other steps from the median step; 0 where the
-            digits of the time column explain it, None without a time column.
-        channels: one entry per channel, in the order they were mapped.
-        notes: what was taken for granted about the times.
+    >>> found = find(np.array([1.0, np.nan, 3.0]))
+    >>> found.mean, found.missing, found.constant
+    (2.0, 1, False)
     """
-
-    samples: int
-    duration_s: float
-    rate_hz: float
-    rate_source: str
-    time_column: str | None
-    gaps: tuple[tuple[int, float], ...]
-    jitter: float | None
-    channels: tuple[ChannelFindings, ...]
-    notes: tuple[str, ...] = ()
-
-
-def find_channel(mapping: Mapping, values: Floats, note: str = "") -> ChannelFindings:
-    """Look at one channel, ``(N,)``, of which one sample at least is there."""
-    return find_values(mapping.channel, mapping.source, mapping.unit or "", values, note)
-
-
-def find_values(
-    name: str, source: str, unit: str, samples: Floats, note: str = ""
-) -> ChannelFindings:
-    """Look at the samples of one channel, ``(N,)``, of which one at least is there."""
     values = samples[~np.isnan(samples)]
     minimum, maximum = float(values.min()), float(values.max())
-    return ChannelFindings(
-        name=name,
-        source=source,
-        unit=unit,
+    return Findings(
         mean=float(values.mean()),
         std=float(values.std()),
         minimum=minimum,
@@ -101,7 +59,6 @@ def find_values(
         saturated=saturation(values),
         constant=minimum == maximum,
         missing=len(samples) - len(values),
-        note=note,
     )
 
 

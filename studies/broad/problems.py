@@ -1,0 +1,92 @@
+"""What is tuned on which trials, and by which solver."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import get_args
+
+from studies.broad.contest import Contest
+from studies.broad.contestants import Contestant, takes_field
+from studies.broad.settings import Settings
+from studies.broad.trials import Trial, halved, read
+from tuner.run.study import Task
+from tuner.solvers import Alternating, Gradient
+from tuner.solvers.solver import Solver
+
+ENOUGH = 3e-4
+"""Slope of ln error at which a search may end: a tenth of a factor e more changes nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """What is compared.
+
+    Attributes:
+        contest: all trials.
+        folds: indices of the trials that are left out in turn.
+        tuned: names of the filters that are tuned on all trials.
+    """
+
+    contest: Contest
+    folds: Sequence[int]
+    tuned: tuple[str, ...]
+
+
+def case_of(settings: Settings) -> Case:
+    """The trials of the folder, and who competes on them.
+
+    Raises:
+        ValueError: for a folder or a trial that cannot be used, and for filters that need a
+            magnetic field where there is none.
+    """
+    trials = read(settings.folder, settings.acc_unit, settings.gyr_unit, settings.seconds)
+    contest = Contest(tuple(trials), whole=settings.seconds is None)
+    count = len(trials) if settings.folds is None else min(settings.folds, len(trials))
+    folds = range(count if len(trials) > 1 else 0)
+    return Case(contest, folds, _contestants(settings, trials))
+
+
+def _contestants(settings: Settings, trials: Sequence[Trial]) -> tuple[str, ...]:
+    """The filters to tune: those that are asked for, or all that the trials allow."""
+    silent = [trial.name for trial in trials if trial.start is None]
+    if settings.contestants is None:
+        return tuple(name for name in get_args(Contestant) if not (silent and takes_field(name)))
+    asked = [name for name in settings.contestants if takes_field(name)]
+    if asked and silent:
+        raise ValueError(
+            f"{' and '.join(asked)} need a magnetic field (imu_mag) before the movement, and "
+            f"{', '.join(silent)} has none; leave them out of contestants"
+        )
+    return tuple(dict.fromkeys(("room", *settings.contestants)))
+
+
+def tasks(case: Case, seed: int) -> tuple[Task, ...]:
+    """Every filter tuned on all trials; the room filter also without each of them in turn.
+
+    Those folds are tuned at half the sample rate, in half the time, and judged at the whole one.
+    """
+    contest = case.contest
+    gradient = Gradient("l-bfgs-b", seed=seed, starts=1, gradient=ENOUGH, iterations=40)
+    quick = replace(gradient, curvature=False)
+    alternating = Alternating(
+        seed=seed, starts=1, rounds=2, progress=1e-3, gradient=ENOUGH, iterations=40
+    )
+    solvers: dict[str, Solver] = {"two_step": alternating, "room": gradient}
+    found = [Task(contest.problem(name, name), solvers.get(name, quick)) for name in case.tuned]
+    for left_out in (contest.trials[at] for at in case.folds):
+        others = [halved(trial) for trial in contest.trials if trial is not left_out]
+        posed = contest.of(others).problem(fold_name(left_out.name), "room")
+        found.append(Task(posed, quick))
+    return (*found, *_transfer(contest, quick))
+
+
+def fold_name(trial: str) -> str:
+    """What the problem is called that leaves a trial out."""
+    return f"without_{trial}"
+
+
+def _transfer(contest: Contest, gradient: Gradient) -> list[Task]:
+    calm = [trial for trial in contest.trials if not trial.disturbed]
+    if not calm or len(calm) == len(contest.trials):
+        return []
+    posed = contest.of([halved(trial) for trial in calm]).problem("undisturbed", "room")
+    return [Task(posed, gradient)]
