@@ -4,6 +4,7 @@ They are no part of this project: without the folder ``cases`` beside it, the te
 """
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -11,9 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import tuner
 from tuner.run.result import read_result
 
-CASES = Path(__file__).resolve().parents[2].parent / "shared" / "cases"
+PROJECT = Path(__file__).resolve().parents[2]
+CASES = PROJECT.parent / "shared" / "cases"
 pytestmark = pytest.mark.skipif(
     not (CASES / "lib" / "verdict.py").exists(), reason=f"there is no {CASES} with the problems"
 )
@@ -100,7 +103,11 @@ def test_a_problem_is_answered_by_one_command(name, cli, here):
     quick = ("--starts", 1, "--no-hold-out", "--jobs", 1)
     code, out, err = cli("fit", CASES / name / file, *words, *quick, "--out", "out")
     assert code == 0, (out, err)
-    (here / "answer.json").write_text(json.dumps(answer(Answer(here / "out")), default=float))
+    check(name, answer(Answer(here / "out")), here)
+
+
+def check(name, answer, here):
+    (here / "answer.json").write_text(json.dumps(answer, default=float))
     said = subprocess.run(
         [sys.executable, str(CASES / name / "check.py"), "answer.json"],
         capture_output=True,
@@ -108,3 +115,25 @@ def test_a_problem_is_answered_by_one_command(name, cli, here):
         check=False,
     )
     assert said.returncode == 0, said.stdout
+
+
+def test_a_model_of_ones_own_is_tuned_by_one_call(here, monkeypatch):
+    """The wheeled robot of docs/fit.md, on the recording of a real one."""
+    page = (PROJECT / "docs" / "fit.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```python\n# robot\.py\n(.*?)```", page, re.DOTALL)
+    (here / "robot.py").write_text(block)
+    monkeypatch.syspath_prepend(str(here))
+    from robot import Robot
+
+    files = [CASES / "robot-2d" / name for name in ("odom.csv", "gps.csv")]
+    maps = ["speed=field.twist.linear.x:m/s", "turn=field.twist.angular.z:rad/s"]
+    record = tuner.read_record(files, [*maps, "gps=field.x,field.y:m"])
+    fit = tuner.fit(Robot, record, starts=1, hold_out=False)
+    dt = fit.posed.problem.filter.dt
+    found = {name: float(p.value) for name, p in fit.solution.parameters.items()}
+    answer = {
+        "sigma_v": (found["q_speed"] / dt) ** 0.5,
+        "sigma_w": (found["q_turn"] / dt) ** 0.5,
+        "sigma_gps": found["R"] ** 0.5,
+    }
+    check("robot-2d", answer, here)
