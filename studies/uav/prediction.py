@@ -45,7 +45,7 @@ def predicted(flight: Flight, outcome: Outcome) -> Predicted:
     the position along the body's axis. The straight line takes the same speed along the last
     displacement.
     """
-    last, n = _starts(flight), (1 + AHEAD) * flight.every
+    last, n = starts(flight), (1 + AHEAD) * flight.every
     ticks = last[:, None] + 1 + np.arange(n)
     rates = flight.rate[ticks]
     angles = _attitudes(flight, outcome.x[last], rates)[:, flight.every :]
@@ -75,7 +75,7 @@ def predicted(flight: Flight, outcome: Outcome) -> Predicted:
     )
 
 
-def _starts(flight: Flight) -> np.ndarray:
+def starts(flight: Flight) -> np.ndarray:
     """Ticks of measured attitudes with all positions and speeds known for as long as needed."""
     last = np.flatnonzero(~np.isnan(flight.z).all(axis=1))
     last = last[last + (1 + AHEAD) * flight.every < len(flight.t)]

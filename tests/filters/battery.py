@@ -31,6 +31,7 @@ from filters import (
     DeadReckoningKalman,
     DeadReckoningNoise,
     DeadReckoningSample,
+    ErrorStateIns,
     ExtendedKalman,
     ExtendedModel,
     ExtendedSample,
@@ -45,6 +46,8 @@ from filters import (
     GpsAidedSample,
     GyroscopeFilter,
     ImuSample,
+    InsNoise,
+    InsSample,
     KalmanCovariance,
     KownackiNoise,
     Lanes,
@@ -305,6 +308,36 @@ def _room(point):
     )
 
 
+def _ins(point):
+    """All noises larger than usual, for N samples to show them."""
+    gyr, acc, gps, baro, mag, gravity = jnp.exp(point)
+    start = {"tilt0": 0.1, "heading0": 0.3, "velocity0": 1.0, "position0": 1.0}
+    start |= {"gyr_bias0": 0.1, "acc_bias0": 0.3, "heading": 0.4, "declination": 0.1}
+    rest = {"R_gps_vel": 0.2, "R_speed": 0.1, "R_still": 0.1} | start
+    return InsNoise(
+        q_gyr=gyr,
+        q_acc=acc,
+        q_gyr_bias=0.1 * gyr,
+        q_acc_bias=0.1 * acc,
+        R_gps=gps,
+        R_gps_up=2 * gps,
+        R_baro=baro,
+        R_mag=mag,
+        gravity=gravity,
+        **{name: jnp.asarray(value) for name, value in rest.items()},
+    )
+
+
+def _navigated(z):
+    """Everything that aids, from columns of :data:`_NAVIGATED`."""
+    z = jnp.asarray(z)
+    force, rest = 9.81 * (z[:, :3] + jnp.array([0.0, 0.0, 1.0])), z[:, 3:]
+    field = rest[:, 5:] + jnp.array([0.2, 1.0, -2.0])
+    still = jnp.asarray(np.arange(N) % 11 == 5, z.dtype)
+    force = jnp.where(jnp.isnan(force), jnp.array([0.1, 0.2, 9.8]), force)
+    return InsSample(_RATES, force, rest[:, :3], None, rest[:, 3], rest[:, 4], field, still)
+
+
 def _three_a_block(z):
     """Each sample thrice."""
     force = 9.81 * (jnp.asarray(z) + jnp.array([0.0, 0.0, 1.0]))
@@ -335,6 +368,7 @@ _FORCES += 0.01 * _SHAKING.normal(size=(N, 3))
 _FIELDS = np.hstack([_FORCES, 0.2 * _SHAKING.normal(size=(N, 3))])
 _AIDED = np.hstack([0.3 * _FORCES, _FORCES[:, :1]])
 _SIX = np.hstack([_FORCES + np.array([0.0, 0.0, 1.0]), 0.5 * _SHAKING.normal(size=(N, 3))])
+_NAVIGATED = np.hstack([_FORCES, 0.5 * np.random.default_rng(2017).normal(size=(N, 8))])
 _TURNED = jnp.array([0.9, 0.3, -0.3, 0.1])
 _TILTED = np.log([1.0, 0.05, 1.0, 0.4, 10.0, 5.0])
 _TURNING = np.log([1e-3, 1e-4, 1e-2, 0.5, 2.0, 9.81])
@@ -442,6 +476,14 @@ CASES = [
         np.log([0.3, 0.2, 0.05, 5e-3, 3e-3, 0.02]),
         _FORCES,
         _three_a_block,
+    ),
+    Case(
+        "inertial navigation, all aiding",
+        ErrorStateIns(0.05),
+        _ins,
+        np.log([1e-2, 0.1, 0.5, 0.3, 0.05, 9.81]),
+        _NAVIGATED,
+        _navigated,
     ),
     Case(
         "several records",

@@ -1,4 +1,4 @@
-"""A simulated flight that an INS filter's own steps describe exactly, and noisy measurements of it."""
+"""A simulated flight that an INS filter's own steps describe exactly, and recordings of it."""
 
 from functools import cache
 from typing import NamedTuple
