@@ -13,7 +13,7 @@ from jax import Array
 
 from filters.declared import Channel, Param, components
 from filters.extended import linearised
-from filters.imu import ATTITUDE, GRAVITY, LEVEL, XYZ, ImuSample, SixAxes
+from filters.imu import ATTITUDE, DISTURBANCE, GRAVITY, LEVEL, XYZ, ImuSample, SixAxes
 from filters.kalman import Estimate, predict
 from filters.rotation import begun, from_rotation_vector, multiply, normalise, or_else, rotate_back
 from filters.validate import check_setup
@@ -86,16 +86,7 @@ class AttitudeNoise(NamedTuple):
             larger="disturbed axes are left to the gyroscopes",
         ),
     ]
-    delta: Annotated[
-        Array,
-        Param(
-            "",
-            "a disturbance is detected where abs(a)^2 / g^2 differs more from 1; a threshold",
-            typical=0.05,
-            smaller="noise counts as a disturbance",
-            larger="disturbances pass unseen",
-        ),
-    ]
+    delta: Annotated[Array, DISTURBANCE]
     gravity: Annotated[Array, GRAVITY]
     q0: Annotated[Array, LEVEL]
     b0: Annotated[

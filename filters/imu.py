@@ -10,6 +10,10 @@ XYZ = ("x", "y", "z")
 WXYZ = ("w", "x", "y", "z")
 
 
+FORCE = Channel("m/s^2", "specific force, +g along z at rest, z up", XYZ)
+TURN = Channel("rad/s", "angular rate", XYZ)
+
+
 class ImuSample(NamedTuple):
     """One sample of an inertial unit; stacked along time for :func:`filters.run`.
 
@@ -20,16 +24,16 @@ class ImuSample(NamedTuple):
     True
     """
 
-    acc: Annotated[Array, Channel("m/s^2", "specific force, +g along z at rest, z up", XYZ)]
-    gyr: Annotated[Array, Channel("rad/s", "angular rate", XYZ)]
+    acc: Annotated[Array, FORCE]
+    gyr: Annotated[Array, TURN]
     mag: Annotated[Array | None, Channel("", "magnetic field, in any unit", XYZ)] = None
 
 
 class SixAxes(NamedTuple):
     """One sample of an inertial unit without a magnetometer, for filters that take none."""
 
-    acc: Annotated[Array, Channel("m/s^2", "specific force, +g along z at rest, z up", XYZ)]
-    gyr: Annotated[Array, Channel("rad/s", "angular rate", XYZ)]
+    acc: Annotated[Array, FORCE]
+    gyr: Annotated[Array, TURN]
 
 
 ATTITUDE = Channel("", "attitude, sensor to earth, earth z up", WXYZ, "attitude")
@@ -40,3 +44,11 @@ LEVEL = Param(
 """Where an attitude filter begins."""
 GRAVITY = Param("m/s^2", "gravity, in the accelerometers' unit", 9.81)
 """What accelerometers show at rest."""
+DISTURBANCE = Param(
+    "",
+    "a disturbance is detected where abs(a)^2 / g^2 differs more from 1; a threshold",
+    typical=0.05,
+    smaller="noise counts as a disturbance",
+    larger="disturbances pass unseen",
+)
+"""When accelerometers show more than gravity."""

@@ -14,7 +14,7 @@ from jax import Array
 
 from filters.declared import Channel, Param, components
 from filters.extended import linearised
-from filters.imu import GRAVITY, XYZ
+from filters.imu import DISTURBANCE, GRAVITY, XYZ
 from filters.kalman import Estimate, Innovation, predict, update
 from filters.validate import check_setup
 
@@ -93,16 +93,7 @@ class TiltNoise(NamedTuple):
             larger="disturbed axes are left to the gyroscopes",
         ),
     ]
-    delta: Annotated[
-        Array,
-        Param(
-            "",
-            "a disturbance is detected where abs(a)^2 / g^2 differs more from 1; a threshold",
-            typical=0.05,
-            smaller="noise counts as a disturbance",
-            larger="disturbances pass unseen",
-        ),
-    ]
+    delta: Annotated[Array, DISTURBANCE]
     r_big: Annotated[
         Array,
         Param("", "variance over g^2 of disturbed accelerometers, of the simple law", typical=1.0),
