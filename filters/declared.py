@@ -33,6 +33,7 @@ class Param(NamedTuple):
         smaller: what a smaller value does.
         larger: what a larger value does.
         shape: of what the filter takes; a single number fills it.
+        channel: the optional input that it belongs to; without that it idles, and is not tuned.
     """
 
     unit: str
@@ -43,6 +44,7 @@ class Param(NamedTuple):
     smaller: str = ""
     larger: str = ""
     shape: tuple[int, ...] = ()
+    channel: str = ""
 
 
 class Channel(NamedTuple):
@@ -96,7 +98,12 @@ def channel_facts(filter: Any, part: Literal["inputs", "states", "outputs"]) -> 
     >>> channel_facts(Madgwick, "inputs")["gyr"].axes
     ('x', 'y', 'z')
     """
-    return dict(_facts(declaration(filter, part), Channel))
+    facts = _facts(declaration(filter, part), Channel)
+    own = getattr(bare(filter), "axes", None)  # of a filter that is made for some axes alone
+    if isinstance(filter, type) or not isinstance(own, str):
+        return facts
+    kept = {name: tuple(axis for axis in fact.axes if axis in own) for name, fact in facts.items()}
+    return {name: fact._replace(axes=kept[name]) for name, fact in facts.items()}
 
 
 def components(name: str, unit: str, meaning: str, axes: Iterable[str]) -> dict[str, Channel]:

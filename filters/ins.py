@@ -96,6 +96,7 @@ class InsNoise(NamedTuple):
             high=10000,
             smaller="the position follows it faster, with its noise",
             larger="the position leans more on the inertial sensors",
+            channel="gps",
         ),
     ]
     R_gps_up: Annotated[
@@ -108,6 +109,7 @@ class InsNoise(NamedTuple):
             high=10000,
             smaller="the height follows it faster, with its noise",
             larger="the height leans more on the inertial sensors",
+            channel="gps",
         ),
     ]
     R_gps_vel: Annotated[
@@ -120,6 +122,7 @@ class InsNoise(NamedTuple):
             high=10000,
             smaller="the velocity follows it faster, with its noise",
             larger="the velocity leans more on the inertial sensors",
+            channel="gps_vel",
         ),
     ]
     R_baro: Annotated[
@@ -132,6 +135,7 @@ class InsNoise(NamedTuple):
             high=10000,
             smaller="the height follows it faster, with its noise",
             larger="the height leans more on the inertial sensors",
+            channel="baro",
         ),
     ]
     R_speed: Annotated[
@@ -144,6 +148,7 @@ class InsNoise(NamedTuple):
             high=10000,
             smaller="the velocity follows it faster, with its noise",
             larger="the velocity leans more on the inertial sensors",
+            channel="speed",
         ),
     ]
     R_mag: Annotated[
@@ -156,6 +161,7 @@ class InsNoise(NamedTuple):
             high=10,
             smaller="the heading follows it faster, with its noise",
             larger="the heading leans more on the inertial sensors",
+            channel="mag",
         ),
     ]
     R_still: Annotated[
@@ -168,6 +174,7 @@ class InsNoise(NamedTuple):
             high=1,
             smaller="the velocity follows it faster, with its noise",
             larger="the velocity leans more on the inertial sensors",
+            channel="still",
         ),
     ]
     tilt0: Annotated[Array, Param("rad", "deviation of roll and pitch at the start", 0.05)]

@@ -57,6 +57,23 @@ def test_kinds_of_parameters():
     assert {name: type(p) for name, p in space.items()} == {"tau": Positive, "angle0": Fixed}
 
 
+def test_what_belongs_to_a_channel_that_is_absent_idles():
+    still = {"gyr": np.zeros((60, 3)), "acc": np.tile([0.0, 0.0, 9.81], (60, 1))}
+    baro = np.random.default_rng(1).normal(size=60)
+    record = tuner.Record.of(still | {"baro": baro}, rate_hz=10.0)
+    found = free(posed(find("tuner.filters", "ins"), record))
+    assert {name for name in found if name.startswith("R_")} == {"R_baro"}
+    asked = posed(find("tuner.filters", "ins"), record, bound={"R_mag": (1e-3, 1.0)})
+    assert "R_mag" in free(asked)
+
+
+def test_exported_states_are_those_of_the_axes_given():
+    walk = cases.level(samples=100)["z"]
+    record = tuner.Record.of({"x": walk, "y": walk}, rate_hz=1.0)
+    states = posed(ConstantVelocity, record).problem.what_is_exported().states
+    assert states == ("position_x", "position_y", "velocity_x", "velocity_y")
+
+
 def test_wishes_decide():
     case = posed(LocalLevel, level(), fix={"R": 2.0}, bound={"q": (0.1, 9.0)})
     space = dict(case.problem.space.parameters)

@@ -129,7 +129,9 @@ def _of_any_unit(cls: type[Any], timeline: Timeline) -> str:
 
 
 def _in_data(fact: Param, scale: Scale, own: str, timeline: Timeline) -> Param:
-    """A parameter's fact in the unit and scale of the data."""
+    """A parameter's fact in the unit and scale of the data; one that idles has no range."""
+    if fact.channel and fact.channel not in timeline.channels:
+        fact = fact._replace(low=None, high=None)
     if DEVIATION in timeline.channels and fact.unit == "unit^2":
         return fact._replace(unit="")
     factor = scale.of(fact.unit)
