@@ -32,6 +32,7 @@ class Timed:
     """
 
     filter: Any
+    same_params = True
 
     def __post_init__(self) -> None:
         if "dt" not in getattr(self.filter, "__dataclass_fields__", {}):

@@ -135,7 +135,7 @@ def test_own_log_is_tuned_and_exported(tmp_path, capsys):
 
 
 def test_study_is_found_by_its_entry_point():
-    assert find_study("kownacki2010").channels.keys() == {"omega", "a"}
+    assert find_study("kownacki2010").channels(Settings()).keys() == {"omega", "a"}
 
 
 REAL = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "static_adis16405_100hz"

@@ -1,26 +1,24 @@
 """The study of Suh, Park, Kang and Ro 2004: its signals, and the rows that need no tuning."""
 
+import json
 from functools import cache
+from types import SimpleNamespace
 
 import jax
 import numpy as np
 import pytest
-from studies.suh2004.mixed import Recordings, held_out, problems, recordings
-from studies.suh2004.rows import (
-    _at_rest,
-    _constant,
-    _false_alarms,
-    _ordering,
-    _signed,
-    _variances,
-)
 
 from filters.tilt_euler import TO_PAPER
-from studies.suh2004 import mixed
-from studies.suh2004 import paper as published
-from studies.suh2004.paper import HEURISTIC, Settings, experiment_1, experiment_2
+from studies.suh2004 import problems
+from studies.suh2004.claims import CLAIMS
+from studies.suh2004.data import Recordings, bench, experiment_1, experiment_2, recordings
+from studies.suh2004.paper import HEURISTIC
+from studies.suh2004.problems import held_out
+from studies.suh2004.settings import Settings
 from tests import oracles_suh2004 as oracle
+from tuner.certificate.certify import estimates, unknown_spectrum
 from tuner.cli import invoke
+from tuner.problem import problem as engine
 from tuner.run.comparison import Verdict
 
 SHORT = Settings(seconds=20.0, train=1, held_out=1)
@@ -31,7 +29,7 @@ QUICK = {"xla_backend_optimization_level": 0}
 def quick():
     """Without the compiler's optimisation, which changes no formula and takes most of the time."""
     with pytest.MonkeyPatch.context() as patch:
-        for module, name in [(published, "_run"), (mixed, "_score")]:
+        for module, name in [(problems, "run_filter"), (engine, "_score")]:
             function = getattr(module, name).__wrapped__
             patch.setattr(module, name, jax.jit(function, static_argnums=0, compiler_options=QUICK))
         yield
@@ -45,16 +43,9 @@ def printed(digits):
 
 @cache
 def rows():
-    settings = Settings()
-    found = [
-        *_ordering(settings),
-        *_variances(settings),
-        _signed(settings),
-        *_at_rest(settings),
-        _constant(settings),
-        _false_alarms(),
-    ]
-    return {row.quantity: row for row in found}
+    made = bench(SHORT, 0)
+    untuned = [claim for claim in CLAIMS if not claim.needs]
+    return {row.quantity: row for claim in untuned for row in claim.compare(made, {})}
 
 
 @cache
@@ -74,7 +65,7 @@ def test_experiment_2_is_the_textbooks(unit):
     # The same products in the same order: the sines' arguments reach 3.5e5, whose last bit alone
     # would be 6e-11 of the noise.
     np.testing.assert_allclose(inputs.acc, acceleration, rtol=0, atol=1e-15)
-    np.testing.assert_allclose(np.asarray(inputs.gyr) * TO_PAPER, rate, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(inputs.gyr * np.array(TO_PAPER), rate, rtol=0, atol=1e-15)
     assert float(inputs.acc[:, 1].sum()) == printed("0.0238196081")
 
 
@@ -92,7 +83,7 @@ def test_experiment_1_is_the_same_at_rest():
 
 
 def test_every_row_is_there():
-    assert list(rows()) == [
+    assert [claim.name for claim in CLAIMS] == [
         "exp2.order_S_phi",
         "exp2.pitch_equal",
         "exp2.r2_over_r1",
@@ -101,7 +92,9 @@ def test_every_row_is_there():
         "exp1.M_phi",
         "standard_equals_two_step_constant_R",
         "false_alarm_rate_delta",
+        "tuned_over_heuristic_heldout",
     ]
+    assert list(rows()) == [claim.name for claim in CLAIMS[:-1]]
 
 
 def test_the_two_step_filter_is_best_in_roll():
@@ -187,8 +180,30 @@ def test_what_cannot_be_tuned_on_is_refused(tmp_path, monkeypatch, capfd):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_claim_is_tried_alone(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    words = ["--claim", "exp2.r2_over_r1", "--set", "seconds=20", "--set", "train=1"]
+    assert invoke(["run", "suh2004", *words, "--json"]) == 0
+    result = json.loads(capfd.readouterr().out)
+    (row,) = result["comparisons"]
+    assert row["ours"] == rows()["exp2.r2_over_r1"].ours
+    assert result["solutions"] == []
+
+
+def test_what_is_exported():
+    found = problems.posed(recordings(SHORT, 1, 0))["two_step"]
+    start = estimates(found, found.space.start(), unknown_spectrum(found.space.size))
+    solution = SimpleNamespace(parameters=start)
+    told = {quantity.name: quantity for quantity in found.quantities(solution)}
+    assert list(told) == [*problems.BY_HAND]
+    assert float(told["r3"].value) == 1.0
+    assert told["gravity"].unit == "g"
+    assert found.what_is_exported().states[:2] == ("pitch", "roll")
+    assert all(quantity.meaning for quantity in told.values())
+
+
 def test_a_moving_record_poses_all_three():
-    posed = problems(recordings(SHORT, 1, 0))
+    posed = problems.posed(recordings(SHORT, 1, 0))
     assert set(posed) == {"standard", "simple", "two_step"}
     for name, problem in posed.items():
         steps = np.array(problem.space.coordinates)[problem.space.thresholds()]
@@ -233,7 +248,7 @@ def test_the_records_are_in_the_papers_polarity():
     np.testing.assert_allclose(ax, np.sin(theta), atol=0.025)
     np.testing.assert_allclose(ay, np.sin(phi) * np.cos(theta), atol=0.025)
     np.testing.assert_allclose(az, np.cos(phi) * np.cos(theta), atol=0.025)
-    rates = np.asarray(still.inputs.gyr)[:, 0] * TO_PAPER
+    rates = np.asarray(still.inputs.gyr)[:, 0] * np.array(TO_PAPER)
     turned = [oracle.rates_matrix(p, t) @ w for p, t, w in zip(phi, theta, rates, strict=True)]
     slopes = np.stack([np.gradient(theta, 0.05), np.gradient(phi, 0.05)], axis=1)
     # noise of 1e-3 rad/s, and differences over 0.1 s of angles of at most 0.4 Hz
