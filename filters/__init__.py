@@ -93,7 +93,7 @@ from filters.fuzzy_regression import line, regression  # noqa: E402
 from filters.gps_aided import GpsAidedKalman, GpsAidedNoise, GpsAidedSample  # noqa: E402
 from filters.imu import ImuSample, SixAxes  # noqa: E402
 from filters.ins import ErrorStateIns, InsNoise, InsOutputs, InsSample, InsState  # noqa: E402
-from filters.kalman import Estimate, Innovation, decorrelate, predict, update, update_entry  # noqa: E402
+from filters.kalman import Estimate, Innovation, decorrelate, predict, update, update_large  # noqa: E402
 from filters.kownacki import (  # noqa: E402
     AccelerometerFilter,
     FixedGainFilter,
@@ -280,7 +280,7 @@ __all__ = [
     "tilt_transition",
     "transitions",
     "update",
-    "update_entry",
+    "update_large",
     "van_loan",
     "vertical_channel",
 ]

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from filters.ins_motion import POSITION, SIZE, TURN, VELOCITY, Motion, matrix
-from filters.kalman import Estimate, Innovation, update, update_entry
+from filters.kalman import Estimate, update_large
 from filters.rotation import cross
 
 AIDS = (
@@ -110,7 +110,7 @@ def taken(P: Array, aids: Sequence[Aid | None]) -> Brought:
         if aid is None:
             found.append((none, none))
             continue
-        estimate, new = _one(estimate, aid)
+        estimate, new = update_large(estimate, aid.row, aid.R, aid.apart)
         found.append((new.value, new.variance))
     innovation, variance = (jnp.stack(part) for part in zip(*found, strict=True))
     return Brought(estimate.x, estimate.P, innovation, variance)
@@ -124,9 +124,3 @@ def wrapped(angle: Array) -> Array:
     """
     turn = 2 * jnp.pi
     return angle - turn * jnp.round(angle / turn)
-
-
-def _one(estimate: Estimate, aid: Aid) -> tuple[Estimate, Innovation]:
-    if isinstance(aid.row, int):
-        return update_entry(estimate, aid.row, aid.R, aid.apart)
-    return update(estimate, aid.row, aid.R, aid.apart)

@@ -87,30 +87,54 @@ def update(estimate: Estimate, h: Array, r: Array, z: Array) -> tuple[Estimate, 
     return Estimate(x + jnp.multiply.outer(k, y), P), Innovation(y, variance, k)
 
 
-def update_entry(estimate: Estimate, i: int, r: Array, z: Array) -> tuple[Estimate, Innovation]:
-    """:func:`update` with a measurement of one state, z = x[i] + v: h is a row of the unit matrix.
-
-    The same numbers for a third of the work, which counts in filters of many states.
+def update_large(
+    estimate: Estimate, h: Array | int, r: Array, z: Array
+) -> tuple[Estimate, Innovation]:
+    """:func:`update` by one signal, for filters of many states: at 15 a fifth of its time.
 
     Args:
-        estimate: the predicted estimate of one signal.
-        i: which state is measured.
+        estimate: the predicted estimate.
+        h: measurement row, ``(n,)``; or which state is measured, for a row of the unit matrix.
         r: measurement variance, ``()``, positive.
         z: measurement, ``()``; NaN means that it is missing.
 
-    >>> after, innovation = update_entry(Estimate(jnp.zeros(2), jnp.eye(2)), 1, 1.0, jnp.array(3.0))
+    >>> after, innovation = update_large(Estimate(jnp.zeros(2), jnp.eye(2)), 1, 1.0, jnp.array(3.0))
     >>> after.x.tolist(), after.P.tolist(), innovation.variance.tolist()
     ([0.0, 1.5], [[1.0, 0.0], [0.0, 0.5]], 2.0)
     """
     x, P = estimate
-    missing = jnp.isnan(z)
-    g, s = P[i], P[i, i] + r
+    if isinstance(h, int):
+        g, known, foretold = P[h], P[h, h], x[h]
+    else:
+        g, foretold = matmul(P, h), matmul(h, x)
+        known = matmul(h, g)
+    missing, s = jnp.isnan(z), known + r
     k = g * jnp.where(missing, 0.0, 1 / s)
-    y = jnp.where(missing, 0.0, z - x[i])
-    # As in update: what rounding leaves of A h' - r k, and 0 where nothing is measured, for k is.
-    lost = jax.lax.stop_gradient(jnp.outer(g - k * g[i] - r * k, k))
-    P = P - jnp.outer(g, k) - (lost + lost.T) / 2
+    y = jnp.where(missing, 0.0, z - foretold)
+    # What rounding leaves of A h' - r k in update.
+    lost = jax.lax.stop_gradient(jnp.where(missing, 0.0, g - k * known - r * k)) / 2
+    P = _less(P, jnp.stack([k, lost, k]), jnp.stack([g, k, lost]))
     return Estimate(x + k * y, P), Innovation(y, jnp.where(missing, 0.0, s), k)
+
+
+@jax.custom_jvp
+def _less(P: Array, U: Array, V: Array) -> Array:
+    """P - U' V, of ``(n, n)`` and ``(3, n)``.
+
+    XLA writes sums out into all that uses P, so that the tenth update computes the nine before it
+    anew in each of its parts; a product stays one. In derivatives, of many lanes, it is the other
+    way round, and there products are slow.
+    """
+    return P - jax.lax.dot_general(U, V, (((0,), (0,)), ((), ())))
+
+
+@_less.defjvp
+def _less_jvp(
+    at: tuple[Array, Array, Array], along: tuple[Array, Array, Array]
+) -> tuple[Array, Array]:
+    (P, U, V), (dP, dU, dV) = at, along
+    # Only the first rows have derivatives that count: the others are rounding.
+    return _less(P, U, V), dP - jnp.outer(dU[0], V[0]) - jnp.outer(U[0], dV[0])
 
 
 def decorrelate(H: Array, R: Array, z: Array) -> tuple[Array, Array, Array]:
