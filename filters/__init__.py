@@ -92,7 +92,8 @@ from filters.extended import (  # noqa: E402
 from filters.fuzzy_regression import line, regression  # noqa: E402
 from filters.gps_aided import GpsAidedKalman, GpsAidedNoise, GpsAidedSample  # noqa: E402
 from filters.imu import ImuSample, SixAxes  # noqa: E402
-from filters.ins import ErrorStateIns, InsNoise, InsOutputs, InsSample, InsState  # noqa: E402
+from filters.ins import ErrorStateIns, InsState  # noqa: E402
+from filters.ins_facts import InsNoise, InsOutputs, InsSample  # noqa: E402
 from filters.kalman import Estimate, Innovation, decorrelate, predict, update, update_large  # noqa: E402
 from filters.kownacki import (  # noqa: E402
     AccelerometerFilter,

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from filters import Estimate, decorrelate, predict, update
+from filters import Estimate, decorrelate, predict, update, update_large
 from filters.small_linalg import matmul
 from tests.oracles import exact_update, kalman_predict, kalman_update
 from tests.strategies import covariance, seeds
@@ -204,3 +204,25 @@ def test_gradient_through_missing_components_of_a_full_R_is_finite():
     gradient = jax.jit(jax.grad(total))
     for z in ([1.0, 2.0], [np.nan, 2.0], [1.0, np.nan], [np.nan, np.nan]):
         assert np.isfinite(gradient(np.array([[1.0, 0.4], [0.4, 2.0]]), np.array(z))).all()
+
+
+@pytest.mark.parametrize("z", [0.7, np.nan])
+@pytest.mark.parametrize("row", [3, "mixed"])
+def test_the_update_of_many_states_is_the_update(row, z):
+    """In values and, forwards and backwards, in derivatives."""
+    rng = np.random.default_rng(15)
+    root, mixed = rng.normal(size=(15, 15)), jnp.asarray(rng.normal(size=15))
+    before = Estimate(jnp.asarray(rng.normal(size=15)), jnp.asarray(root @ root.T))
+    h = mixed if row == "mixed" else row
+    dense = mixed if row == "mixed" else jnp.eye(15)[row]
+
+    def large(scale):
+        return update_large(Estimate(before.x, scale * before.P), h, scale**2, jnp.asarray(z))
+
+    def usual(scale):
+        return update(Estimate(before.x, scale * before.P), dense, scale**2, jnp.asarray(z))
+
+    for way in (lambda f: f, jax.jacfwd, jax.jacrev):
+        for one, other in zip(*(jax.tree.leaves(way(f)(1.3)) for f in (large, usual)), strict=True):
+            # P is of order 15: other sums of 15 terms.
+            np.testing.assert_allclose(one, other, rtol=1e-11, atol=1e-12)
