@@ -26,7 +26,6 @@ BUILDING_BLOCKS = {
     "RiccatiCovariance",
     "StoredGains",
     "TableCovariance",
-    "Timed",
 }
 """They take a model, or another filter, and say so in their docstrings: no parameters to name."""
 MEASURING = [case for case in CASES if case.holes]

@@ -99,6 +99,7 @@ def test_facts_as_json(cli, shelf):
         "smaller": "trusts x",
         "larger": "trusts a|b",
         "shape": [],
+        "channel": "",
     }
     assert toy["parameters"]["x0"]["typical"] == [0.0, 0.5]
     assert {name: fact["optional"] for name, fact in toy["inputs"].items()} == {
