@@ -23,7 +23,7 @@ def show(runs: list[Path], tol: str | None, *, json: bool, md: bool, csv: bool) 
     """
     tolerance = None if tol is None else parse_tolerance(tol)
     results = [read_result(run) for run in runs]
-    tables = [[record.comparison() for record in result.comparisons] for result in results]
+    tables = [result.comparisons for result in results]
     names = [run.name or str(run) for run in runs]
     rows = [row for table in tables for row in table]
     if json:

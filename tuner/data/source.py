@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+_AS_WRITTEN = {"extra": "forbid"}
+"""Read back from a result's JSON, it has these fields and no others."""
+
 
 @dataclass(frozen=True)
 class Source:
@@ -18,6 +21,8 @@ class Source:
         samples: how many samples; 0 for a design, which needs none.
         rate_hz: sample rate; 0 for a design, and where samples come at any time.
     """
+
+    __pydantic_config__ = _AS_WRITTEN
 
     name: str
     sha256: str

@@ -16,6 +16,10 @@ class Verdict(Enum):
     INCONSISTENT = "inconsistent in the paper"
 
 
+_AS_WRITTEN = {"extra": "forbid"}
+"""Read back from a result's JSON, it has these fields and no others."""
+
+
 @dataclass(frozen=True)
 class Comparison:
     """One row of a comparison with a paper.
@@ -30,6 +34,8 @@ class Comparison:
         verdict: what it came to.
         note: the reason, or what decides it.
     """
+
+    __pydantic_config__ = _AS_WRITTEN
 
     quantity: str
     where: str

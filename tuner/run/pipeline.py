@@ -20,10 +20,8 @@ from tuner.problem.problem import Problem
 from tuner.run.drawing import picture, table
 from tuner.run.folder import RunFolder
 from tuner.run.result import (
-    ComparisonRecord,
     ExportRecord,
     FitRecord,
-    LogRecord,
     Result,
     SingleRecord,
     SolutionRecord,
@@ -114,10 +112,10 @@ class Run:
             schema="tuner.result/1",
             study=self.study,
             seed=self.seed,
-            log=LogRecord(**asdict(self.plan.source)),
+            log=self.plan.source,
             settings=self.settings,
             solutions=[SolutionRecord.of(solution) for solution in solutions.values()],
-            comparisons=[ComparisonRecord(**asdict(row)) for row in comparisons],
+            comparisons=comparisons,
             exports=exports,
             single_precision=singles,
             tuned=[json.loads(export.dump(one, "json")) for one in tuned],

@@ -9,7 +9,8 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from tuner.certificate.solution import Certificate, Solution, Starts, Status, TunedParameter
-from tuner.run.comparison import Comparison, Verdict
+from tuner.data.source import Source
+from tuner.run.comparison import Comparison
 
 if TYPE_CHECKING:
     from tuner.run.judged import Judged
@@ -93,32 +94,6 @@ def _infinite(data: Any) -> Any:
     if isinstance(data, list | tuple):
         return [_infinite(value) for value in data]
     return np.inf if data is None else data
-
-
-class ComparisonRecord(_Record):
-    """A row of the comparison; see :class:`tuner.run.comparison.Comparison`."""
-
-    quantity: str
-    where: str
-    paper: float | None
-    ours: float | None
-    unit: str
-    tolerance: float | None
-    verdict: Verdict
-    note: str
-
-    def comparison(self) -> Comparison:
-        """The row that was recorded."""
-        return Comparison(**{name: getattr(self, name) for name in type(self).model_fields})
-
-
-class LogRecord(_Record):
-    """The data of a run; see :class:`tuner.data.source.Source`."""
-
-    name: str
-    sha256: str
-    samples: int
-    rate_hz: float
 
 
 class ExportRecord(_Record):
@@ -210,10 +185,10 @@ class Result(_Record):
     schema_: Literal["tuner.result/1"] = Field(alias="schema")
     study: str
     seed: int
-    log: LogRecord
+    log: Source
     settings: dict[str, Any]
     solutions: list[SolutionRecord]
-    comparisons: list[ComparisonRecord]
+    comparisons: list[Comparison]
     exports: list[ExportRecord]
     single_precision: list[SingleRecord]
     tuned: list[dict[str, Any]] = Field(description="what is exported, as JSON exports have it")
