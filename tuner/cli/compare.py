@@ -5,6 +5,7 @@ import json as json_
 import math
 import sys
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -57,8 +58,8 @@ def _document(runs: Sequence[_Read], tolerance: float | None) -> dict[str, Any]:
                 "run": name,
                 "study": result.study,
                 "rows": [
-                    record.model_dump(mode="json") | {"within": row.within(tolerance)}
-                    for record, row in zip(result.comparisons, table, strict=True)
+                    asdict(row) | {"verdict": row.verdict.value, "within": row.within(tolerance)}
+                    for row in table
                 ],
             }
             for name, result, table in runs
