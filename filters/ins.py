@@ -35,7 +35,7 @@ class InsState(NamedTuple):
         P: covariance of its errors, ``(15, 15)``.
         gyr: the last rate, ``(3,)``.
         acc: the last specific force, ``(3,)``.
-        fixed: 1 where a GPS position has begun the position's axis, else 0, ``(3,)``.
+        fixed: 1 where a measurement has begun the position's axis, else 0, ``(3,)``.
     """
 
     at: Motion
@@ -105,9 +105,10 @@ class ErrorStateIns:
         at, growth = moved(at, gyr, acc, params.gravity * up, dt)
         P = spread(state.P, growth, Densities(*params[:4]), dt)
         seen = _at_once(inputs, going, live)
-        begun = _placed(params, state._replace(at=at, P=P, gyr=gyr, acc=acc), seen.gps)
-        if seen.gps is not None:
-            seen = seen._replace(gps=jnp.where(begun.fixed > state.fixed, jnp.nan, seen.gps))
+        begun = _placed(
+            state._replace(at=at, P=P, gyr=gyr, acc=acc), *self._first_place(params, seen)
+        )
+        seen = _without_first(seen, begun.fixed > state.fixed)
         brought = taken(begun.P, self._aids(params, begun.at, seen))
         at = corrected(begun.at, brought.x)
         kept = at._replace(q=jnp.where(live, at.q, 0.0))
@@ -133,6 +134,14 @@ class ErrorStateIns:
             north = self._bearing(params.declination)
             turn = jnp.where(seen, north - jnp.arctan2(y, x), turn)
         return multiply(from_rotation_vector(turn * z), q)
+
+    def _first_place(self, params: InsNoise, seen: InsSample) -> tuple[Array, Array]:
+        """What may begin the position, and its variances: GPS, or the barometer without any."""
+        if seen.gps is not None:
+            return seen.gps, jnp.stack([params.R_gps, params.R_gps, params.R_gps_up])
+        unknown = jnp.full(2, jnp.nan, params.R_baro.dtype)
+        z = unknown[:1] if seen.baro is None else (self._up * seen.baro)[None]
+        return jnp.concatenate([unknown, z]), jnp.broadcast_to(params.R_baro, (3,))
 
     def _aids(self, params: InsNoise, at: Motion, seen: InsSample) -> list[Aid | None]:
         """What is measured, in the order of AIDS."""
@@ -164,16 +173,22 @@ def _at_once(inputs: InsSample, going: Array, live: Array) -> InsSample:
     )
 
 
-def _placed(params: InsNoise, state: InsState, gps: Array | None) -> InsState:
-    """A first GPS position begins the position, with its own variance."""
-    if gps is None:
-        return state
-    begins = (state.fixed == 0) & ~jnp.isnan(gps)
-    R = jnp.stack([params.R_gps, params.R_gps, params.R_gps_up])
+def _placed(state: InsState, place: Array, R: Array) -> InsState:
+    """A first position begins the motion's, axis by axis, with its own variance."""
+    begins = (state.fixed == 0) & ~jnp.isnan(place)
     keep = jnp.ones(SIZE, R.dtype).at[POSITION].set(jnp.where(begins, 0.0, 1.0))
     new = jnp.zeros(SIZE, R.dtype).at[POSITION].set(jnp.where(begins, R, 0.0))
     return state._replace(
-        at=state.at._replace(position=jnp.where(begins, gps, state.at.position)),
+        at=state.at._replace(position=jnp.where(begins, place, state.at.position)),
         P=state.P * jnp.outer(keep, keep) + jnp.diag(new),
         fixed=jnp.where(begins, 1.0, state.fixed),
     )
+
+
+def _without_first(seen: InsSample, began: Array) -> InsSample:
+    """What is left to be taken: not what has just begun the position, ``(3,)``."""
+    if seen.gps is not None:
+        return seen._replace(gps=jnp.where(began, jnp.nan, seen.gps))
+    if seen.baro is not None:
+        return seen._replace(baro=jnp.where(began[2], jnp.nan, seen.baro))
+    return seen

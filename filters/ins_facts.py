@@ -166,8 +166,8 @@ class InsNoise(NamedTuple):
         Array,
         Param(
             "m",
-            "deviation at the start of the position, which is taken for 0; a first GPS position "
-            "takes its place",
+            "deviation at the start of the position, which is taken for 0; a first GPS position, "
+            "or without GPS a first height, takes its place",
             10.0,
         ),
     ]

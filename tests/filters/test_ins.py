@@ -305,6 +305,22 @@ def test_innovations_are_0_where_nothing_is_measured_and_a_first_fix_is_no_surpr
     np.testing.assert_array_equal(out.P[1, 12:, :12], 0.0)
 
 
+def test_without_gps_a_first_height_begins_the_height():
+    recording, _ = recorded(np.random.default_rng(7), NOISE)
+    inputs = sample(recording)._replace(gps=None)
+    out, high = (
+        compiled(FILTER, params(NOISE), inputs._replace(baro=inputs.baro + more))[1]
+        for more in (0.0, 500.0)
+    )
+    first = int(np.flatnonzero(~np.isnan(recording.baro[1:]))[0]) + 1
+    assert out.variance[first, AIDS.index("baro")] == 0
+    # Above sea level or above the ground: nothing but the height differs, to the digits of 500 m.
+    for one, other in zip(out, high, strict=True):
+        if one is not out.position:
+            np.testing.assert_allclose(one, other, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(high.position[first:, 2] - out.position[first:, 2], 500, atol=1e-8)
+
+
 def test_single_precision_and_varying_sample_times():
     recording, truth = recorded(np.random.default_rng(6), NOISE)
     n = NOISE | {"heading": truth.heading}
