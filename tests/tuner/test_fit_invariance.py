@@ -1,6 +1,8 @@
 """What must not change a fit: units, files, clocks, missing samples, and how recordings come."""
 
+import hashlib
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -145,6 +147,12 @@ def test_recordings_of_one_file_and_of_several(cli, here):
         assert [found["q"], found["R"]] == pytest.approx(best, rel=1e-3)
         assert result["fit"]["tuned"] == pytest.approx(value, rel=1e-6)
         assert result["fit"]["consistency"][1]["numbers"] == sum(map(len, recordings)) - 3
+        logs = [Path(file) for file in files if file.endswith(".csv")]
+        assert result["log"]["name"] == " + ".join(log.name for log in logs)
+        assert result["log"]["samples"] == sum(map(len, recordings))
+        if len(logs) == 1:  # the digest of the file, as a shell would work it out
+            own = hashlib.sha256((here / logs[0]).read_bytes()).hexdigest()
+            assert result["log"]["sha256"] == own
 
 
 def test_recordings_of_unequal_clocks(cli, here):

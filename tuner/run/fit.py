@@ -146,13 +146,18 @@ def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wish
         check_channels(name, cls, line)
     facts = channel_facts(cls, "inputs"), channel_facts(cls, "outputs")
     strange = [words for line in lines for words in implausible(line, *facts)]
-    source = Source.joined(
-        " + ".join(part.name for record in records for part in record.sources),
-        [part for record in records for part in record.sources],
-    )
+    source = _source([part for record in records for part in record.sources])
     line = lines[0] if len(lines) == 1 else stacked(lines)
     posed = pose(name, cls, line, wishes, source)
     return replace(posed, notes=(*strange, *line.notes))
+
+
+def _source(parts: list[Source]) -> Source:
+    """Where recordings come from: their files, of which one may hold many recordings."""
+    files = {(part.name, part.sha256) for part in parts}
+    if len(files) == 1:
+        return replace(parts[0], samples=sum(part.samples for part in parts))
+    return Source.joined(" + ".join(dict.fromkeys(part.name for part in parts)), parts)
 
 
 def plan_fit(posed: Posed, request: Request) -> Plan:
