@@ -166,6 +166,16 @@ BAD = {
     ),
     "huge values": (spoilt(LEVEL, z=1e99 * LEVEL["z"]), level("--map", "z=z"), ("another unit",)),
     "acc in g": (spoilt(IMU, **FACTORS["in g"]), imu(*SIX, *QUATERNION), ("acc", ":g")),
+    "acc half as large": (
+        spoilt(IMU, **{name: 0.5 * IMU[name] for name in ("ax", "ay", "az")}),
+        imu(*SIX, *QUATERNION),
+        ("acc reads 4.9", "where 9.8 is right", "acc=...*2"),
+    ),
+    "acc without gravity": (
+        spoilt(IMU, **{name: 0.01 * np.sin(9 * IMU["t"]) for name in ("ax", "ay", "az")}),
+        imu(*SIX, *QUATERNION),
+        ("acc reads", "gravity was taken out"),
+    ),
     "gyr in degrees": (spoilt(IMU, **FACTORS["in degrees"]), imu(*SIX, *QUATERNION), ("deg/s",)),
     "truth in another frame": (
         spoilt(IMU, **TURNED),

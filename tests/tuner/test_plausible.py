@@ -76,9 +76,19 @@ def test_accelerometers_of_another_scale_are_refused(scale, factor):
     assert f"acc=...*{factor}" in sentence
 
 
-def test_gravity_taken_out_is_said():
+def test_gravity_taken_out_is_refused():
     still = 0.02 * np.random.default_rng(3).normal(size=(N, 3))
-    assert "gravity was taken out" in check_accelerometer("acc", still, np.full(N, 0.02))
+    with pytest.raises(LogError, match="gravity was taken out of it; map the specific force"):
+        check_accelerometer("acc", still, np.full(N, 0.02))
+
+
+@pytest.mark.parametrize("reads", [0.0, 1.0, 7.0])
+def test_a_fall_is_no_other_unit(reads):
+    """It reads gravity as a rule, shaken, and is calmest where it falls."""
+    flown = ACC + 0.8 * np.random.default_rng(4).normal(size=ACC.shape)
+    flown[:100] = [0.0, 0.0, reads]
+    (warning,) = judged(acc=flown)
+    assert f"reads {reads:.3g} m/s^2 where it is calmest, and " in warning
 
 
 def test_gyroscopes_in_degrees_under_radians():

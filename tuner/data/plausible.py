@@ -75,10 +75,10 @@ def check_accelerometer(name: str, acc: Floats, dt: Floats, way_out: str = _MAP)
         way_out: what the user is told to do, with {name} and {unit}.
 
     Returns:
-        A warning where gravity was taken out; empty where it reads gravity, or is never at rest.
+        A warning where it reads gravity as a rule, but not where it is calmest; else nothing.
 
     Raises:
-        LogError: where it reads 1, gravity in another unit, or something else.
+        LogError: where it reads 1, gravity in another unit, nothing, or something else.
 
     >>> still = np.tile([0.0, 0.0, 1.0], (100, 1))
     >>> check_accelerometer("acc", still, np.full(100, 0.01))
@@ -90,6 +90,9 @@ def check_accelerometer(name: str, acc: Floats, dt: Floats, way_out: str = _MAP)
     norm = _at_rest(acc, dt)
     if norm is None or 0.9 * _GRAVITY < norm < 1.1 * _GRAVITY:
         return ""
+    usual = float(np.nanmedian(np.linalg.norm(acc, axis=1)))
+    if 0.8 * _GRAVITY < usual < 1.2 * _GRAVITY:  # a fall or a steady push is calm, too
+        return f"{name} reads {norm:.3g} m/s^2 where it is calmest, and {usual:.3g} as a rule"
     near = [scale for scale in _FORCES if 0.9 * scale.factor < norm < 1.1 * scale.factor]
     if near:
         units = " or ".join(scale.unit for scale in near)
@@ -98,9 +101,9 @@ def check_accelerometer(name: str, acc: Floats, dt: Floats, way_out: str = _MAP)
             f"{way_out.format(name=name, unit=near[0].unit)}"
         )
     if norm < 0.1 * _GRAVITY:
-        return (
-            f"{name} reads {norm:.3g} m/s^2 at rest, so gravity was taken out of it; "
-            "map the specific force, with gravity, where the filter needs it"
+        raise LogError(
+            f"{name} reads {norm:.3g} m/s^2 at rest, so gravity was taken out of it; map the "
+            "specific force, which reads 9.8 at rest"
         )
     raise LogError(
         f"{name} reads {norm:.3g} m/s^2 at rest, where 9.8 is right; give its unit, or the factor "
