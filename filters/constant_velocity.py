@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Literal, NamedTuple, TypeAlias
 
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from filters.declared import Channel, Param
@@ -265,8 +266,9 @@ def _linear(axes: int, Q: Array, R: Array, dt: float) -> LinearForm:
 
 def _measured(inputs: PositionSample) -> Measured:
     given = [part for part in (inputs.x, inputs.y, inputs.z) if part is not None]
-    z = jnp.stack(given, axis=-1)
-    sigma = None if inputs.sigma is None else jnp.broadcast_to(inputs.sigma[:, None], z.shape)
+    z = np.stack([np.asarray(part) for part in given], axis=-1)
+    own = None if inputs.sigma is None else np.asarray(inputs.sigma)[:, None]
+    sigma = None if own is None else np.broadcast_to(own, z.shape)
     return Measured(z, sigma=sigma)
 
 

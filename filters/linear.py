@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from filters.declared import Channel
@@ -84,9 +85,9 @@ class Measured(NamedTuple):
             or None; where one is not positive its measurement is missing.
     """
 
-    z: Array
-    u: Array | None = None
-    sigma: Array | None = None
+    z: Array | np.ndarray
+    u: Array | np.ndarray | None = None
+    sigma: Array | np.ndarray | None = None
 
 
 class LinearOutputs(NamedTuple):

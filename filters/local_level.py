@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from filters.declared import Channel, Param
@@ -135,8 +136,8 @@ class LocalLevel:
 
     def measured(self, inputs: LevelSample) -> Measured:
         """The measurements of a whole record, ``(N, 1)``, with their deviations."""
-        sigma = None if inputs.sigma is None else inputs.sigma[:, None]
-        return Measured(inputs.z[:, None], sigma=sigma)
+        sigma = None if inputs.sigma is None else np.asarray(inputs.sigma)[:, None]
+        return Measured(np.asarray(inputs.z)[:, None], sigma=sigma)
 
     def derive(self, params: LocalLevelNoise) -> dict[str, Array]:
         """Q = q dt, and the steady gain, K^2 / (1 - K) = Q/R solved without cancellation.

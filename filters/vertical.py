@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Annotated, Literal, NamedTuple, TypeAlias
 
-import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
@@ -173,11 +173,11 @@ class Vertical:
 
     def measured(self, inputs: VerticalSample) -> Measured:
         """The heights of a whole record, ``(N, 1)``, and the acceleration before each."""
-        there = ~jnp.isnan(inputs.acc)
-        last = jax.lax.cummax(jnp.where(there, jnp.arange(len(there)), -1))
-        held = jnp.where(last < 0, 0.0, inputs.acc[last] - self._pull())
-        before = jnp.concatenate([jnp.zeros(1), held[:-1]])
-        return Measured(inputs.baro[:, None], before[:, None])
+        acc = np.asarray(inputs.acc)
+        last = np.maximum.accumulate(np.where(np.isnan(acc), -1, np.arange(len(acc))))
+        held = np.where(last < 0, 0.0, acc[last] - self._pull())
+        before = np.concatenate([np.zeros(1), held[:-1]])
+        return Measured(np.asarray(inputs.baro)[:, None], before[:, None])
 
     def derive(self, params: VerticalNoise) -> dict[str, Array]:
         """The covariance a sample and the steady gains, from the Riccati equation."""

@@ -4,9 +4,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from objectives import InnovationLikelihood
 from tuner.identifiability.least_squares import Estimate, estimate
 from tuner.identifiability.linear_form import linear_problem
-from tuner.identifiability.noise import Entry
+from tuner.identifiability.noise import Entry, NoModelError
 from tuner.identifiability.rank import rank_of, said
 from tuner.identifiability.windows import differences
 from tuner.problem.parameters import Bounded, Covariance, Limited, Parameter, Positive
@@ -66,6 +67,11 @@ def determined(problem: Problem) -> Determined:
     >>> all(abs(found.values[k] - v) < 3 * found.deviations[k] for k, v in {"q": 1, "R": 4}.items())
     True
     """
+    if not isinstance(problem.objective, InnovationLikelihood):
+        raise NoModelError(
+            f"{problem.name} is not judged by the likelihood of its innovations, and what else its "
+            "objective tells of the noise is not known before it is tried"
+        )
     linear = linear_problem(problem)
     taken = differences(linear.recordings)
     rank = rank_of(taken)

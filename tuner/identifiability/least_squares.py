@@ -7,8 +7,8 @@ import numpy as np
 from tuner.identifiability.noise import Entry
 from tuner.identifiability.windows import Differences
 
-_ROUNDS = 30
-_SETTLED = 1e-6
+_ROUNDS = 12
+_SETTLED = 1e-3  # a hundredth of what such an estimate is good for
 _HOLD = 1e-9  # weight that keeps what the data leave open where it was
 _MEDIAN = 0.4549364231195724  # median of the square of a standard normal number
 

@@ -66,8 +66,6 @@ def linear_problem(problem: Problem) -> LinearProblem:
             parameters nor in their squares.
     """
     own, data = bare(problem.filter), problem.data.inputs
-    if not isinstance(problem.objective, InnovationLikelihood):
-        raise NoModelError(f"{problem.name} is not judged by the likelihood of its innovations")
     if not isinstance(own, LinearKalman) and not (
         hasattr(own, "linear") and hasattr(own, "measured")
     ):
@@ -97,11 +95,7 @@ def linear_problem(problem: Problem) -> LinearProblem:
         return _noise_at(own, params, jnp.asarray(steps) if timed else None, tables)
 
     parts = parts_of(noise, free)
-    lanes = getattr(problem.filter, "count", None)
-    measured = _measured(own, inputs, lanes)
-    return LinearProblem(
-        parts.entries, _recordings(problem, parts.matrices, measured, steps, dt, lanes)
-    )
+    return LinearProblem(parts.entries, _recordings(problem, parts.matrices, inputs, steps, dt))
 
 
 def _is_timed(filter: Any) -> bool:
@@ -137,55 +131,40 @@ def _noise_at(own: Any, params: Any, steps: Array | None, tables: Matrices | Non
     return Matrices(F, B, Q, form.H, jnp.diag(form.R) if form.R.ndim == 1 else form.R)
 
 
-def _measured(own: Any, inputs: Any, lanes: int | None) -> Measured:
-    if isinstance(own, LinearKalman):
-        return Measured(inputs.z, inputs.u)
-    read = own.measured if lanes is None else jax.vmap(own.measured, in_axes=1, out_axes=1)
-    found: Measured = read(inputs)
-    return found
-
-
 def _recordings(
-    problem: Problem,
-    noise: Matrices,
-    measured: Measured,
-    steps: np.ndarray,
-    dt: np.ndarray | None,
-    lanes: int | None,
+    problem: Problem, matrices: Matrices, inputs: Any, steps: np.ndarray, dt: np.ndarray | None
 ) -> tuple[NoiseModel, ...]:
-    z = _counted(np.array(measured.z, float), np.asarray(problem.data.truth))
-    sigma = np.ones_like(z) if measured.sigma is None else np.asarray(measured.sigma)
-    z = np.where(sigma > 0, z, np.nan)
-    F = np.asarray(noise.F)
-    B = None if noise.B is None else np.asarray(noise.B)
+    """One for each lane, and for each of the signals that pass through the same gains."""
+    lanes = getattr(problem.filter, "count", None)
     found = []
     for lane in range(lanes or 1):
-        mine = z if lanes is None else z[:, lane]
-        own = sigma if lanes is None else sigma[:, lane]
-        clock = None if dt is None else dt if dt.ndim == 1 else dt[:, lane]
+        inputs_, truth, clock = jax.tree.map(
+            lambda leaf, lane=lane: np.asarray(leaf if lanes is None else leaf[:, lane]),
+            (inputs, problem.data.truth, dt),
+        )
+        measured = _measured(bare(problem.filter), inputs_)
+        z = np.array(measured.z, float)
+        if isinstance(problem.objective, InnovationLikelihood):
+            z = _counted(z, truth)
         which = np.zeros(len(z), int) if clock is None else np.searchsorted(steps, clock)
-        if len(F) > 1 and clock is None:
+        if len(matrices.F) > 1 and clock is None:
             which = np.arange(len(z))  # a transition with each sample
-        push = np.zeros((len(z), F.shape[-1]))
-        if measured.u is not None and B is not None:
-            u = np.asarray(measured.u)
-            push = np.einsum("tij,tj->ti", B[which], u if lanes is None else u[:, lane])
-        own = own if own.ndim == 2 else own[..., 0]
-        signals = [mine] if mine.ndim == 2 else list(np.moveaxis(mine, 2, 0))
-        found += [
-            NoiseModel(
-                F,
-                np.asarray(noise.Q),
-                which,
-                push,
-                np.asarray(noise.H),
-                np.asarray(noise.R),
-                own,
-                each,
-            )
-            for each in signals
-        ]
+        sigma = np.ones(z.shape[:2]) if measured.sigma is None else np.asarray(measured.sigma)
+        push = np.zeros((len(z), matrices.F.shape[-1]))
+        if measured.u is not None and matrices.B is not None:
+            push = np.einsum("tij,tj->ti", matrices.B[which], np.asarray(measured.u))
+        F, Q, H, R = matrices.F, matrices.Q, matrices.H, matrices.R
+        for signal in [z] if z.ndim == 2 else np.moveaxis(z, 2, 0):
+            seen = np.where(sigma > 0, signal, np.nan)
+            found.append(NoiseModel(F, Q, which, push, H, R, sigma, seen))
     return tuple(found)
+
+
+def _measured(own: Any, inputs: Any) -> Measured:
+    if isinstance(own, LinearKalman):
+        return Measured(inputs.z, inputs.u)
+    found: Measured = own.measured(inputs)
+    return found
 
 
 def _counted(z: np.ndarray, truth: np.ndarray) -> np.ndarray:

@@ -89,8 +89,9 @@ def parts_of(noise: Noise, free: Mapping[str, np.ndarray]) -> Parts:
 
     # Each by another factor, so that products of two show as well.
     factors = 1.5 + np.arange(len(begun)) / max(len(begun), 1)
-    here, slopes = filled(jnp.asarray(begun)), jax.jit(jax.jacfwd(filled))
-    first, second = (slopes(jnp.asarray(at)) for at in (begun, factors * begun))
+    points = jnp.stack([jnp.asarray(begun), jnp.asarray(factors * begun)])
+    both = jax.jit(jax.vmap(lambda at: (filled(at), jax.jacfwd(filled)(at))))(points)
+    (here, first), (_, second) = (jax.tree.map(lambda leaf, i=i: leaf[i], both) for i in (0, 1))
     _refuse_motion(entries, begun, here, first)
     chosen, columns, units = [], [], []
     for i, entry in enumerate(entries):
@@ -107,7 +108,9 @@ def parts_of(noise: Noise, free: Mapping[str, np.ndarray]) -> Parts:
         known = np.where(np.abs(known) > 1e-12 * np.abs(total), known, 0.0)  # no rounding
         return np.stack([known, *each], axis=-3)
 
-    matrices = here._replace(Q=parts(here.Q, first.Q), R=parts(here.R, first.R))
+    Q, R = parts(here.Q, first.Q), parts(here.R, first.R)
+    B = None if here.B is None else np.asarray(here.B)
+    matrices = Matrices(np.asarray(here.F), B, Q, np.asarray(here.H), R)
     return Parts(tuple(chosen), values, matrices)
 
 

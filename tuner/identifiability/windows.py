@@ -1,8 +1,8 @@
 """What of a record does not depend on where it began: differences of neighbouring measurements.
 
-P measurements of a linear model are z = O x + e, with the state x before the first of them
-and noise e. A basis A of all rows with A O = 0 leaves differences r = A z of which the noise alone is the
-cause, of the covariance A (C_0 + sum of theta_i C_i) A': linear in what is unknown of the noise.
+P measurements of a linear model are z = O x + e, with the state x before the first of them and
+noise e. A basis A of all rows with A O = 0 leaves differences r = A z that noise alone causes, of
+the covariance A (C_0 + sum of theta_i C_i) A': linear in what is unknown of the noise.
 
 Source: Dunik, Kost and Straka, Design of measurement difference autocovariance method for
 estimation of process and measurement noise covariances, Automatica 90, 2018. The differences of
@@ -14,13 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from tuner.identifiability.linear_form import NoiseModel
+from tuner.identifiability.noise import NoModelError
 
 _ROWS = 48
 """Measurements of a window, so that slow states show; more where the model has many states."""
 _MOST_ROWS = 160
 _MEMORY = 4e6
 """Numbers that the noise of all windows' steps may take."""
-_MOST = 16000
+_MOST = 8000
 """Measurements in all windows together."""
 _GAP = 2000
 """Longest gap, in samples, that a window may span."""
@@ -52,7 +53,7 @@ def differences(recordings: tuple[NoiseModel, ...], rows: int | None = None) -> 
         rows: measurements in a window; None chooses.
 
     Raises:
-        ValueError: where no recording has more measurements than the model has states.
+        NoModelError: where no recording has more measurements than the model has states.
     """
     n, m = recordings[0].F.shape[-1], len(recordings[0].H)
     scale = _scales(recordings)
@@ -69,7 +70,7 @@ def differences(recordings: tuple[NoiseModel, ...], rows: int | None = None) -> 
         if found is not None:
             return found
         if rows <= 2 * n + 1:
-            raise ValueError(
+            raise NoModelError(
                 f"no more than {most} measurements are left in a recording, too few for a model of "
                 f"{n} states to tell anything of its noise"
             )
