@@ -81,6 +81,8 @@ class TunedParameter:
         interval_kind: which of the three, in words; "" without an interval.
         robust: of a likelihood, the interval that holds as well where the innovations are
             correlated or not Gaussian; None where the record is too short.
+        deviation: of a matrix, the standard deviation of each entry, to first order; None for a
+            number, a plain cost, and where the data do not determine it.
     """
 
     value: np.ndarray
@@ -88,6 +90,7 @@ class TunedParameter:
     interval: tuple[float, float] | None
     interval_kind: str = ""
     robust: tuple[float, float] | None = None
+    deviation: np.ndarray | None = None
 
 
 def range_in_words(interval: tuple[float | None, float | None]) -> str:

@@ -31,6 +31,7 @@ class ParameterRecord(_Record):
     interval: tuple[float | None, float | None] | None
     interval_kind: str = ""
     robust: tuple[float | None, float | None] | None = None
+    deviation: list[list[float]] | None = None
 
     @classmethod
     def of(cls, parameter: TunedParameter) -> "ParameterRecord":
@@ -41,13 +42,15 @@ class ParameterRecord(_Record):
             interval=parameter.interval,
             interval_kind=parameter.interval_kind,
             robust=parameter.robust,
+            deviation=None if parameter.deviation is None else parameter.deviation.tolist(),
         )
 
     def parameter(self) -> TunedParameter:
         """The parameter that was recorded."""
         value = np.array(self.value)
         ends = _ends(self.interval), self.interval_kind, _ends(self.robust)
-        return TunedParameter(value, self.unit, *ends)
+        deviation = None if self.deviation is None else np.array(self.deviation)
+        return TunedParameter(value, self.unit, *ends, deviation)
 
 
 def _ends(interval: tuple[float | None, float | None] | None) -> tuple[float, float] | None:
