@@ -174,7 +174,7 @@ class Study:
         paper: the citation.
         settings: the model of its options, a frozen pydantic model that forbids unknown names.
         plan: from settings, recordings (none: its own data), seed and database URL to the plan.
-        channels: what ``--map`` may name; None if it takes no recording.
+        channels: what ``--map`` may name, nothing for any name; None if it takes no recording.
         truths: what ``--truth`` may name.
     """
 
