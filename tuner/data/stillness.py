@@ -24,13 +24,11 @@ class Motion:
 
     Attributes:
         ratio: variance of what is slow over that of the noise, in the record as a whole.
-        moving: share of the record that moves.
         rest: longest part without motion, from and to in s since the record's first sample; None
             where there is none of 2 s.
     """
 
     ratio: float
-    moving: float
     rest: tuple[float, float] | None
 
 
@@ -68,11 +66,11 @@ def find_motion(record: Floats, rate_hz: float) -> Motion | None:
     if not moves.any():
         return None
     rest = _longest(~moves, length / rate_hz, len(record) / rate_hz)
-    return Motion(max(float(record.var() / noise) - 1.0, 0.0), float(moves.mean()), rest)
+    return Motion(max(float(record.var() / noise) - 1.0, 0.0), rest)
 
 
 def check_at_rest(
-    name: str, record: Floats, rate_hz: float, start_s: float = 0.0, way_out: str = ""
+    name: str, record: Floats, rate_hz: float, start_s: float = 0.0
 ) -> None:
     """Refuse a record that moves.
 
@@ -81,7 +79,6 @@ def check_at_rest(
         record: even samples, none missing, ``(N,)``.
         rate_hz: sample rate.
         start_s: when its first sample was taken, as --from counts.
-        way_out: what is to be done where it rests nowhere.
 
     Raises:
         LogError: with the place where it rests.
@@ -89,10 +86,9 @@ def check_at_rest(
     found = find_motion(record, rate_hz)
     if found is None:
         return
-    told = f"{name} is not at rest (slow parts are {found.ratio:.3g} times the noise"
-    told += f", {100 * found.moving:.2g} % of it moves)"
+    told = f"{name} is not at rest (slow parts are {found.ratio:.3g} times the noise)"
     if found.rest is None:
-        raise LogError(f"{told}; record at rest, or use a fit that models the motion{way_out}")
+        raise LogError(f"{told}; record at rest, or use a fit that models the motion")
     begin, end = (start_s + at for at in found.rest)
     raise LogError(
         f"{told}; it rests from {begin:g} s to {end:g} s: --from {begin:g} --to {end:g}"
