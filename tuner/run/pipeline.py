@@ -122,6 +122,7 @@ class Run:
             artifacts=[*artifacts, "result.json"],
             seconds=time.perf_counter() - begun,
             fit=self._report(solutions),
+            findings=list(self.plan.findings(self.plan.case, solutions)),
         )
         self.folder.write("result.json", result.to_json().encode())
         self.folder.remove("progress.json")

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from tuner.certificate.solution import Certificate, Solution, Starts, Status, TunedParameter
 from tuner.data.source import Source
 from tuner.run.comparison import Comparison
+from tuner.run.finding import Finding
 
 if TYPE_CHECKING:
     from tuner.run.judged import Judged
@@ -222,6 +223,7 @@ class Result(_Record):
     artifacts: list[str]
     seconds: float
     fit: FitRecord | None = Field(None, description="of a fit: what it is worth")
+    findings: list[Finding] = Field([], description="numbers that people take from the run")
 
     def to_json(self) -> str:
         """JSON text; infinite numbers become null."""
