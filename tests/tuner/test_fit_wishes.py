@@ -69,7 +69,7 @@ def test_a_start_is_where_it_begins_and_what_is_meant_by_before(cli, here, log):
     result = fitted(cli, log, *WORDS, *QUICK, "--start", "q=4", "--start", "R=25")
     y, s = cases.level_loop(cases.level()["z"], 4.0, 25.0, 1.0)
     assert result["fit"]["start"] == pytest.approx(cases.deviation(y, s), rel=1e-9)
-    before = result["fit"]["consistency"][0]
+    before = result["fit"]["diagnostics"][0]
     assert before["nis"] == pytest.approx(np.mean(y**2 / s), rel=1e-9)
     # Far from the data's own scale a start widens the search to itself.
     far = fitted(cli, log, *WORDS, *QUICK, "--start", "q=1e13", "--out", "far")
@@ -196,11 +196,11 @@ def test_json_holds_the_fit_section(run):
     assert (result["schema"], result["study"]) == ("tuner.result/1", "fit")
     fit = result["fit"]
     assert set(fit) == {
-        *("filter", "objective", "unit", "start", "tuned", "held_out", "consistency", "lines"),
+        *("filter", "objective", "unit", "start", "tuned", "held_out", "diagnostics", "lines"),
     }
     assert (fit["filter"], fit["objective"], fit["unit"]) == ("LocalLevel", "likelihood", "m")
     assert set(fit["held_out"]) == {"what", "start", "tuned"}
-    assert len(fit["consistency"]) == 2
+    assert len(fit["diagnostics"]) == 2
     assert [s["problem"] for s in result["solutions"]] == ["local_level", "local_level_part"]
     assert set(result["artifacts"]) == {n for n, data in snapshot(run).items() if data is not None}
 

@@ -1,4 +1,4 @@
-"""Whether what is held out is held out, and whether consistency says what it says."""
+"""Whether what is held out is held out, and what innovations say beside it."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from filters import LocalLevel
 from tests.tuner import fit_cases as cases
 from tuner.run.fit import Request as Asked
 from tuner.run.fit import plan_fit, pose_on
-from tuner.run.judged import FEW, SHARE, Consistency, first_part, lag_one
+from tuner.run.judged import FEW, SHARE, first_part
 from tuner.run.searched import Wishes
 
 
@@ -94,20 +94,6 @@ def test_samples_are_counted_where_there_are_some():
     assert np.flatnonzero(np.isfinite(truth)).tolist() == list(range(141))
 
 
-@pytest.mark.parametrize(
-    ("nis", "verdict"),
-    [
-        (1.0, "consistent"),
-        (0.8, "noise variances too large by a factor 1.25"),
-        (4.0, "noise variances too small by a factor 4"),
-        (0.0, "nothing that is not foretold: too little noise to judge by"),
-        (float("nan"), "nothing that is not foretold: too little noise to judge by"),
-    ],
-)
-def test_verdicts(nis, verdict):
-    assert Consistency(nis, 0.9, 1.1, 0.0, 100).verdict == verdict
-
-
 def test_a_wrong_scale_of_all_variances_is_told():
     """All variances 100 times too large: NIS is 0.01, whatever the data."""
     z = cases.level()["z"]
@@ -120,7 +106,7 @@ def test_a_wrong_scale_of_all_variances_is_told():
         starts=1,
         hold_out=False,
     )
-    before, now = fit.judged.consistency
+    before, now = fit.judged.diagnostics
     # At the likelihood's optimum the NIS is 1 to the search's tolerance.
     assert before.nis == pytest.approx(0.01, rel=1e-3)
     assert before.verdict.startswith("noise variances too large by a factor 100")
@@ -129,14 +115,3 @@ def test_a_wrong_scale_of_all_variances_is_told():
         pytest.approx(cases.deviation(*cases.level_loop(z, *start.values(), 1.0)), rel=1e-9),
         399,
     )
-
-
-def test_lag_one_of_white_and_of_like_numbers():
-    white = np.random.default_rng(2).standard_normal((4000, 2))
-    assert abs(lag_one(white)) < 4 / np.sqrt(8000)  # four of its deviations
-    like = np.cumsum(white, axis=0)
-    assert lag_one(like) > 0.99
-    assert np.isnan(lag_one(np.full((5, 1), np.nan)))
-    # Several measurements are not joined: the last of one and the first of the next are no pair.
-    two = np.stack([[1.0, 1.0], [-1.0, -1.0]], axis=1)
-    assert lag_one(two) == pytest.approx(1.0)

@@ -197,6 +197,44 @@ def fit(
 
 
 @app.command()
+def check(
+    run: Annotated[
+        Path | None, typer.Argument(help="Folder of a fit, whose values are checked.")
+    ] = None,
+    log: Annotated[list[Path] | None, typer.Option(help="Recordings: CSV, NPZ or MAT.")] = None,
+    filter: Annotated[str | None, typer.Option(help="Of tuner list filters, without RUN.")] = None,
+    set: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=VALUE", help="A parameter in use, or an option of the filter."),
+    ] = None,
+    map: Maps = None,
+    truth: Truths = None,
+    rate: Rate = None,
+    time: Time = None,
+    by: By = None,
+    objective: Annotated[
+        str | None, typer.Option(help="Of tuner list objectives; the error or the likelihood.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Check values in use on a recording that they were not tuned on."""
+    from tuner.cli.check import show
+    from tuner.cli.request import Request
+
+    request = Request(
+        study="fit",
+        logs=tuple(log or ()),
+        maps=tuple(map or ()),
+        truths=tuple(truth or ()),
+        rate=rate,
+        time=time,
+        by=by,
+        json=json,
+    )
+    raise typer.Exit(show(run, filter, set or (), request, objective))
+
+
+@app.command()
 def compare(
     runs: Annotated[list[Path], typer.Argument(help="Folders of runs, or their result.json.")],
     tol: Annotated[

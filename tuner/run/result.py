@@ -10,10 +10,12 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from tuner.certificate.solution import Certificate, Solution, Starts, Status, TunedParameter
 from tuner.data.source import Source
+from tuner.diagnostics.finding import Verdict
 from tuner.run.comparison import Comparison
 from tuner.run.finding import Finding
 
 if TYPE_CHECKING:
+    from tuner.diagnostics import Diagnostics
     from tuner.run.judged import Judged
 
 
@@ -161,14 +163,35 @@ class HeldOutRecord(_Record):
     tuned: float | None
 
 
-class ConsistencyRecord(_Record):
-    """See :class:`tuner.run.judged.Consistency`."""
+class FindingRecord(_Record):
+    """See :class:`tuner.diagnostics.Finding`."""
+
+    test: str
+    what: str
+    statistic: float | None
+    p: float | None
+    verdict: Verdict
+    sentence: str
+    details: dict[str, float | None]
+
+
+class DiagnosticsRecord(_Record):
+    """See :class:`tuner.diagnostics.Diagnostics`."""
 
     nis: float | None
-    low: float
-    high: float
+    low: float | None
+    high: float | None
+    factor: float | None
+    factor_low: float | None
+    factor_high: float | None
     lag_one: float | None
     numbers: int
+    findings: list[FindingRecord]
+
+    @classmethod
+    def of(cls, diagnostics: "Diagnostics") -> "DiagnosticsRecord":
+        """The record of what innovations say."""
+        return cls.model_validate(asdict(diagnostics))
 
 
 class FitRecord(_Record):
@@ -178,7 +201,7 @@ class FitRecord(_Record):
         filter: name of the filter's class.
         objective, unit, start, tuned: the objective before and after.
         held_out: the same on data that was not used.
-        consistency: of the innovations, before and after; empty without a variance.
+        diagnostics: of the innovations, before and after; empty without any.
         lines: the five lines that a run ends with.
     """
 
@@ -188,7 +211,7 @@ class FitRecord(_Record):
     start: float | None
     tuned: float | None
     held_out: HeldOutRecord | None
-    consistency: list[ConsistencyRecord]
+    diagnostics: list[DiagnosticsRecord]
     lines: list[str]
 
     @classmethod
@@ -202,7 +225,7 @@ class FitRecord(_Record):
             start=judged.start,
             tuned=judged.tuned,
             held_out=None if held is None else HeldOutRecord(**asdict(held)),
-            consistency=[ConsistencyRecord(**asdict(each)) for each in judged.consistency or ()],
+            diagnostics=[DiagnosticsRecord.of(each) for each in judged.diagnostics or ()],
             lines=lines,
         )
 

@@ -40,6 +40,7 @@ class Wishes:
         bound: the ends of the search, by parameter.
         options: fields of the filter's class, such as ``law``.
         objective: name of the objective; None chooses by what there is.
+        held: whether all parameters may be held: values are tried, not tuned.
     """
 
     start: Mapping[str, float] = field(default_factory=dict)
@@ -47,6 +48,7 @@ class Wishes:
     bound: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     options: Mapping[str, Any] = field(default_factory=dict)
     objective: str | None = None
+    held: bool = False
 
 
 def space_of(cls: type[Any], timeline: Timeline, wishes: Wishes) -> Space:
@@ -67,7 +69,7 @@ def space_of(cls: type[Any], timeline: Timeline, wishes: Wishes) -> Space:
         for name, fact in facts.items()
         if name not in without
     }
-    if all(isinstance(parameter, Fixed) for parameter in chosen.values()):
+    if not wishes.held and all(isinstance(parameter, Fixed) for parameter in chosen.values()):
         held = ", ".join(chosen)
         raise ValueError(f"nothing is left to tune: {held} are held; fix one parameter less")
     return Space(tuple(chosen.items()))

@@ -87,12 +87,17 @@ def _trust(solution: Solution, judged: Judged) -> Iterator[str]:
     yield solution.status.value
     if starts.count > 1:
         yield f"{starts.agreeing} of {starts.count} starts agree"
-    if judged.consistency is not None:
-        for when, found in zip(("before", "now"), judged.consistency, strict=True):
+    if judged.diagnostics is None:
+        return
+    for when, found in zip(("before", "now"), judged.diagnostics, strict=True):
+        if found["size"].verdict != "not tried":
             yield (
                 f"{when}: NIS {found.nis:.4g} ({found.low:.3g} to {found.high:.3g} expected: "
                 f"{found.verdict}){_lag(found.lag_one)}"
             )
+    now = judged.diagnostics[1]
+    said = {"size"} if now.verdict != "consistent" else set()
+    yield from (found.sentence for found in now.failed if found.test not in said)
 
 
 def _lag(correlation: float) -> str:
