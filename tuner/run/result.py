@@ -155,12 +155,38 @@ class SingleRecord(_Record):
     warning: str
 
 
-class HeldOutRecord(_Record):
-    """See :class:`tuner.run.judged.HeldOut`."""
+class GainRecord(_Record):
+    """See :class:`tuner.run.amounts.Gain`."""
 
+    share: float | None
+    low: float | None
+    high: float | None
+    blocks: int
+
+
+class OneHeldOutRecord(_Record):
+    """See :class:`tuner.run.held_out.OneHeldOut`."""
+
+    recording: int
+    start: float | None
+    tuned: float | None
+    best: float | None
+
+
+class HeldOutRecord(_Record):
+    """See :class:`tuner.run.held_out.HeldOut`."""
+
+    way: str
     what: str
     start: float | None
     tuned: float | None
+    gain: GainRecord | None
+    nothing: str
+    unfiltered: float | None
+    over_unfiltered: GainRecord | None
+    best: float | None
+    gap: float | None
+    recordings: list[OneHeldOutRecord]
 
 
 class FindingRecord(_Record):
@@ -224,7 +250,7 @@ class FitRecord(_Record):
             unit=judged.unit,
             start=judged.start,
             tuned=judged.tuned,
-            held_out=None if held is None else HeldOutRecord(**asdict(held)),
+            held_out=None if held is None else HeldOutRecord.model_validate(asdict(held)),
             diagnostics=[DiagnosticsRecord.of(each) for each in judged.diagnostics or ()],
             lines=lines,
         )
