@@ -107,9 +107,11 @@ from filters.kownacki import (  # noqa: E402
 )
 from filters.linear import (  # noqa: E402
     GainedSample,
+    LinearForm,
     LinearKalman,
     LinearModel,
     LinearOutputs,
+    Measured,
     Sample,
     StoredGains,
     Transition,
@@ -209,6 +211,7 @@ __all__ = [
     "KownackiNoise",
     "Lanes",
     "LevelSample",
+    "LinearForm",
     "LinearKalman",
     "LinearModel",
     "LinearOutputs",
@@ -223,6 +226,7 @@ __all__ = [
     "Mahony",
     "MahonyGains",
     "MahonyState",
+    "Measured",
     "Param",
     "PiComplementary",
     "PiGains",

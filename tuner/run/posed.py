@@ -17,7 +17,7 @@ from tuner.data.units import change
 from tuner.names import unknown
 from tuner.problem.exported import exported_of
 from tuner.problem.problem import Problem
-from tuner.run.searched import Wishes, own_unit, space_of
+from tuner.run.searched import Wishes, own_unit, sizes_of, space_of
 
 HEADING = frozenset(("mag", "gps", "gps_vel"))
 """Inputs that show a heading; without one an attitude is judged by its inclination."""
@@ -66,13 +66,14 @@ def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: 
     objective, judged, output = choose_objective(name, cls, timeline, wishes.objective)
     unit = _unit_of(cls, timeline, objective, output)
     outputs = channel_facts(cls, "outputs")
+    data = Data(_inputs(cls, timeline), truth_of(timeline, outputs.get(output), output))
     problem = Problem(
         name=name.replace("-", "_"),
-        space=space_of(cls, timeline, wishes),
+        space=space_of(cls, timeline, wishes, sizes_of(cls, filter, judged, data)),
         filter=filter,
         build=None,
         objective=judged,
-        data=Data(_inputs(cls, timeline), truth_of(timeline, outputs.get(output), output)),
+        data=data,
         source=source,
         exported=exported_of(filter, own_unit(cls, timeline)),
     )
