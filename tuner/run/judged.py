@@ -8,8 +8,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from filters.declared import bare
-from tuner.certificate.solution import Solution
+from tuner.certificate.solution import Solution, Status
 from tuner.problem.problem import Problem
+from tuner.run.careful import Refused, refused_of
 from tuner.run.posed import Posed
 
 SHARE = 0.7
@@ -72,6 +73,7 @@ class Judged:
         tuned: its value at the solution.
         held_out: the same on data that was not used; None where there is too little.
         consistency: of the start and of the solution; None for a filter without a variance.
+        refused: what a gate left out at the solution; None without one.
     """
 
     objective: str
@@ -80,6 +82,7 @@ class Judged:
     tuned: float
     held_out: HeldOut | None
     consistency: tuple[Consistency, Consistency] | None
+    refused: Refused | None = None
 
 
 def first_part(posed: Posed) -> Problem | None:
@@ -100,7 +103,12 @@ def judge(posed: Posed, solution: Solution, part: Solution | None) -> Judged:
         posed: the problem.
         solution: tuned on all of the data.
         part: tuned on :func:`first_part`; None where there is none.
+
+    Raises:
+        ValueError: where a gate refuses all.
     """
+    found = solution.status is not Status.FAILED
+    refused = refused_of(posed.problem.outputs(solution)) if found else None
     begun = posed.problem.parameters(posed.problem.space.start())
     consistency = None
     if posed.objective == "likelihood":
@@ -112,6 +120,7 @@ def judge(posed: Posed, solution: Solution, part: Solution | None) -> Judged:
         posed.problem.score(_of(solution)),
         None if part is None else _held_out(posed.problem, begun, _of(part)),
         consistency,
+        refused,
     )
 
 

@@ -87,6 +87,8 @@ def _trust(solution: Solution, judged: Judged) -> Iterator[str]:
     yield solution.status.value
     if starts.count > 1:
         yield f"{starts.agreeing} of {starts.count} starts agree"
+    if judged.refused is not None:
+        yield judged.refused.words
     if judged.consistency is not None:
         for when, found in zip(("before", "now"), judged.consistency, strict=True):
             yield (
