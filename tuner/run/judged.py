@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 
 from filters.declared import bare
-from tuner.certificate.solution import Solution
+from tuner.certificate.solution import Solution, Status
 from tuner.diagnostics import Diagnostics
 from tuner.problem.problem import Problem
+from tuner.run.careful import Refused, refused_of
 from tuner.run.diagnosed import diagnosed
 from tuner.run.held_out import HeldOut
 from tuner.run.posed import Posed
@@ -26,6 +27,7 @@ class Judged:
         held_out: the same on data that was not used; None where there is too little.
         diagnostics: what the innovations say of the start and of the solution; None for a filter
             without any.
+        refused: what a gate left out at the solution; None without one.
     """
 
     objective: str
@@ -34,6 +36,7 @@ class Judged:
     tuned: float
     held_out: HeldOut | None
     diagnostics: tuple[Diagnostics, Diagnostics] | None
+    refused: Refused | None = None
 
 
 def judge(posed: Posed, solution: Solution, held_out: HeldOut | None) -> Judged:
@@ -43,7 +46,12 @@ def judge(posed: Posed, solution: Solution, held_out: HeldOut | None) -> Judged:
         posed: the problem.
         solution: tuned on all of the data.
         held_out: what it is worth on what was not used; None where nothing was held out.
+
+    Raises:
+        ValueError: where a gate refuses all.
     """
+    found = solution.status is not Status.FAILED
+    refused = refused_of(posed.problem.outputs(solution)) if found else None
     begun = posed.problem.parameters(posed.problem.space.start())
     before, now = diagnosed(posed, begun), diagnosed(posed, _of(solution))
     return Judged(
@@ -53,6 +61,7 @@ def judge(posed: Posed, solution: Solution, held_out: HeldOut | None) -> Judged:
         shown(posed.problem, posed.problem.score(_of(solution))),
         held_out,
         None if before is None or now is None else (before, now),
+        refused,
     )
 
 

@@ -132,10 +132,12 @@ class Run:
     def _outputs(self, problem: Problem, solution: Solution) -> str:
         """What the tuned filter returns over the recording, in full."""
         from filters.declared import bare, channel_facts, output
+        from tuner.run.careful import SAID
 
         outputs = problem.outputs(solution)
         facts = channel_facts(bare(problem.filter), "outputs")
         found = {name: output(problem.filter, outputs, name) for name in facts}
+        found |= {name: getattr(outputs, name, None) for name in SAID}
         arrays = {name: np.asarray(each) for name, each in found.items() if each is not None}
         stream = io.BytesIO()
         np.savez_compressed(stream, allow_pickle=False, **arrays)
