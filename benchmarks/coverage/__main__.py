@@ -5,7 +5,6 @@ import json
 import multiprocessing
 import sys
 import time
-import warnings
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
 
@@ -13,7 +12,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.coverage.counting import HIGH, LOW, Covered, covered, nile, off_profile
+from benchmarks.coverage.counting import HIGH, LOW, Covered, counted, nile, off_profile
 from benchmarks.coverage.settings import SETTINGS
 
 
@@ -21,13 +20,11 @@ def main(arguments: list[str] | None = None) -> int:
     """Count, print; 1 where an interval that should cover does not."""
     asked = _parser().parse_args(arguments)
     begun = time.perf_counter()
-    work = [(i, asked.seed, asked.records) for i in range(len(SETTINGS)) if _chosen(asked.only, i)]
-    if asked.jobs == 1:
-        rows = [row for part in work for row in _count(part)]
-    else:
-        context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(asked.jobs, context) as pool:
-            rows = [row for part in pool.map(_count, work, chunksize=1) for row in part]
+    chosen = [i for i, setting in enumerate(SETTINGS) if asked.only in setting.name]
+    work = [(i, asked.seed, asked.records) for i in chosen]
+    # Spawned, for JAX does not survive a fork.
+    with ProcessPoolExecutor(asked.jobs, multiprocessing.get_context("spawn")) as pool:
+        rows = [row for part in pool.map(counted, work) for row in part]
     profiles = off_profile(asked.seed, asked.profiles)
     flow = nile()
     if asked.json:
@@ -53,17 +50,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--jobs", type=int, default=2, help="processes")
     parser.add_argument("--json", action="store_true", help="print the rows as JSON")
     return parser
-
-
-def _chosen(only: str, index: int) -> bool:
-    return only in SETTINGS[index].name
-
-
-def _count(part: tuple[int, int, int]) -> list[Covered]:
-    index, seed, count = part
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return covered(SETTINGS[index], seed, count)
 
 
 def _show(rows: list[Covered], said: Console) -> None:

@@ -1,5 +1,6 @@
 """How often the intervals of a setting's records hold the truth."""
 
+import warnings
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -47,6 +48,14 @@ def covered(setting: Setting, seed: int, count: int) -> list[Covered]:
     solver, truth = Gradient("l-bfgs-b", seed=0, starts=1), setting.truth()
     solutions = [solver(setting.problem(record)) for record in setting.records(seed, count)]
     return [_covered(setting, solutions, name, true) for name, true in truth.items()]
+
+
+def counted(part: tuple[int, int, int]) -> list[Covered]:
+    """:func:`covered` of the setting with an index, seed and count: one process's work."""
+    index, seed, count = part
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return covered(SETTINGS[index], seed, count)
 
 
 def _covered(setting: Setting, solutions: list[Solution], name: str, true: float) -> Covered:

@@ -1,6 +1,5 @@
 """The local level's likelihood by plain NumPy, for many records at once; limits by its profile."""
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -92,42 +91,51 @@ def sandwich(z: np.ndarray, fitted: Fitted, lags: int) -> np.ndarray:
 
 
 def limits(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Maximum (q, R) ``(2,)`` and profile limits ``(2, 2)`` of one record, by scipy.
+    """Maximum (q, R) ``(2,)`` and profile limits ``(2, 2)`` of one record.
 
-    A limit that the likelihood does not have is 0 or infinite.
+    The likelihood is laid out on a grid, each limit then found to six digits by scipy. One that
+    the likelihood does not have is 0 or infinite.
     """
     from scipy.optimize import brentq, minimize, minimize_scalar
 
-    def nats(q: float, R: float) -> float:
-        return float(contributions(z, np.exp(q), np.exp(R)).sum())
+    def nats(point: np.ndarray) -> np.ndarray:
+        return _nats(z, np.asarray(point))
 
     middle = np.log(np.var(np.diff(z)) / 2)
-    begins = [(middle + a, middle) for a in (-6.0, -2.0, 0.0)]
-    options = {"xatol": 1e-8, "fatol": 1e-10}
-    ends = [minimize(lambda p: nats(*p), b, method="Nelder-Mead", options=options) for b in begins]
-    best = min(ends, key=lambda end: float(end.fun))
+    axis = np.linspace(middle - 16, middle + 8, 97)
+    surface = nats(np.stack(np.meshgrid(axis, axis, indexing="ij"), axis=-1))
+    low = np.unravel_index(surface.argmin(), surface.shape)
+    options = {"xatol": 1e-9, "fatol": 1e-11}
+    best = minimize(nats, axis[list(low)], method="Nelder-Mead", options=options)
 
-    def rise(index: int) -> Callable[[float], float]:
-        def above(at: float) -> float:
-            def other(x: float) -> float:
-                return nats(at, x) if index == 0 else nats(x, at)
+    def rise(at: float, index: int) -> float:
+        """Twice the least rise where one coordinate is ``at``, less the quantile."""
+        own, others = (np.s_[..., index], np.s_[..., 1 - index])
+        points = np.empty((len(axis), 2))
+        points[own], points[others] = at, axis
+        least = int(nats(points).argmin())
 
-            around = best.x[1 - index]
-            least = min(
-                minimize_scalar(other, bounds=(around - d, around + d), method="bounded").fun
-                for d in (1.0, 12.0)
-            )
-            return float(2 * (least - best.fun) - QUANTILE)
+        def along(x: float) -> float:
+            point = points[least].copy()
+            point[others] = x
+            return float(nats(point))
 
-        return above
+        around = axis[max(least - 1, 0)], axis[min(least + 1, len(axis) - 1)]
+        ended = minimize_scalar(along, bounds=around, method="bounded", options={"xatol": 1e-7})
+        return float(2 * (min(ended.fun, along(axis[least])) - best.fun) - QUANTILE)
 
     found = np.array([[0.0, np.inf], [0.0, np.inf]])
     for index in range(2):
-        above = rise(index)
-        for side, sign in ((0, -1.0), (1, 1.0)):
-            far = best.x[index] + sign * 12
-            if above(far) > 0:
-                found[index, side] = np.exp(brentq(above, best.x[index], far, xtol=1e-6))
+        profile = surface.min(axis=1 - index)
+        for side, sign in ((0, -1), (1, 1)):
+            within = np.flatnonzero(2 * (profile - best.fun) <= QUANTILE)
+            last = within.min() if side == 0 else within.max()
+            # The profile between the points of the grid is lower than on them.
+            ahead = [axis[i] for i in (last + sign, last + 2 * sign) if 0 <= i < len(axis)]
+            outside = [at for at in ahead if rise(at, index) > 0]
+            if outside:
+                root = brentq(rise, axis[last], outside[0], args=(index,), xtol=1e-7)
+                found[index, side] = np.exp(root)
     return np.exp(best.x), found
 
 

@@ -13,7 +13,7 @@ from dataclasses import asdict
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.statuses.battery import SLOW, cases, verdicts
+from benchmarks.statuses.battery import SLOW, Part, solved
 from benchmarks.statuses.judge import Verdict
 
 COLUMNS: dict[str, Callable[[Verdict], bool]] = {
@@ -33,14 +33,11 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the battery; 1 where a goal is missed."""
     asked = _parser().parse_args(arguments)
     begun = time.perf_counter()
-    parts = [(asked.seed, asked.share, asked.slow, i, asked.jobs) for i in range(asked.jobs)]
-    if asked.jobs == 1:
-        found = _part(parts[0], asked.family)
-    else:
-        context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(asked.jobs, context) as pool:
-            lists = pool.map(_part, parts, [asked.family] * len(parts))
-            found = [verdict for each in lists for verdict in each]
+    parts = [
+        Part(asked.seed, asked.share, asked.slow, asked.family, i, asked.jobs)
+        for i in range(asked.jobs)
+    ]
+    found = [verdict for each in _apart(parts) for verdict in each]
     if asked.json:
         print(json.dumps([asdict(verdict) for verdict in found], indent=1))
     else:
@@ -48,6 +45,14 @@ def main(arguments: list[str] | None = None) -> int:
         _show(found, said, examples=asked.examples)
         said.print(f"{len({v.case for v in found})} problems, {time.perf_counter() - begun:.0f} s")
     return int(any(_share(found, name) > goal for name, goal in GOALS.items()))
+
+
+def _apart(parts: list[Part]) -> list[list[Verdict]]:
+    if len(parts) == 1:
+        return [solved(parts[0])]
+    # Spawned, for JAX does not survive a fork.
+    with ProcessPoolExecutor(len(parts), multiprocessing.get_context("spawn")) as pool:
+        return list(pool.map(solved, parts))
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -60,18 +65,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--examples", type=int, default=3, help="named of every fault")
     parser.add_argument("--json", action="store_true", help="print all verdicts as JSON")
     return parser
-
-
-def _part(part: tuple[int, float, int, int, int], family: str | None) -> list[Verdict]:
-    seed, share, slow, first, step = part
-    kinds: dict[str, int] = {}
-    # Problems of one kind stay in one process, for they share their compilations.
-    chosen = [
-        case
-        for case in cases(seed, share, family)
-        if kinds.setdefault(case.kind, len(kinds)) % step == first
-    ]
-    return list(verdicts(chosen, slow=slow))
 
 
 def _share(found: list[Verdict], column: str) -> float:

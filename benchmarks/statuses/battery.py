@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,10 +40,14 @@ def solvers(case: Case, *, slow: int) -> Iterator[str]:
         yield name
 
 
-def verdicts(chosen: Sequence[Case], *, slow: int = SLOW) -> Iterator[Verdict]:
-    """Solve and judge."""
+def verdicts(
+    chosen: Sequence[Case], *, slow: int = SLOW, only: Sequence[str] = SOLVERS
+) -> Iterator[Verdict]:
+    """Solve and judge, by some of the solvers."""
     for case in chosen:
         for name in solvers(case, slow=slow):
+            if name not in only:
+                continue
             solver = make_solver(name, seed=case.number, starts=case.starts, storage="")
             try:
                 with warnings.catch_warnings():
@@ -52,3 +57,25 @@ def verdicts(chosen: Sequence[Case], *, slow: int = SLOW) -> Iterator[Verdict]:
                 yield raised(case, name, error)
                 continue
             yield judge(case, name, solution)
+
+
+class Part(NamedTuple):
+    """What one of several processes does: of the kinds of cases every ``step``-th."""
+
+    seed: int
+    share: float
+    slow: int
+    family: str | None
+    first: int
+    step: int
+
+
+def solved(part: Part) -> list[Verdict]:
+    """The verdicts of a part; cases of one kind stay together, for they share compilations."""
+    kinds: dict[str, int] = {}
+    chosen = [
+        case
+        for case in cases(part.seed, part.share, part.family)
+        if kinds.setdefault(case.kind, len(kinds)) % part.step == part.first
+    ]
+    return list(verdicts(chosen, slow=part.slow))

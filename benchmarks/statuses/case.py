@@ -44,7 +44,7 @@ def plain(values: dict[str, Array]) -> Array:
     return jnp.stack(list(values.values()))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Case:
     """A problem with what is known of it.
 
@@ -76,6 +76,9 @@ class Case:
     several: bool = False
     flat: bool | None = False
     beyond: bool = False
+
+    def __repr__(self) -> str:
+        return f"<{self.name}>"
 
     @property
     def name(self) -> str:

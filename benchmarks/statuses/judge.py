@@ -24,7 +24,7 @@ class Verdict:
         gap: value less the best, over the tolerance: above 1 the optimum was missed.
         agreed: whether more than half of several starts came to the same end.
         wrong: trusted, and worse than the best point of the box.
-        near: trusted, and worse than a point close by; or held by an end of the box.
+        near: trusted, and worse than a point close by, or than one beyond an end that holds it.
         alarm: the optimum, inside the box, and not trusted.
         differs: an alarm because starts differ, where there are wells of different depth.
         lies: how many sentences say that a step changes nothing, and it does.
@@ -52,10 +52,11 @@ def judge(case: Case, solver: str, solution: Solution) -> Verdict:
     z, trusted = solution.z, solution.status.trusted
     value = float(case.values(z[None])[0])
     gap = (value - case.best) / case.tolerance if case.tolerance else np.sign(value - case.best)
-    held = _at_end(case, z)
+    ends = _ends(case, z)
+    held = bool(ends.any())
     good = abs(gap) <= 1 and not held and not case.beyond
     starts = solution.certificate.starts
-    lower = trusted and ((held and case.beyond) or value - _around(case, z) > case.tolerance)
+    lowest = min(_around(case, z), _outside(case, z, ends))
     alarm = good and not trusted
     return Verdict(
         case.family,
@@ -65,7 +66,7 @@ def judge(case: Case, solver: str, solution: Solution) -> Verdict:
         float(gap),
         agreed=starts.count > 1 and 2 * starts.agreeing > starts.count,
         wrong=bool(trusted and gap > 1),
-        near=bool(lower),
+        near=bool(trusted and value - lowest > case.tolerance),
         alarm=bool(alarm),
         differs=bool(alarm) and case.several and solution.status.name == "STARTS_DIFFER",
         lies=sum(_untrue(case, z, value, told) for told in solution.certificate.flat_directions),
@@ -79,11 +80,16 @@ def raised(case: Case, solver: str, error: Exception) -> Verdict:
     return Verdict(case.family, case.name, solver, words, np.inf, raised=True, alarm=True)
 
 
-def _at_end(case: Case, z: np.ndarray) -> bool:
-    """Whether z lies on an end of the search box that is no limit of the problem."""
+def _ends(case: Case, z: np.ndarray) -> np.ndarray:
+    """The ends of the search box on which z lies, -1, 0 or 1, ``(n,)``; limits are none."""
     low, high = case.problem.space.box()
-    at = ((z <= low + END) | (z >= high - END)) & ~case.problem.space.limited()
-    return bool(at.any())
+    ends = 1.0 * (np.abs(z - high) <= END) - (np.abs(z - low) <= END)
+    return np.where(case.problem.space.limited(), 0.0, ends)
+
+
+def _outside(case: Case, z: np.ndarray, ends: np.ndarray) -> float:
+    """The lowest value further out, up to a factor e^2 beyond the ends that z lies on."""
+    return float(np.nanmin(case.values(z + np.linspace(0, 2, 21)[:, None] * ends)))
 
 
 def _around(case: Case, z: np.ndarray) -> float:
