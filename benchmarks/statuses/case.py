@@ -17,6 +17,9 @@ Function: TypeAlias = Callable[[ModuleType, Any, Any], Any]
 
 POSITIVE = Space.of(a=Positive(1.0, 1e-2, 1e2), b=Positive(1.0, 1e-2, 1e2))
 LIMITED = Space.of(x=Limited(0.0, -4.0, 4.0), y=Limited(0.0, -4.0, 4.0))
+EDGE = Space.of(x=Limited(-4.0, -4.0, 4.0), y=Limited(0.0, -4.0, 4.0))
+"""Begun on a limit."""
+MANY = Space.of(**{f"p{i}": Limited(0.0, -4.0, 4.0) for i in range(1, 6)})
 WIDE = Space.of(x=Limited(0.0, -4e5, 4e5), y=Limited(0.0, -4e5, 4e5))
 """Numbers of six digits that nobody gave a scale."""
 THRESHOLD = Space.of(a=Positive(1.0, 1e-2, 1e2, threshold=True), b=Positive(1.0, 1e-2, 1e2))
@@ -115,7 +118,7 @@ def stated(
 ) -> Case:
     """A case of a plain function; without ``best`` a dense search finds it."""
     told = np.asarray(numbers, float)
-    build = plain if space in (LIMITED, WIDE) else logarithms
+    build = plain if space in (LIMITED, EDGE, MANY, WIDE) else logarithms
     problem = Problem(
         f"{kind}_{number}", space, None, build, Stated(function), Data(None, jnp.asarray(told))
     )
@@ -137,7 +140,8 @@ def lowest(
     found = values(grid)
     points = grid[np.argsort(found)[:30]]
     reach = (high - low) / (dense - 1)
-    offsets = np.stack(np.meshgrid(*[np.linspace(-2, 2, 9)] * len(low)), -1).reshape(-1, len(low))
+    around = np.linspace(-2, 2, 9 if len(low) < 3 else 3)
+    offsets = np.stack(np.meshgrid(*[around] * len(low)), -1).reshape(-1, len(low))
     for _ in range(40):
         near = np.clip(points[:, None] + reach * offsets, low, high)
         each = values(near.reshape(-1, len(low))).reshape(near.shape[:2])

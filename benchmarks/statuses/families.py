@@ -6,7 +6,7 @@ from typing import TypeAlias
 import numpy as np
 
 from benchmarks.statuses import functions as f
-from benchmarks.statuses.case import LIMITED, POSITIVE, THRESHOLD, WIDE, Case, stated
+from benchmarks.statuses.case import EDGE, LIMITED, MANY, POSITIVE, THRESHOLD, WIDE, Case, stated
 
 Make: TypeAlias = Callable[[np.random.Generator, int], Case]
 """From random numbers and the case's number to the case."""
@@ -158,6 +158,35 @@ def crossed(rng: np.random.Generator, number: int) -> Case:
     )
 
 
+def monkey(rng: np.random.Generator, number: int) -> Case:
+    """Begun at a saddle that has no curvature: least 3/4 away along three ways."""
+    c, h, angle = _power_of_ten(rng, -0.5, 1), _power_of_ten(rng, -0.5, 1), rng.uniform(0, np.pi)
+    at = -0.75 * np.array([np.cos(angle), np.sin(angle)])
+    best = c - 27 / 256 * h
+    numbers, starts = [c, h, angle, 0.0, 0.0], (1, 4)[number % 2]
+    return stated(
+        "multimodal", "monkey", number, f.monkey, LIMITED, numbers, best, at, starts=starts
+    )
+
+
+def inflection(rng: np.random.Generator, number: int) -> Case:
+    """Begun where a slope is level."""
+    c, h, n = _power_of_ten(rng, 0, 1), _power_of_ten(rng, -0.5, 0.5), rng.choice([0.0, 1.0])
+    numbers, starts = [c, h, 0.0, n], (1, 4)[number % 2]
+    best, at = c - 27 / 256 * h, [-0.75, n]
+    return stated(
+        "multimodal", "inflection", number, f.inflection, LIMITED, numbers, best, at, starts=starts
+    )
+
+
+def edge_saddle(rng: np.random.Generator, number: int) -> Case:
+    """Begun on a limit where it is level and falls inwards."""
+    c, h, w = _power_of_ten(rng, -1, 1), _power_of_ten(rng, -0.5, 0.5), rng.uniform(1, 4)
+    numbers = [c, h, -4.0, w, 0.0, rng.uniform(-2, 2)]
+    at = [-4 + w, numbers[5]]
+    return stated("limits", "edge saddle", number, f.double, EDGE, numbers, c, at, starts=1)
+
+
 def tilted(rng: np.random.Generator, number: int) -> Case:
     """Two wells of different depth."""
     s, w = rng.uniform(-1, 1), rng.uniform(0.8, 2)
@@ -188,6 +217,22 @@ def scaled(rng: np.random.Generator, number: int) -> Case:
     angle = rng.choice([0.0, rng.uniform(0, np.pi)])
     numbers = [c, c, k, k / condition, angle, *at, 1.0]
     return stated("ill-scaled", "scaled", number, f.turned, POSITIVE, numbers, c, at, flat=None)
+
+
+def many(rng: np.random.Generator, number: int) -> Case:
+    """Five parameters."""
+    c, at = _power_of_ten(rng, -2, 2), rng.uniform(-2.5, 2.5, 5)
+    numbers = [c, _power_of_ten(rng, 0, 1), _power_of_ten(rng, 0, 3), *at]
+    return stated("ill-scaled", "many", number, f.many, MANY, numbers, c, at, flat=None)
+
+
+def many_corners(rng: np.random.Generator, number: int) -> Case:
+    """Five parameters, absolute values."""
+    c, at, w = _power_of_ten(rng, -1, 1), rng.uniform(-2.5, 2.5, 5), 10 ** rng.uniform(-0.5, 0.5, 5)
+    numbers = [c, *w, *at]
+    return stated(
+        "kinked", "many corners", number, f.many_corners, MANY, numbers, c, at, smooth=False
+    )
 
 
 def shifted(low: float, high: float, kind: str, sign: tuple[float, ...]) -> Make:
@@ -333,14 +378,15 @@ def root(rng: np.random.Generator, number: int) -> Case:
 
 def plan() -> Iterator[tuple[Make, int]]:
     """How many cases of which kind."""
-    yield from ((flat(None, told=True), 12), (flat((-8, -5), told=True), 10))
+    yield from ((flat(None, told=True), 10), (flat((-8, -5), told=True), 10))
     yield from ((flat((-1.5, -0.5), told=False), 8), (bent, 6))
-    yield from ((corner, 10), (largest, 7), (crease, 7), (deviations, 6), (worst, 6))
-    yield from ((rounded, 12), (counted, 12), (floors, 6), (confused, 8))
-    yield from ((saddle, 8), (crossed, 6), (tilted, 8), (waves, 8), (wells, 6))
-    yield from ((scaled, 12), (shifted(-3, 3, "negative", (-1.0,)), 8))
+    yield from ((corner, 8), (largest, 7), (crease, 7), (deviations, 6), (worst, 6))
+    yield from ((many_corners, 3), (many, 4), (monkey, 3), (inflection, 3), (edge_saddle, 3))
+    yield from ((rounded, 10), (counted, 12), (floors, 6), (confused, 8))
+    yield from ((saddle, 6), (crossed, 6), (tilted, 8), (waves, 8), (wells, 6))
+    yield from ((scaled, 10), (shifted(-3, 3, "negative", (-1.0,)), 8))
     yield from ((shifted(-9, -3, "crossing", (-1.0, 1.0)), 8), (banana, 6), (wide, 6))
-    yield from ((at_limit, 12), (beyond, 6), (fading, 4), (inside, 6))
-    yield from ((quartic, 14), (round_quartic, 8))
+    yield from ((at_limit, 10), (beyond, 6), (fading, 4), (inside, 6))
+    yield from ((quartic, 12), (round_quartic, 8))
     yield from ((ripple, 7), (seam, 5), (held, 4), (cone, 5))
-    yield from ((squares, 10), (line, 6), (begun, 4), (root, 6))
+    yield from ((squares, 8), (line, 6), (begun, 4), (root, 6))

@@ -112,6 +112,21 @@ def crossed(xp: ModuleType, z: Any, p: Any) -> Any:
     return c + (x * y - 1) ** 2 + e * (x**2 + y**2)
 
 
+def monkey(xp: ModuleType, z: Any, p: Any) -> Any:
+    """A saddle with three ways down and no curvature."""
+    c, h, angle, m, n = p
+    x, y = z[..., 0] - m, z[..., 1] - n
+    along, across = xp.cos(angle) * x + xp.sin(angle) * y, xp.cos(angle) * y - xp.sin(angle) * x
+    return c + h * (along**3 - 3 * along * across**2 + (along**2 + across**2) ** 2)
+
+
+def inflection(xp: ModuleType, z: Any, p: Any) -> Any:
+    """Level and without curvature where it goes on falling."""
+    c, h, m, n = p
+    x = z[..., 0] - m
+    return c + h * (x**3 + x**4) + (z[..., 1] - n) ** 2
+
+
 def waves(xp: ModuleType, z: Any, p: Any) -> Any:
     """A bowl with waves on it (Rastrigin)."""
     c, k, h, w, m, n = p
@@ -138,6 +153,22 @@ def turned(xp: ModuleType, z: Any, p: Any) -> Any:
     x, y = z[..., 0] / size - m, z[..., 1] / size - n
     along, across = xp.cos(angle) * x + xp.sin(angle) * y, xp.cos(angle) * y - xp.sin(angle) * x
     return offset + c * (k * along**2 + e * across**2)
+
+
+def many(xp: ModuleType, z: Any, p: Any) -> Any:
+    """A quadratic of five coordinates: curvatures of every size along turned directions."""
+    c, k, condition, m = p[0], p[1], p[2], p[3:8]
+    axis = np.array([1.0, -2.0, 0.5, 1.5, -1.0])
+    turn = np.eye(5) - 2 * np.outer(axis, axis) / (axis @ axis)
+    each = k * condition ** (-np.arange(5) / 4)
+    return c * (1 + (each * ((z - m) @ turn) ** 2).sum(axis=-1))
+
+
+def many_corners(xp: ModuleType, z: Any, p: Any) -> Any:
+    """Absolute values of five sums of neighbours."""
+    c, w, m = p[0], p[1:6], p[6:11]
+    x = z - m
+    return c + (w * xp.abs(x + 0.4 * xp.roll(x, 1, axis=-1))).sum(axis=-1)
 
 
 def banana(xp: ModuleType, z: Any, p: Any) -> Any:

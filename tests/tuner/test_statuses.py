@@ -11,7 +11,7 @@ KINDS = (
     *("ridge", "near ridge", "weak ridge", "bent"),
     *("corner", "largest", "crease", "deviations", "worst"),
     *("rounded", "counted", "floors", "confused", "confused, declared"),
-    *("saddle", "crossed", "tilted", "waves", "wells"),
+    *("many corners", "monkey", "edge saddle", "saddle", "tilted", "wells"),
     *("scaled", "negative", "crossing", "banana", "wide"),
     *("at a limit", "beyond", "power", "held", "cone", "squares", "line"),
 )
