@@ -68,8 +68,8 @@ class Judged:
     Attributes:
         objective: its name.
         unit: of its values.
-        start: its value where the search began.
-        tuned: its value at the solution.
+        start: its value where the search began; of a likelihood the equivalent deviation.
+        tuned: the same at the solution.
         held_out: the same on data that was not used; None where there is too little.
         consistency: of the start and of the solution; None for a filter without a variance.
     """
@@ -108,11 +108,17 @@ def judge(posed: Posed, solution: Solution, part: Solution | None) -> Judged:
     return Judged(
         posed.objective,
         posed.unit,
-        posed.problem.score(begun),
-        posed.problem.score(_of(solution)),
+        shown(posed.problem, posed.problem.score(begun)),
+        shown(posed.problem, posed.problem.score(_of(solution))),
         None if part is None else _held_out(posed.problem, begun, _of(part)),
         consistency,
     )
+
+
+def shown(problem: Problem, value: float) -> float:
+    """A value as people read it: of a likelihood the equivalent deviation, in the unit measured."""
+    objective: Any = problem.objective
+    return float(objective.deviation(value)) if hasattr(objective, "deviation") else value
 
 
 def _of(solution: Solution) -> dict[str, np.ndarray]:
@@ -149,7 +155,7 @@ def _held_out(problem: Problem, begun: Mapping[str, Any], tuned: Mapping[str, An
     count = int((~mask).sum())
     recordings = f"{count} recording{'' if count == 1 else 's'}"
     what = recordings if mask.ndim == 2 else f"the last {count} samples"
-    return HeldOut(what, rest.score(begun), rest.score(tuned))
+    return HeldOut(what, *(shown(rest, rest.score(values)) for values in (begun, tuned)))
 
 
 def _consistent(problem: Problem, values: Mapping[str, Any]) -> Consistency:

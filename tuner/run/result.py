@@ -21,11 +21,41 @@ class _Record(BaseModel):
 
 
 class ParameterRecord(_Record):
-    """A tuned parameter; see :class:`tuner.certificate.solution.TunedParameter`."""
+    """A tuned parameter; see :class:`tuner.certificate.solution.TunedParameter`.
+
+    An end of an interval that is infinite is null.
+    """
 
     value: float | list[float] | list[list[float]]
     unit: str
-    interval: tuple[float, float] | None
+    interval: tuple[float | None, float | None] | None
+    interval_kind: str = ""
+    robust: tuple[float | None, float | None] | None = None
+
+    @classmethod
+    def of(cls, parameter: TunedParameter) -> "ParameterRecord":
+        """The record of a parameter."""
+        return cls(
+            value=parameter.value.tolist(),
+            unit=parameter.unit,
+            interval=parameter.interval,
+            interval_kind=parameter.interval_kind,
+            robust=parameter.robust,
+        )
+
+    def parameter(self) -> TunedParameter:
+        """The parameter that was recorded."""
+        value = np.array(self.value)
+        ends = _ends(self.interval), self.interval_kind, _ends(self.robust)
+        return TunedParameter(value, self.unit, *ends)
+
+
+def _ends(interval: tuple[float | None, float | None] | None) -> tuple[float, float] | None:
+    """An interval with infinity for null."""
+    if interval is None:
+        return None
+    low, high = interval
+    return -np.inf if low is None else low, np.inf if high is None else high
 
 
 class SolutionRecord(_Record):
@@ -53,10 +83,7 @@ class SolutionRecord(_Record):
             message=solution.message,
             value=solution.value,
             z=solution.z.tolist(),
-            parameters={
-                name: ParameterRecord(value=p.value.tolist(), unit=p.unit, interval=p.interval)
-                for name, p in solution.parameters.items()
-            },
+            parameters={name: ParameterRecord.of(p) for name, p in solution.parameters.items()},
             derived=dict(solution.derived),
             evaluations=solution.evaluations,
             seconds=solution.seconds,
@@ -76,10 +103,7 @@ class SolutionRecord(_Record):
             message=self.message,
             value=_infinite(self.value),
             z=np.array(self.z),
-            parameters={
-                name: TunedParameter(np.array(p.value), p.unit, p.interval)
-                for name, p in self.parameters.items()
-            },
+            parameters={name: p.parameter() for name, p in self.parameters.items()},
             derived=_infinite(self.derived),
             evaluations=self.evaluations,
             seconds=self.seconds,

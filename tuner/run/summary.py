@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from tuner.certificate.solution import Solution, Status, TunedParameter
+from tuner.certificate.solution import Solution, Status, TunedParameter, range_in_words
 from tuner.problem.parameters import Fixed
 from tuner.run.judged import Judged
 from tuner.run.posed import Posed
@@ -61,7 +61,7 @@ def words(text: str) -> list[str]:
 def _number(parameter: TunedParameter) -> str:
     told = f"{float(parameter.value):.5g}"
     if parameter.interval is not None:
-        told += f" [{parameter.interval[0]:.3g}, {parameter.interval[1]:.3g}]"
+        told += f" {range_in_words(parameter.interval)}"
     return f"{told} {parameter.unit}".rstrip()
 
 

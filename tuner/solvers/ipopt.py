@@ -12,7 +12,8 @@ from tuner.code.casadi import NoCounterpartError, expressions
 from tuner.names import unknown
 from tuner.problem.problem import Problem
 from tuner.solvers.foreign import python_function
-from tuner.solvers.multistart import Minimum, best_of, from_several
+from tuner.solvers.minimum import Minimum, best_of
+from tuner.solvers.multistart import from_several
 from tuner.solvers.widening import widen
 
 if TYPE_CHECKING:
