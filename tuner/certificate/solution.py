@@ -137,7 +137,7 @@ class Certificate:
         flat_directions: a sentence for each direction in which nothing is determined, which was
             tried: a tenfold change either way cannot be told from the best.
         starts: agreement of the starts.
-        methods: best value of every other solver on the same problem over this one's value.
+        methods: the value that every other solver reached on the same problem.
         multipliers: by constraint, by how many per cent the value falls where the bound is 1 %
             wider; the gradient is then what is left of it after the constraints' share.
         lower_bound: no admissible point has a lower value: a dual solution proves it. None where
