@@ -31,6 +31,8 @@ from tuner.problem.space import Space as Space
 from tuner.problem.surface import grid as grid
 from tuner.problem.surface import values as values
 from tuner.problem.surface import values_and_gradients as values_and_gradients
+from tuner.run.check import Check as Check
+from tuner.run.check import check as check
 from tuner.run.comparison import Comparison as Comparison
 from tuner.run.comparison import Verdict as Verdict
 from tuner.run.fit import Fit as Fit

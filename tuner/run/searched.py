@@ -47,6 +47,7 @@ class Wishes:
         bound: the ends of the search, by parameter.
         options: fields of the filter's class, such as ``law``.
         objective: name of the objective; None chooses by what there is.
+        held: whether all parameters may be held: values are tried, not tuned.
     """
 
     start: Mapping[str, float] = field(default_factory=dict)
@@ -54,6 +55,7 @@ class Wishes:
     bound: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     options: Mapping[str, Any] = field(default_factory=dict)
     objective: str | None = None
+    held: bool = False
 
 
 def sizes_of(
@@ -106,7 +108,7 @@ def space_of(
         for name, fact in facts.items()
         if name not in without
     }
-    if all(isinstance(parameter, Fixed) for parameter in chosen.values()):
+    if not wishes.held and all(isinstance(parameter, Fixed) for parameter in chosen.values()):
         held = ", ".join(chosen)
         raise ValueError(f"nothing is left to tune: {held} are held; fix one parameter less")
     return Space(tuple(chosen.items()))
