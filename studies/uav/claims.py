@@ -247,7 +247,7 @@ def determined(field: Field, solutions: Solutions, *, law: Tuned) -> Iterator[Co
             note = "; ".join(said) or "the deviation does not curve there as at a minimum"
             yield undecided(quantity, where, ours=value, unit=unit, note=note)
         else:
-            note = f"{found.parameters[name].interval_kind}: {range_in_words(rises)}"
+            note = range_in_words(rises, found.parameters[name].interval_kind)
             yield claim(quantity, where, True, ours=value, unit=unit, note=note)
 
 

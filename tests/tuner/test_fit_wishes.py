@@ -130,7 +130,7 @@ def test_solvers_agree(cli, here, log, solver):
     best, value = cases.tuned_by_hand(
         lambda q, R: cases.level_loop(cases.level()["z"], q, R, 1.0), [0.5, 2.0]
     )
-    assert solution["value"] == pytest.approx(value, rel=1e-4)
+    assert result["fit"]["tuned"] == pytest.approx(value, rel=1e-4)
     # A value flat to 1e-4 leaves some per cent of a parameter open.
     assert [number(result, "q"), number(result, "R")] == pytest.approx(best, rel=0.05)
 

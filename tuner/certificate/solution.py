@@ -93,18 +93,27 @@ class TunedParameter:
     deviation: np.ndarray | None = None
 
 
-def range_in_words(interval: tuple[float | None, float | None]) -> str:
-    """An interval in brackets, or the one limit that it has; None stands for infinite.
+def range_in_words(interval: tuple[float | None, float | None], kind: str) -> str:
+    """An interval in brackets, or the one limit that it has, and what it is a range of.
 
-    >>> range_in_words((1.0, 2.5)), range_in_words((0.0, 2e-4)), range_in_words((3.0, None))
-    ('[1, 2.5]', '[below 0.0002]', '[above 3]')
+    Args:
+        interval: lowest and highest value; None stands for infinite.
+        kind: of the interval, as :class:`TunedParameter` has it.
+
+    >>> range_in_words((1.0, 2.5), "95 %, likelihood ratio")
+    '[1, 2.5] (95 %)'
+    >>> range_in_words((0.0, 2e-4), "95 %, sandwich"), range_in_words((3.0, None), "1 % of the cost")
+    ('[below 0.0002] (95 %)', '[above 3] (1 % of the cost)')
     """
     low, high = interval
+    short = kind.split(",")[0]
     if high is None or high == math.inf:
-        return f"[above {low:.3g}]"
-    if low is None or low in (0.0, -math.inf):
-        return f"[below {high:.3g}]"
-    return f"[{low:.3g}, {high:.3g}]"
+        told = f"[above {low:.3g}]"
+    elif low is None or low in (0.0, -math.inf):
+        told = f"[below {high:.3g}]"
+    else:
+        told = f"[{low:.3g}, {high:.3g}]"
+    return f"{told} ({short})" if short else told
 
 
 @dataclass(frozen=True)

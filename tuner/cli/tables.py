@@ -156,7 +156,7 @@ def _parameter(parameter: ParameterRecord, *, tuned: bool) -> str:
     """A parameter with its range; what was tuned and has none is not determined."""
     told = f"{parameter.value:.5g}"
     if parameter.interval:
-        told += f" {range_in_words(parameter.interval)}"
+        told += f" {range_in_words(parameter.interval, parameter.interval_kind)}"
     return f"{told} {parameter.unit}" + (
         " (not determined)" if tuned and not parameter.interval else ""
     )

@@ -62,7 +62,7 @@ def words(text: str) -> list[str]:
 def _number(parameter: TunedParameter) -> str:
     told = f"{float(parameter.value):.5g}"
     if parameter.interval is not None:
-        told += f" {range_in_words(parameter.interval)}"
+        told += f" {range_in_words(parameter.interval, parameter.interval_kind)}"
     return f"{told} {parameter.unit}".rstrip()
 
 
