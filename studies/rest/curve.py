@@ -135,9 +135,7 @@ def _fit(curve: AllanCurve, first: int, last: int) -> Noise:
     within = _solved(curve, rows, (0, 1, 2))
     best = within if without.chi_square - within.chi_square > _SURE else without
     nothing = Limited(0.0, 0.0, 0.0)
-    return Noise(
-        curve, best.terms[0], best.terms[1], best.terms[2], nothing, 0.0, 0.0, 0.0, False
-    )
+    return Noise(curve, best.terms[0], best.terms[1], best.terms[2], nothing, 0.0, 0.0, 0.0, False)
 
 
 class _Solved(NamedTuple):

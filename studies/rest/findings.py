@@ -104,7 +104,9 @@ def _filtered(rest: Rest, K: float) -> Iterator[Finding]:
     lag = float(asked.latency(K, dt))
     yield Finding(f"{axis.name}.latency_s", lag, "s", "lag behind a steady change")
     noise = float(np.sqrt(asked.error_variance(K, rest.R, rest.Q)))
-    meaning = f"deviation of the output at rest, by N and K; {np.sqrt(rest.R) * axis.scale:.4g} before"
+    meaning = (
+        f"deviation of the output at rest, by N and K; {np.sqrt(rest.R) * axis.scale:.4g} before"
+    )
     yield Finding(f"{axis.name}.output", noise * axis.scale, axis.written, meaning)
     if rest.rate_hz == axis.rate_hz:
         seen = output_on(axis.values, K) * axis.scale

@@ -318,6 +318,6 @@ def cli_run(tmp_path, monkeypatch, capfd):
 def test_rest_of_takes_the_machines_rate():
     (rest,) = rests(noise(1000))
     (faster,) = rests(noise(1000), rate_hz=100.0)
-    assert faster.R == pytest.approx(5 * rest.R)
-    assert faster.Q == pytest.approx(rest.Q / 5)
+    assert pytest.approx(5 * rest.R) == faster.R
+    assert pytest.approx(rest.Q / 5) == faster.Q
     assert rest_of(rest.axis, None, {}).requirement is None

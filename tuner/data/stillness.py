@@ -69,9 +69,7 @@ def find_motion(record: Floats, rate_hz: float) -> Motion | None:
     return Motion(max(float(record.var() / noise) - 1.0, 0.0), rest)
 
 
-def check_at_rest(
-    name: str, record: Floats, rate_hz: float, start_s: float = 0.0
-) -> None:
+def check_at_rest(name: str, record: Floats, rate_hz: float, start_s: float = 0.0) -> None:
     """Refuse a record that moves.
 
     Args:
@@ -90,9 +88,7 @@ def check_at_rest(
     if found.rest is None:
         raise LogError(f"{told}; record at rest, or use a fit that models the motion")
     begin, end = (start_s + at for at in found.rest)
-    raise LogError(
-        f"{told}; it rests from {begin:g} s to {end:g} s: --from {begin:g} --to {end:g}"
-    )
+    raise LogError(f"{told}; it rests from {begin:g} s to {end:g} s: --from {begin:g} --to {end:g}")
 
 
 def _density(windows: Floats, rate_hz: float, least: float) -> float:
