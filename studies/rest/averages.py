@@ -6,8 +6,9 @@ transform makes the increments independent; what the filter's innovations say on
 LocalLevel, with nothing known at the start) these say at once.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -67,11 +68,10 @@ class Averages:
         m, q = self.factor, walk**2 * self.dt
         return Level(white**2 / self.step - q * (m * m - 1) / (6 * m), q * m)
 
-    def densities(self, level: Level) -> tuple[float, float]:
-        """N and K for R and Q of the means."""
-        m, q = self.factor, level.Q / self.factor
-        square = (level.R + q * (m * m - 1) / (6 * m)) * self.step
-        return float(np.sqrt(square)), float(np.sqrt(q / self.dt))
+    def densities(self, R: Any, Q: Any) -> tuple[Any, Any]:
+        """N and K for R and Q of the means, numbers or arrays of any kind."""
+        m, q = self.factor, Q / self.factor
+        return ((R + q * (m * m - 1) / (6 * m)) * self.step) ** 0.5, (q / self.dt) ** 0.5
 
     def nats(self, white: float, walk: float) -> float:
         """Minus the log-likelihood of N and K, but for its constant."""
@@ -148,26 +148,26 @@ def _walk_limits(averages: Averages, best: float, still: float, N: float, K: flo
     return Limited(K, low, _crossing(excess, begin, 0.3))
 
 
-def _least(function: "object", low: float, high: float) -> float:
+def _least(function: Callable[[float], float], low: float, high: float) -> float:
     from scipy.optimize import minimize_scalar
 
     found = minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-6})
     return float(found.x)
 
 
-def _crossing(excess: "object", start: float, step: float) -> float:
+def _crossing(excess: Callable[[float], float], start: float, step: float) -> float:
     """Where a function of a positive number rises above 0, along steps of its logarithm."""
     from scipy.optimize import brentq
 
     at = 0.0
-    inner = excess(start)  # type: ignore[operator]
+    inner = excess(start)
     if inner > 0:  # it begins above: where the estimate is 0, the limit may lie below the start
         step = -step
     for _ in range(60):
-        if (excess(start * np.exp(at + step)) > 0) != (inner > 0):  # type: ignore[operator]
+        if (excess(start * np.exp(at + step)) > 0) != (inner > 0):
             break
         at += step
         step *= 1.5
     low, high = sorted((at, at + step))
-    found = brentq(lambda x: excess(start * np.exp(x)), low, high, xtol=1e-4)  # type: ignore[operator]
+    found = brentq(lambda x: excess(start * np.exp(x)), low, high, xtol=1e-4)
     return float(start * np.exp(found))

@@ -191,7 +191,7 @@ def test_means_of_a_walk_are_a_level_with_the_rates_told():
     found = increments @ covariance @ increments.T
     assert found[0, 0] == pytest.approx(level.Q + 2 * level.R, rel=1e-12)
     assert found[0, 1] == pytest.approx(-level.R, rel=1e-12)
-    assert averages.densities(level) == pytest.approx((white, walk), rel=1e-12)
+    assert averages.densities(*level) == pytest.approx((white, walk), rel=1e-12)
 
 
 def test_a_sensors_own_filter_does_not_lower_the_density():
@@ -290,7 +290,18 @@ def test_an_axis_of_three_by_command_line(cli_run):
     rows = noise(60)[:, None] * [1.0, 2.0, 3.0] + noise(60, seed=1)[:, None]
     np.savez("rest.npz", gyr=rows)
     words = ["run", "rest", "--log", "rest.npz", "--map", "gyr=gyr:deg/s", "--rate", "20"]
-    code, out = cli_run(*words, "--from", "10", "--set", "settles_s=1", "--json", "--out", "out")
+    code, out = cli_run(
+        *words,
+        "--from",
+        "10",
+        "--set",
+        "settles_s=1",
+        "--set",
+        "starts=1",
+        "--json",
+        "--out",
+        "out",
+    )
     assert code == 0
     result = json.loads(out)
     names = {row["name"].split(".")[0] for row in result["findings"]}
