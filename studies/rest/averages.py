@@ -82,20 +82,19 @@ class Averages:
         return float(np.sum(np.log(variances) + self.powers / variances)) / 2
 
 
-def most_likely(averages: Averages, white: float, walk: float) -> tuple[Limited, Limited]:
+def most_likely(averages: Averages) -> tuple[Limited, Limited]:
     """N and K of greatest likelihood with their 95 % profile limits.
 
     A lower limit of 0 says that there may be no walk at all; the estimate itself may then be 0.
 
-    Args:
-        averages: what was measured.
-        white: where the search for N begins.
-        walk: where that for K begins, positive.
+    The time N / K, from which on the walk is more than the noise, is looked for from less than a
+    step of the means to a hundred times the record.
     """
-    ratios = walk / white * np.geomspace(1e-3, 1e3, 25)
+    longest = 100 * averages.step * len(averages.means)
+    ratios = np.geomspace(1 / longest, 3 / averages.step, 60)
     profile = [_scaled(averages, ratio)[0] for ratio in ratios]
-    near = ratios[int(np.argmin(profile))]
-    ratio = _least(lambda x: _scaled(averages, np.exp(x))[0], np.log(near / 3), np.log(near * 3))
+    near = float(ratios[int(np.argmin(profile))])
+    ratio = float(_least(lambda x: _scaled(averages, np.exp(x))[0], near, np.log(3.0)).x)
     best, N = _scaled(averages, np.exp(ratio))
     still, alone = _scaled(averages, 0.0)
     if still <= best + 1e-6:
@@ -116,43 +115,33 @@ def _scaled(averages: Averages, ratio: float) -> tuple[float, float]:
 
 
 def _white_limits(averages: Averages, best: float, N: float, K: float) -> Limited:
-    from scipy.optimize import minimize_scalar
-
     def excess(white: float) -> float:
-        if K == 0:
-            return averages.nats(white, 0.0) - best - _NATS
-        found = minimize_scalar(
-            lambda x: averages.nats(white, np.exp(x)),
-            bracket=(np.log(K), np.log(K) + 0.1),
-            options={"xtol": 1e-5, "maxiter": 60},
-        )
-        return float(min(found.fun, averages.nats(white, 0.0))) - best - _NATS
+        still = averages.nats(white, 0.0)
+        if K > 0:
+            still = min(still, _least(lambda x: averages.nats(white, np.exp(x)), K, 3.0).fun)
+        return still - best - _NATS
 
     spread = 3 / np.sqrt(len(averages.powers))
     return Limited(N, _crossing(excess, N, -spread), _crossing(excess, N, spread))
 
 
 def _walk_limits(averages: Averages, best: float, still: float, N: float, K: float) -> Limited:
-    from scipy.optimize import minimize_scalar
-
     def excess(walk: float) -> float:
-        found = minimize_scalar(
-            lambda x: averages.nats(np.exp(x), walk),
-            bracket=(np.log(N), np.log(N) + 0.1),
-            options={"xtol": 1e-6, "maxiter": 60},
-        )
-        return float(found.fun) - best - _NATS
+        found = _least(lambda x: averages.nats(np.exp(x), walk), N, 1.0).fun
+        return float(found) - best - _NATS
 
     begin = K or N / np.sqrt(averages.step) / len(averages.means)
     low = 0.0 if still - best <= _NATS else _crossing(excess, begin, -0.3)
     return Limited(K, low, _crossing(excess, begin, 0.3))
 
 
-def _least(function: Callable[[float], float], low: float, high: float) -> float:
+def _least(function: Callable[[float], float], around: float, reach: float) -> Any:
+    """The least of a function of a logarithm, around a positive number."""
     from scipy.optimize import minimize_scalar
 
-    found = minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-6})
-    return float(found.x)
+    at = float(np.log(around))
+    bounds = (at - reach, at + reach)
+    return minimize_scalar(function, bounds=bounds, method="bounded", options={"xatol": 1e-7})
 
 
 def _crossing(excess: Callable[[float], float], start: float, step: float) -> float:

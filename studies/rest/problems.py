@@ -88,8 +88,7 @@ def rest_of(axis: Axis, rate_hz: float | None, demand: Mapping[Asked, float]) ->
     noise = read_noise(allan_curve(axis.values, axis.rate_hz))
     dt = 1 / axis.rate_hz
     averages = Averages.of(axis.values, dt, max(round(noise.from_s / dt), 1))
-    begin = max(noise.walk.value, 1e-3 * noise.white.value / axis.seconds)
-    white, walk = most_likely(averages, noise.white.value, begin)
+    white, walk = most_likely(averages)
     return Rest(axis, noise, averages, white, walk, rate, requirement)
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import brentq, minimize, minimize_scalar
 
 from filters import LevelSample, LocalLevel, LocalLevelNoise, run
 from studies.rest import STUDY
@@ -167,7 +167,7 @@ def test_the_likelihood_by_sines_is_the_filters():
 
 def test_profile_limits_are_where_the_likelihood_says():
     averages = Averages.of(noise(200), 1 / RATE, 1)
-    white, walk = most_likely(averages, N, K)
+    white, walk = most_likely(averages)
 
     def profile(at):
         other = lambda x: averages.nats(np.exp(x), at)  # noqa: E731
@@ -176,6 +176,32 @@ def test_profile_limits_are_where_the_likelihood_says():
     least = averages.nats(white.value, walk.value)
     for end in (walk.low, walk.high):
         assert profile(end) - least == pytest.approx(1.9207, abs=0.01)
+
+
+@pytest.mark.parametrize("walk", [1e-5, 1e-3, 0.1])
+def test_the_most_likely_is_found_wherever_it_is(walk):
+    """Against scipy's simplex search from the truth; the walk of 1e-5 cannot be told from none."""
+    averages = Averages.of(noise(200, walk=walk), 1 / RATE, 1)
+    found = most_likely(averages)
+
+    def nats(x):
+        return averages.nats(*np.exp(x))
+
+    other = minimize(nats, np.log([N, walk]), method="Nelder-Mead", options={"fatol": 1e-9})
+    least = averages.nats(found[0].value, found[1].value)
+    assert least <= other.fun + 1e-6
+    assert found[0].value == pytest.approx(np.exp(other.x[0]), rel=1e-3)
+    assert found[0].low < N < found[0].high
+    assert found[1].known == (walk > 1e-4)
+
+
+def test_limits_cover():
+    """Of 200 records at either end of what can be told; 95 % to 3 deviations of the count."""
+    inside = []
+    for seed in range(200):
+        white, walk = most_likely(Averages.of(noise(100, seed, walk=0.01), 1 / RATE, 1))
+        inside.append((white.low <= N <= white.high, walk.low <= 0.01 <= walk.high))
+    assert (np.abs(np.mean(inside, axis=0) - 0.95) < 0.046).all(), np.mean(inside, axis=0)
 
 
 def test_means_of_a_walk_are_a_level_with_the_rates_told():
