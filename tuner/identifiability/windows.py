@@ -58,7 +58,7 @@ def differences(recordings: tuple[NoiseModel, ...], rows: int | None = None) -> 
     n, m = recordings[0].F.shape[-1], len(recordings[0].H)
     scale = _scales(recordings)
     seen = [np.argwhere(np.isfinite(model.z)) for model in recordings]
-    most = max(map(len, seen))
+    most = max(1, *map(len, seen))
     if rows is None:
         wanted = max(_ROWS, min(_MOST_ROWS, m * (2 * n + 1)))
         rows = min(-(-wanted // m) * m, most)

@@ -186,7 +186,7 @@ def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wish
     posed = pose(name, cls, line, wishes, source)
     known = known_of(posed.problem)
     open_ = () if known is None else known.sentences
-    return replace(posed, notes=(*strange, *line.notes, *open_))
+    return replace(posed, notes=(*strange, *line.notes, *open_), undetermined=open_)
 
 
 def _source(parts: list[Source]) -> Source:
@@ -248,7 +248,7 @@ def concluded(case: Fitting, solutions: Solutions) -> Fit:
 
 
 def screened(problem: Problem, request: Request) -> Problem:
-    """The problem with known starts: what its differences suggest, then the best of random points."""
+    """The problem with known starts: what its differences suggest, and the best random points."""
     if request.starts < 2 or not problem.space.size:
         return problem
     points = problem.space.starts(1 + SCREENED, request.seed)[1:]

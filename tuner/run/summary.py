@@ -35,7 +35,7 @@ def five_lines(
         "use       " + ", ".join(_numbers(posed, solution)),
         "how good  " + "; ".join(_worth(judged)),
         "trust     " + "; ".join(_trust(solution, judged)),
-        "open      " + ("; ".join(_open(solution)) or "nothing: all is determined"),
+        "open      " + ("; ".join(_open(posed, solution)) or "nothing: all is determined"),
         "next      " + _next(posed, solution, folder=folder),
     ]
 
@@ -43,7 +43,8 @@ def five_lines(
 def _numbers(posed: Posed, solution: Solution) -> Iterator[str]:
     for name, kind in posed.problem.space.parameters:
         if not isinstance(kind, Fixed):
-            flat = any(name in words(told) for told in solution.certificate.flat_directions)
+            open_ = (*posed.undetermined, *solution.certificate.flat_directions)
+            flat = any(name in words(told) for told in open_)
             doubt = " (not determined)" if flat else ""
             yield f"{name} = {_number(solution.parameters[name])}{doubt}"
     for name, value in solution.derived.items():
@@ -142,10 +143,11 @@ def _lag(correlation: float) -> str:
     return f", lag one {correlation:+.2f}" if np.isfinite(correlation) else ""
 
 
-def _open(solution: Solution) -> Iterator[str]:
+def _open(posed: Posed, solution: Solution) -> Iterator[str]:
     if solution.status is Status.FAILED:
         yield "all: nothing was found"
         return
+    yield from posed.undetermined
     yield from solution.certificate.flat_directions
     yield from (f"{name} lies at its bound" for name in _at_bound(solution))
 
