@@ -131,16 +131,22 @@ def judged(filter: Any, outputs: Any) -> None:
         )
 
 
-@cache
-def widened(outputs: type[Any], more: tuple[str, ...]) -> type[Any]:
+def widened(outputs: Any, more: tuple[str, ...]) -> Any:
     """A NamedTuple's class with more fields after its own; the same one every time.
 
+    >>> from typing import NamedTuple
     >>> class Pair(NamedTuple):
     ...     left: int
     ...     right: int
     >>> widened(Pair, ("middle",))(1, 2, 3).middle
     3
     """
+    known: Any = outputs
+    return _widened(known, more)
+
+
+@cache
+def _widened(outputs: Any, more: tuple[str, ...]) -> Any:
     own = tuple(name for name in outputs._fields if name not in more)
     made: type[Any] = namedtuple(outputs.__name__, own + more)
     return made
