@@ -56,6 +56,8 @@ def measured(filter: AnyFilter, params: Any, inputs: Any) -> Parts:
     return tuple(map(tuple, found))
 
 
+NAMED: Any = namedtuple  # of fields that are known when it runs
+
 # Run once, so that to compile them well would take longer than to run them.
 _quickly = partial(
     jax.jit, static_argnums=0, compiler_options={"xla_backend_optimization_level": 0}
@@ -148,8 +150,7 @@ def widened(outputs: Any, more: tuple[str, ...]) -> Any:
 @cache
 def _widened(outputs: Any, more: tuple[str, ...]) -> Any:
     own = tuple(name for name in outputs._fields if name not in more)
-    made: type[Any] = namedtuple(outputs.__name__, own + more)
-    return made
+    return NAMED(outputs.__name__, own + more)
 
 
 @_quickly
