@@ -108,9 +108,11 @@ from filters.kownacki import (  # noqa: E402
 )
 from filters.linear import (  # noqa: E402
     GainedSample,
+    LinearForm,
     LinearKalman,
     LinearModel,
     LinearOutputs,
+    Measured,
     Sample,
     StoredGains,
     Transition,
@@ -213,6 +215,7 @@ __all__ = [
     "KownackiNoise",
     "Lanes",
     "LevelSample",
+    "LinearForm",
     "LinearKalman",
     "LinearModel",
     "LinearOutputs",
@@ -227,6 +230,7 @@ __all__ = [
     "Mahony",
     "MahonyGains",
     "MahonyState",
+    "Measured",
     "Param",
     "PiComplementary",
     "PiGains",

@@ -10,6 +10,7 @@ from objectives.attitude import (
     masked,
 )
 from objectives.complementary import ComplementaryLoop, SensorNoise, Transfer
+from objectives.kinds import Additive, Kind, is_additive, kind_of
 from objectives.likelihood import InnovationLikelihood
 from objectives.linear_systems.checks import covariance
 from objectives.linear_systems.lyapunov import lyapunov, stein
@@ -43,6 +44,7 @@ from objectives.score import (
     Fold,
     Folded,
     Objective,
+    contributions,
     is_fold,
     kept_bytes,
     score,
@@ -60,6 +62,7 @@ from objectives.step_response import (
 from objectives.welch import Welch, window
 
 __all__ = [
+    "Additive",
     "AngleErrors",
     "AngleRmse",
     "AttitudeError",
@@ -73,6 +76,7 @@ __all__ = [
     "Folded",
     "GatedLikelihood",
     "InnovationLikelihood",
+    "Kind",
     "LinearSystem",
     "Mode",
     "Objective",
@@ -94,12 +98,15 @@ __all__ = [
     "attitude_error",
     "bucy_gain",
     "care",
+    "contributions",
     "covariance",
     "dare",
     "decay_rate",
+    "is_additive",
     "is_fold",
     "ise",
     "kept_bytes",
+    "kind_of",
     "lyapunov",
     "masked",
     "place",

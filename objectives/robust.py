@@ -9,6 +9,7 @@ from jax import Array
 from jax.scipy.special import gammaln
 
 from filters.student import spreads
+from objectives.kinds import Kind
 from objectives.likelihood import Likely
 
 
@@ -41,7 +42,7 @@ class GatedLikelihood:
 
     widths: tuple[float, ...]
     share: float = 1e-3
-    kind: ClassVar[str] = "likelihood"
+    kind: ClassVar[Kind] = "likelihood"
 
     def init(self) -> Likely:
         """Nothing yet."""
@@ -61,7 +62,7 @@ class GatedLikelihood:
 
     def value(self, total: Likely, kept: None) -> Array:
         """Nats a number, ``()``; NaN where nothing counts."""
-        return total.total / total.numbers
+        return total.nats / total.numbers
 
     def deviation(self, value: Array) -> Array:
         """The deviation of a Gaussian as likely as that, in the innovations' unit."""
@@ -71,7 +72,7 @@ class GatedLikelihood:
 def added_up(total: Likely, added: tuple[Array, Array]) -> Likely:
     """One sample's numbers added to a sum."""
     amounts, counted = added
-    return Likely(total.total + amounts.sum(), total.numbers + counted.sum())
+    return Likely(total.nats + amounts.sum(), total.numbers + counted.sum())
 
 
 def deviation_of(value: Array) -> Array:
@@ -104,7 +105,7 @@ class StudentLikelihood:
     """
 
     nu: float = 4.0
-    kind: ClassVar[str] = "likelihood"
+    kind: ClassVar[Kind] = "likelihood"
 
     def init(self) -> Likely:
         """Nothing yet."""
@@ -129,7 +130,7 @@ class StudentLikelihood:
 
     def value(self, total: Likely, kept: None) -> Array:
         """Nats a number, ``()``; NaN where nothing counts."""
-        return total.total / total.numbers
+        return total.nats / total.numbers
 
     def deviation(self, value: Array) -> Array:
         """The deviation of a Gaussian as likely as that, in the innovations' unit."""

@@ -66,8 +66,8 @@ def beta(found):
 
 
 def nis(found):
-    before = found.result.fit.consistency[0].nis
-    return {"nis": before, "factor": before, "q": found["q"], "R": found["R"]}
+    before = found.result.fit.diagnostics[0]
+    return {"nis": before.nis, "factor": before.factor, "q": found["q"], "R": found["R"]}
 
 
 def sonar(found):

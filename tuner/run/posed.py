@@ -18,7 +18,7 @@ from tuner.names import unknown
 from tuner.problem.exported import exported_of
 from tuner.problem.problem import Problem
 from tuner.run.careful import NAMES, care_of, guarded
-from tuner.run.searched import Wishes, own_unit, space_of
+from tuner.run.searched import Wishes, own_unit, sizes_of, space_of
 
 HEADING = frozenset(("mag", "gps", "gps_vel"))
 """Inputs that show a heading; without one an attitude is judged by its inclination."""
@@ -68,16 +68,17 @@ def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: 
     objective, judged, output = choose_objective(name, cls, timeline, wishes.objective)
     unit = _unit_of(cls, timeline, objective, output)
     outputs = channel_facts(cls, "outputs")
-    inputs = _inputs(cls, timeline)
-    typical = space_of(cls, timeline, replace(wishes, start={}))
-    filter, judged = guarded(care, filter, judged, typical, inputs)
+    data = Data(_inputs(cls, timeline), truth_of(timeline, outputs.get(output), output))
+    sizes = sizes_of(cls, filter, judged, data)
+    typical = space_of(cls, timeline, replace(wishes, start={}), sizes)
+    filter, judged = guarded(care, filter, judged, typical, data.inputs)
     problem = Problem(
         name=name.replace("-", "_"),
-        space=space_of(cls, timeline, wishes),
+        space=space_of(cls, timeline, wishes, sizes),
         filter=filter,
         build=None,
         objective=judged,
-        data=Data(inputs, truth_of(timeline, outputs.get(output), output)),
+        data=data,
         source=source,
         exported=exported_of(filter, own_unit(cls, timeline)),
     )
