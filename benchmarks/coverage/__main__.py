@@ -54,7 +54,15 @@ def _parser() -> argparse.ArgumentParser:
 
 def _show(rows: list[Covered], said: Console) -> None:
     table = Table(
-        "record", "number", "truth", "interval holds", "robust holds", "none", "one-sided", "kinds"
+        "record",
+        "number",
+        "truth",
+        "interval holds",
+        "robust holds",
+        "oracle",
+        "none",
+        "one-sided",
+        "kinds",
     )
     for row in rows:
         mark = "" if row.holds else " !"
@@ -64,6 +72,7 @@ def _show(rows: list[Covered], said: Console) -> None:
             f"{row.truth:.4g}",
             f"{row.interval:.1%}",
             f"{row.robust:.1%}{mark}",
+            "" if row.oracle is None else "{:.1%}, {:.1%}".format(*row.oracle),
             str(row.missing or ""),
             str(row.one_sided or ""),
             row.kinds,
