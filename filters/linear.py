@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from filters.declared import Channel
@@ -58,6 +59,35 @@ class Sample(NamedTuple):
     z: Annotated[Array, Channel("unit", "measurements")]
     u: Annotated[Array | None, Channel("", "known input")] = None
     transition: Transition | None = None
+
+
+class LinearForm(NamedTuple):
+    """The linear model whose Kalman filter a filter is: what its method ``linear`` returns.
+
+    Attributes:
+        transition: :class:`Transition` of one step of the filter's ``dt``.
+        H: measurement matrix, ``(m, n)``.
+        R: measurement covariance, its diagonal ``(m,)`` or the full matrix ``(m, m)``.
+    """
+
+    transition: Transition
+    H: Array
+    R: Array
+
+
+class Measured(NamedTuple):
+    """A whole record as a linear model takes it: what a filter's method ``measured`` returns.
+
+    Attributes:
+        z: measurements, ``(N, m)``; NaN means missing.
+        u: known input of the step that leads to each sample, ``(N, q)``, or None.
+        sigma: deviations of the measurements where ``R`` is a factor on their squares, ``(N, m)``,
+            or None; where one is not positive its measurement is missing.
+    """
+
+    z: Array | np.ndarray
+    u: Array | np.ndarray | None = None
+    sigma: Array | np.ndarray | None = None
 
 
 class LinearOutputs(NamedTuple):

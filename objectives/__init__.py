@@ -38,6 +38,7 @@ from objectives.linear_systems.subspaces import Subspace, unobservable
 from objectives.linear_systems.variance_ratio import VarianceRatio
 from objectives.records import Records
 from objectives.rmse import ChannelRmse
+from objectives.robust import GatedLikelihood
 from objectives.score import (
     Data,
     Fold,
@@ -73,6 +74,7 @@ __all__ = [
     "Factors",
     "Fold",
     "Folded",
+    "GatedLikelihood",
     "InnovationLikelihood",
     "Kind",
     "LinearSystem",

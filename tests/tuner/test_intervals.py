@@ -7,11 +7,19 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar
 
-from filters import LevelSample, LocalLevel, LocalLevelNoise
+from filters import (
+    LevelSample,
+    LinearKalman,
+    LinearModel,
+    LocalLevel,
+    LocalLevelNoise,
+    Sample,
+    Transition,
+)
 from objectives import Data, InnovationLikelihood
 from tuner.certificate.sandwich import long_run
 from tuner.certificate.solution import Status, range_in_words
-from tuner.problem.parameters import Positive
+from tuner.problem.parameters import Covariance, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.samples import added, numbers, slopes
 from tuner.problem.space import Space
@@ -151,3 +159,44 @@ def test_a_mean_square_has_an_interval_by_its_scatter():
 
 def fixed(values):
     return LocalLevelNoise(values["q"], jnp.ones(()))
+
+
+def tracked(values):
+    """Two levels whose walks are correlated, each measured with the same variance."""
+    Q = jnp.asarray(values["Q"])
+    transition = Transition(jnp.eye(2), jnp.eye(2), Q)
+    R = values["R"] * jnp.ones(2)
+    return LinearModel(transition, jnp.eye(2), R, 10 * jnp.eye(2), jnp.zeros(2))
+
+
+def test_the_entries_of_a_matrix_have_deviations():
+    """Against the inverse Hessian in the entries themselves, by differences of the score."""
+    rng = np.random.default_rng(0)
+    steps = rng.multivariate_normal([0, 0], [[1.0, 0.5], [0.5, 2.0]], 600)
+    z = np.cumsum(steps, axis=0) + rng.standard_normal((600, 2))
+    space = Space.of(
+        Q=Covariance(((1.0, 0.0), (0.0, 1.0)), low=1e-3, high=1e3), R=Positive(1.0, 1e-3, 1e3)
+    )
+    data = Data(Sample(jnp.asarray(z)), jnp.asarray(z))
+    problem = Problem("two", space, LinearKalman(), tracked, InnovationLikelihood(), data)
+    solution = Gradient("l-bfgs-b", seed=0, starts=1)(problem)
+    Q, R = (solution.parameters[name].value for name in "QR")
+    centre, h = np.array([Q[0, 0], Q[1, 0], Q[1, 1], R]), 1e-3
+
+    def total(x):
+        return 1200 * problem.score({"Q": [[x[0], x[1]], [x[1], x[2]]], "R": x[3]})
+
+    basis = h * np.eye(4)
+    hessian = [
+        [
+            (total(centre + a + b) - total(centre + a - b) - total(centre - a + b))
+            + total(centre - a - b)
+            for a in basis
+        ]
+        for b in basis
+    ]
+    expected = np.sqrt(np.diag(np.linalg.inv(np.array(hessian) / (4 * h * h))))
+    found = solution.parameters["Q"].deviation
+    np.testing.assert_allclose(found[[0, 1, 1], [0, 0, 1]], expected[:3], rtol=1e-3)
+    assert found[0, 1] == found[1, 0]
+    assert solution.parameters["R"].deviation is None

@@ -43,15 +43,44 @@ def estimates(
         interval = robust = None
         if usable and hessian is not None and parameter.size == 1 and at not in tied:
             interval, robust = _intervals(problem, z, yard, hessian, scatter, at, name)
+        known = usable and parameter.size > 1 and hessian is not None
         found[name] = TunedParameter(
             values[name],
             parameter.unit,
             None if interval is None else interval.ends,
             "" if interval is None else interval.kind,
             None if robust is None else robust.ends,
+            _deviation(problem, z, yard, hessian, scatter, name) if known else None,
         )
         at += parameter.size
     return found
+
+
+def _deviation(
+    problem: Problem,
+    z: np.ndarray,
+    yard: Yardstick,
+    hessian: np.ndarray | None,
+    scatter: LongRun | None,
+    name: str,
+) -> np.ndarray | None:
+    """The standard deviation of each entry of a matrix, through its slopes in z."""
+    if yard.kind == "likelihood" and hessian is not None:
+        curvatures, directions = np.linalg.eigh(hessian)
+        if not curvatures[0] * math.log(10) ** 2 > 1:  # a factor ten either way is not told
+            return None
+        covariance = (directions / curvatures) @ directions.T
+    elif scatter is not None:
+        covariance = scatter.covariance
+    else:
+        return None
+    steps = 1e-5 * np.eye(len(z))
+    slopes = [
+        (problem.parameters(z + h)[name] - problem.parameters(z - h)[name]) / 2e-5 for h in steps
+    ]
+    told = np.stack(slopes, axis=-1)
+    variance = np.einsum("...i,ij,...j->...", told, covariance, told)
+    return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
 def _scatter(

@@ -81,6 +81,8 @@ class TunedParameter:
         interval_kind: which of the three, in words; "" without an interval.
         robust: of a likelihood, the interval that holds as well where the innovations are
             correlated or not Gaussian; None where the record is too short.
+        deviation: of a matrix, the standard deviation of each entry, to first order; None for a
+            number, a plain cost, and where the data do not determine it.
     """
 
     value: np.ndarray
@@ -88,6 +90,7 @@ class TunedParameter:
     interval: tuple[float, float] | None
     interval_kind: str = ""
     robust: tuple[float, float] | None = None
+    deviation: np.ndarray | None = None
 
 
 def range_in_words(interval: tuple[float | None, float | None]) -> str:
@@ -134,7 +137,7 @@ class Certificate:
         flat_directions: a sentence for each direction in which nothing is determined, which was
             tried: a tenfold change either way cannot be told from the best.
         starts: agreement of the starts.
-        methods: best value of every other solver on the same problem over this one's value.
+        methods: the value that every other solver reached on the same problem.
         multipliers: by constraint, by how many per cent the value falls where the bound is 1 %
             wider; the gradient is then what is left of it after the constraints' share.
         lower_bound: no admissible point has a lower value: a dual solution proves it. None where

@@ -82,6 +82,9 @@ def show_result(result: Result, folder: Path) -> None:
             "Comparison",
             [["quantity", "where", "paper", "ours", "verdict", "note"], *rows],
         )
+    found = [[f.name, number_text(f.value), f.limits, f.unit, f.meaning] for f in result.findings]
+    if found:
+        show_grid("Found", [["name", "value", "95 % limits", "unit", "meaning"], *found])
     out = console()
     for export in result.exports:
         if abs(export.relative_change or 0.0) > 1e-12:

@@ -10,9 +10,12 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from tuner.certificate.solution import Certificate, Solution, Starts, Status, TunedParameter
 from tuner.data.source import Source
+from tuner.diagnostics.finding import Verdict
 from tuner.run.comparison import Comparison
+from tuner.run.finding import Finding
 
 if TYPE_CHECKING:
+    from tuner.diagnostics import Diagnostics
     from tuner.run.judged import Judged
 
 
@@ -31,6 +34,7 @@ class ParameterRecord(_Record):
     interval: tuple[float | None, float | None] | None
     interval_kind: str = ""
     robust: tuple[float | None, float | None] | None = None
+    deviation: list[list[float]] | None = None
 
     @classmethod
     def of(cls, parameter: TunedParameter) -> "ParameterRecord":
@@ -41,13 +45,15 @@ class ParameterRecord(_Record):
             interval=parameter.interval,
             interval_kind=parameter.interval_kind,
             robust=parameter.robust,
+            deviation=None if parameter.deviation is None else parameter.deviation.tolist(),
         )
 
     def parameter(self) -> TunedParameter:
         """The parameter that was recorded."""
         value = np.array(self.value)
         ends = _ends(self.interval), self.interval_kind, _ends(self.robust)
-        return TunedParameter(value, self.unit, *ends)
+        deviation = None if self.deviation is None else np.array(self.deviation)
+        return TunedParameter(value, self.unit, *ends, deviation)
 
 
 def _ends(interval: tuple[float | None, float | None] | None) -> tuple[float, float] | None:
@@ -149,22 +155,69 @@ class SingleRecord(_Record):
     warning: str
 
 
-class HeldOutRecord(_Record):
-    """See :class:`tuner.run.judged.HeldOut`."""
+class GainRecord(_Record):
+    """See :class:`tuner.run.amounts.Gain`."""
 
+    share: float | None
+    low: float | None
+    high: float | None
+    blocks: int
+
+
+class OneHeldOutRecord(_Record):
+    """See :class:`tuner.run.held_out.OneHeldOut`."""
+
+    recording: int
+    start: float | None
+    tuned: float | None
+    best: float | None
+
+
+class HeldOutRecord(_Record):
+    """See :class:`tuner.run.held_out.HeldOut`."""
+
+    way: str
     what: str
     start: float | None
     tuned: float | None
+    gain: GainRecord | None
+    nothing: str
+    unfiltered: float | None
+    over_unfiltered: GainRecord | None
+    best: float | None
+    gap: float | None
+    recordings: list[OneHeldOutRecord]
 
 
-class ConsistencyRecord(_Record):
-    """See :class:`tuner.run.judged.Consistency`."""
+class FindingRecord(_Record):
+    """See :class:`tuner.diagnostics.Finding`."""
+
+    test: str
+    what: str
+    statistic: float | None
+    p: float | None
+    verdict: Verdict
+    sentence: str
+    details: dict[str, float | None]
+
+
+class DiagnosticsRecord(_Record):
+    """See :class:`tuner.diagnostics.Diagnostics`."""
 
     nis: float | None
-    low: float
-    high: float
+    low: float | None
+    high: float | None
+    factor: float | None
+    factor_low: float | None
+    factor_high: float | None
     lag_one: float | None
     numbers: int
+    findings: list[FindingRecord]
+
+    @classmethod
+    def of(cls, diagnostics: "Diagnostics") -> "DiagnosticsRecord":
+        """The record of what innovations say."""
+        return cls.model_validate(asdict(diagnostics))
 
 
 class FitRecord(_Record):
@@ -174,7 +227,7 @@ class FitRecord(_Record):
         filter: name of the filter's class.
         objective, unit, start, tuned: the objective before and after.
         held_out: the same on data that was not used.
-        consistency: of the innovations, before and after; empty without a variance.
+        diagnostics: of the innovations, before and after; empty without any.
         lines: the five lines that a run ends with.
     """
 
@@ -184,7 +237,7 @@ class FitRecord(_Record):
     start: float | None
     tuned: float | None
     held_out: HeldOutRecord | None
-    consistency: list[ConsistencyRecord]
+    diagnostics: list[DiagnosticsRecord]
     lines: list[str]
 
     @classmethod
@@ -197,8 +250,8 @@ class FitRecord(_Record):
             unit=judged.unit,
             start=judged.start,
             tuned=judged.tuned,
-            held_out=None if held is None else HeldOutRecord(**asdict(held)),
-            consistency=[ConsistencyRecord(**asdict(each)) for each in judged.consistency or ()],
+            held_out=None if held is None else HeldOutRecord.model_validate(asdict(held)),
+            diagnostics=[DiagnosticsRecord.of(each) for each in judged.diagnostics or ()],
             lines=lines,
         )
 
@@ -219,6 +272,7 @@ class Result(_Record):
     artifacts: list[str]
     seconds: float
     fit: FitRecord | None = Field(None, description="of a fit: what it is worth")
+    findings: list[Finding] = Field([], description="numbers that people take from the run")
 
     def to_json(self) -> str:
         """JSON text; infinite numbers become null."""
