@@ -137,6 +137,7 @@ from filters.pi_complementary import (  # noqa: E402
 from filters.protocol import AnyFilter, Filter, run  # noqa: E402
 from filters.residual_noise import ResidualNoise  # noqa: E402
 from filters.strapdown import RestRule  # noqa: E402
+from filters.student import Student  # noqa: E402
 from filters.tilt_euler import (  # noqa: E402
     TiltKalman,
     TiltNoise,
@@ -244,6 +245,7 @@ __all__ = [
     "SixAxes",
     "SteadyState",
     "StoredGains",
+    "Student",
     "TableCovariance",
     "TiltKalman",
     "TiltNoise",

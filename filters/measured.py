@@ -56,6 +56,8 @@ def measured(filter: AnyFilter, params: Any, inputs: Any) -> Parts:
     return tuple(map(tuple, found))
 
 
+NAMED: Any = namedtuple  # of fields that are known when it runs
+
 # Run once, so that to compile them well would take longer than to run them.
 _quickly = partial(
     jax.jit, static_argnums=0, compiler_options={"xla_backend_optimization_level": 0}
@@ -131,19 +133,24 @@ def judged(filter: Any, outputs: Any) -> None:
         )
 
 
-@cache
-def widened(outputs: type[Any], more: tuple[str, ...]) -> type[Any]:
+def widened(outputs: Any, more: tuple[str, ...]) -> Any:
     """A NamedTuple's class with more fields after its own; the same one every time.
 
+    >>> from typing import NamedTuple
     >>> class Pair(NamedTuple):
     ...     left: int
     ...     right: int
     >>> widened(Pair, ("middle",))(1, 2, 3).middle
     3
     """
+    known: Any = outputs
+    return _widened(known, more)
+
+
+@cache
+def _widened(outputs: Any, more: tuple[str, ...]) -> Any:
     own = tuple(name for name in outputs._fields if name not in more)
-    made: type[Any] = namedtuple(outputs.__name__, own + more)
-    return made
+    return NAMED(outputs.__name__, own + more)
 
 
 @_quickly

@@ -38,7 +38,7 @@ from objectives.linear_systems.subspaces import Subspace, unobservable
 from objectives.linear_systems.variance_ratio import VarianceRatio
 from objectives.records import Records
 from objectives.rmse import ChannelRmse
-from objectives.robust import GatedLikelihood
+from objectives.robust import GatedLikelihood, StudentLikelihood
 from objectives.score import (
     Data,
     Fold,
@@ -89,6 +89,7 @@ __all__ = [
     "StepResponse",
     "StepSum",
     "StepTruth",
+    "StudentLikelihood",
     "Subspace",
     "Transfer",
     "VarianceRatio",

@@ -6,7 +6,9 @@ from typing import Any, ClassVar
 
 import jax.numpy as jnp
 from jax import Array
+from jax.scipy.special import gammaln
 
+from filters.student import spreads
 from objectives.kinds import Kind
 from objectives.likelihood import Likely
 
@@ -80,3 +82,56 @@ def deviation_of(value: Array) -> Array:
     3.0
     """
     return jnp.exp(value - log(2 * pi * e) / 2)
+
+
+@dataclass(frozen=True)
+class StudentLikelihood:
+    """How well a filter that weighs by Student's t foretells its measurements, nats a number.
+
+    The m innovations of a sample are one draw of a multivariate t distribution of nu degrees of
+    freedom and the scales c s_i, c by :func:`filters.student.spread`; each number adds the negative
+    logarithm of its density given those before it in the sample. Together with the update of
+    :class:`filters.Student`: alone, with an update that takes outliers whole, it makes q too large,
+    for the filter has to come back from every one of them. Outputs as of that filter, truth as in
+    :class:`objectives.InnovationLikelihood`.
+
+    Attributes:
+        nu: degrees of freedom, those of the filter.
+
+    >>> from collections import namedtuple
+    >>> seen = namedtuple("O", "offered foretold")(jnp.array([100.0]), jnp.ones(1))
+    >>> round(float(StudentLikelihood(nu=4.0).added(seen, jnp.zeros(1))[0][0]), 2)  # normal: 5001
+    21.28
+    """
+
+    nu: float = 4.0
+    kind: ClassVar[Kind] = "likelihood"
+
+    def init(self) -> Likely:
+        """Nothing yet."""
+        return Likely(jnp.zeros(()), jnp.zeros(()))
+
+    def added(self, output: Any, truth: Array) -> tuple[Array, Array]:
+        """What each number adds, nats, and whether it counts, ``(m,)``."""
+        seen = ~jnp.isnan(truth) & (output.foretold != 0)
+        s = jnp.where(seen, output.foretold, 1.0)
+        k = jnp.cumsum(seen) - seen  # those before it
+        size = jnp.where(seen, output.offered**2 / s, 0.0)
+        c = self.nu * spreads(self.nu, len(s), s.dtype)[seen.sum()]
+        after = c + jnp.cumsum(size)
+        free = (self.nu + k) / 2
+        each = (jnp.log(s) + log(pi)) / 2 + gammaln(free) - gammaln(free + 0.5)
+        each += (free + 0.5) * jnp.log(after) - free * jnp.log(after - size)
+        return jnp.where(seen, each, 0.0), seen
+
+    def update(self, total: Likely, output: Any, truth: Array) -> tuple[Likely, None]:
+        """Add one sample."""
+        return added_up(total, self.added(output, truth)), None
+
+    def value(self, total: Likely, kept: None) -> Array:
+        """Nats a number, ``()``; NaN where nothing counts."""
+        return total.nats / total.numbers
+
+    def deviation(self, value: Array) -> Array:
+        """The deviation of a Gaussian as likely as that, in the innovations' unit."""
+        return deviation_of(value)

@@ -76,14 +76,15 @@ def read_noise(curve: AllanCurve) -> Noise:
     """Fit the curve from the shortest averaging time on from which it is white noise.
 
     A sensor's own filter, and coarse steps, bend the curve at short times. So the fit begins at
-    the first point from which on, over a decade, the model holds within ``ROOM`` and chance.
+    the first point from which on, over a decade, the model holds within ``ROOM`` and chance, and
+    from where half a decade later would give no other density.
     """
     last = max(int(np.searchsorted(curve.taus, curve.taus[-1] * 3 / _SPANS, "right")), 4)
     fits = False
     found = None
     for first in range(max(last - 3, 1)):
         tried = _fit(curve, first, last)
-        if _holds(curve, tried, first, last):
+        if _holds(curve, tried, first, last) and _stays(curve, tried, first, last):
             found, fits = tried, True
             break
     if found is None:
@@ -118,15 +119,23 @@ def _holds(curve: AllanCurve, noise: Noise, first: int, last: int) -> bool:
     return bool(np.all(miss < ROOM + 3 * np.sqrt(2 / curve.freedom[near])))
 
 
+def _stays(curve: AllanCurve, noise: Noise, first: int, last: int) -> bool:
+    """Whether a fit that begins half a decade later finds the same density, but for chance."""
+    later = int(np.searchsorted(curve.taus[:last], 3 * curve.taus[first]))
+    if last - later < 4:
+        return True
+    other = _fit(curve, later, last).white
+    near = abs(noise.white.value / other.value - 1) < ROOM / 2 if other.value > 0 else False
+    return near or other.low <= noise.white.value <= other.high
+
+
 def _fit(curve: AllanCurve, first: int, last: int) -> Noise:
     rows = np.unique(np.append(np.arange(first, last, _FITTED), last - 1))
     without = _solved(curve, rows, (0, 2))
     within = _solved(curve, rows, (0, 1, 2))
     best = within if without.chi_square - within.chi_square > _SURE else without
     nothing = Limited(0.0, 0.0, 0.0)
-    return Noise(
-        curve, best.terms[0], best.terms[1], best.terms[2], nothing, 0.0, 0.0, 0.0, False
-    )
+    return Noise(curve, best.terms[0], best.terms[1], best.terms[2], nothing, 0.0, 0.0, 0.0, False)
 
 
 class _Solved(NamedTuple):

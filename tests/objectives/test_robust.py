@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
-from scipy.stats import norm
+from scipy.stats import multivariate_t, norm
 
 from filters import Gated, LevelSample, LocalLevel, LocalLevelNoise
-from objectives import Data, GatedLikelihood, score
+from filters.student import spread
+from objectives import Data, GatedLikelihood, StudentLikelihood, score
 
 Seen = namedtuple("Seen", "offered foretold")
 
@@ -85,3 +86,19 @@ def test_its_deviation_is_that_of_the_gaussian_as_likely():
     likelihood = GatedLikelihood((1.0,))
     nats = -norm.logpdf(0.3 * norm.ppf((np.arange(100000) + 0.5) / 100000), scale=0.3).mean()
     assert float(likelihood.deviation(nats)) == pytest.approx(0.3, rel=1e-4)
+
+
+def test_student_is_the_multivariate_distribution_of_scipy():
+    y, s, nu = np.array([0.7, -4.0, 2.0]), np.array([0.5, 2.0, 3.0]), 4.0
+    seen = Seen(jnp.array([*y, 0.0]), jnp.array([*s, 0.0]))
+    amounts, counted = StudentLikelihood(nu).added(seen, jnp.zeros(4))
+    law = multivariate_t(np.zeros(3), spread(nu, 3) * np.diag(s), df=nu)
+    assert counted.tolist() == [True, True, True, False]
+    assert float(amounts.sum()) == pytest.approx(-law.logpdf(y), rel=1e-12)
+    assert float(amounts[3]) == 0.0
+
+
+def test_student_of_many_degrees_is_normal():
+    seen = Seen(jnp.array([1.3]), jnp.array([2.0]))
+    amount = StudentLikelihood(1e7).added(seen, jnp.zeros(1))[0][0]
+    assert float(amount) == pytest.approx(-norm.logpdf(1.3, scale=2**0.5), rel=1e-6)

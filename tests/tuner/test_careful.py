@@ -39,6 +39,19 @@ def test_what_is_left_is_as_by_hand():
     assert fit.outputs.refused.sum() == refused.refused
 
 
+def test_heavy_tails_move_little():
+    columns, wrong = spoiled()
+    fit = fitted(columns, options={"student": 4})
+    by_hand = fitted({"z": np.where(wrong, np.nan, columns["z"])})
+    plain = fitted(columns)
+    factors = values(fit) / values(by_hand)
+    assert (factors > 1).all()
+    assert (factors < 1.6).all()  # t counts what is wrong as its tails, which widens them
+    assert values(plain)[1] > 50 * values(by_hand)[1]
+    assert "numbers taken at less than half their weight" in fit.summary()
+    assert abs(fit.judged.refused.refused - wrong.sum()) <= 3
+
+
 def test_units_and_starts_do_not_matter():
     columns, _ = spoiled()
     fit = fitted(columns, options={"gate": 4})
@@ -79,7 +92,7 @@ def test_a_gate_that_refuses_everything_is_an_error(cli, here):
     code, _, err = cli("fit", "level.csv", *words, "--out", "out", "--jobs", 1)
     assert code == 2
     assert "measured numbers lie outside the gate" in err
-    assert "give a wider gate" in err
+    assert "give a wider one, as in --set gate=6" in err
 
 
 @pytest.mark.parametrize(
@@ -90,6 +103,9 @@ def test_a_gate_that_refuses_everything_is_an_error(cli, here):
         ({"gate": True}, "gate is True"),
         ({"gate": 4, "patience": 0}, "give 1 or more"),
         ({"gate": 4, "patience": 2.5}, "give a whole number of samples"),
+        ({"student": 0.1}, "give 1 or more"),
+        ({"student": "t"}, "student is 't'; give a number of degrees of freedom"),
+        ({"student": 4, "gate": 4}, "guard against the same outliers"),
         ({"patience": 3}, "give --set gate=4 with it"),
         ({"gat": 4}, "did you mean gate"),
     ],

@@ -145,3 +145,47 @@ def test_a_model_of_ones_own_is_tuned_by_one_call(here, monkeypatch):
         "sigma_gps": found["R"] ** 0.5,
     }
     check("robot-2d", answer, here)
+
+
+def found_in(folder):
+    """What a run found besides its solutions, by name."""
+    return {row.name: row for row in read_result(folder).findings}
+
+
+def test_a_gyroscope_at_rest_for_hours(cli, here):
+    log = CASES / "allan-static" / "gyro_rest.csv.gz"
+    words = ["--map", f"z=gyro_z_raw*{1 / 1310.72!r}:deg/s", "--rate", 1, "--set", "rate_hz=100"]
+    code, out, err = cli("run", "rest", "--log", log, *words, "--out", "out")
+    assert code == 0, (out, err)
+    rows = found_in(here / "out")
+    for how in ("curve", "likelihood"):
+        answer = {
+            "N": rows[f"z.N.{how}"].value,
+            "K": rows[f"z.K.{how}"].value,
+            "kalibr_noise_density": rows[f"z.gyroscope_noise_density.{how}"].value,
+            "kalibr_random_walk": rows[f"z.gyroscope_random_walk.{how}"].value,
+            "arw_deg_sqrt_h": rows[f"z.ARW.{how}"].value,
+            "R_100Hz": rows["z.R"].value,
+            "Q_100Hz": rows["z.Q"].value,
+        }
+        check("allan-static", answer, here)
+    assert rows["z.K.likelihood"].low == pytest.approx(1.53e-4, rel=0.02)
+    assert rows["z.K.likelihood"].high == pytest.approx(2.07e-4, rel=0.02)
+
+
+@pytest.mark.parametrize(("study", "channel"), [("rest", "z"), ("kownacki2010", "a")])
+def test_a_board_that_is_waved_about_is_not_at_rest(study, channel, cli, here):
+    log = CASES / "moving-record" / "acc_x.csv"
+    words = ["--log", log, "--map", f"{channel}=AccX_mg:mg", "--time", "time_ms:ms"]
+    code, _, err = cli("run", study, *words, "--out", "out")
+    assert code == 2
+    refused = "acc_x.csv" in err and "is not at rest" in err
+    check("moving-record", {"refused_or_warned": int(refused)}, here)
+
+
+def test_trackers_gains_without_a_recording(cli, here):
+    code, out, err = cli("run", CASES / "one-number-cv" / "one.toml", "--out", "out")
+    assert code == 0, (out, err)
+    rows = found_in(here / "out")
+    names = ("Q11", "Q12", "Q22", "K1", "K2", "alpha", "beta")
+    check("one-number-cv", {name: rows[name].value for name in names}, here)

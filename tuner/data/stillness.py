@@ -88,7 +88,9 @@ def check_at_rest(name: str, record: Floats, rate_hz: float, start_s: float = 0.
     if found.rest is None:
         raise LogError(f"{told}; record at rest, or use a fit that models the motion")
     begin, end = (start_s + at for at in found.rest)
-    raise LogError(f"{told}; it rests from {begin:g} s to {end:g} s: --from {begin:g} --to {end:g}")
+    raise LogError(
+        f"{told}; it rests from {begin:.9g} s to {end:.9g} s: --from {begin:.9g} --to {end:.9g}"
+    )
 
 
 def _density(windows: Floats, rate_hz: float, least: float) -> float:

@@ -87,9 +87,9 @@ def settled(name: str, system: LinearSystem, error: ArrayLike, within_s: float) 
     """The observer with the least variance of the error among those that settle in time.
 
     It settles in time where the error that counts, after an error in any one state, stays below
-    2 % of its largest from then on. Its gains are found by a search that begins from Kalman filters of
-    prescribed decay (:mod:`tuner.observers.prescribed_decay`); where the Kalman filter settles in
-    time by itself, it is the one.
+    2 % of its largest from then on. Its gains are found by a search that begins from Kalman filters
+    of prescribed decay (:mod:`tuner.observers.prescribed_decay`); where the Kalman filter settles
+    in time by itself, it is the one.
 
     Args:
         name: of the problem.

@@ -8,16 +8,16 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from filters import Gated, Lanes, assembled, bare, run
+from filters import Gated, Lanes, Student, assembled, bare, run
 from filters.gated import PATIENCE
 from filters.measured import Parts, measured
-from objectives import GatedLikelihood, InnovationLikelihood, Objective
+from objectives import GatedLikelihood, InnovationLikelihood, Objective, StudentLikelihood
 from tuner.problem.space import Space
 
-NAMES = ("gate", "patience")
+NAMES = ("gate", "patience", "student")
 """Options of every fit, beside the fields of the filter's class."""
 
-SAID = ("offered", "foretold", "refused")
+SAID = ("offered", "foretold", "refused", "weight")
 """What care adds to a filter's outputs, and is written down with them."""
 
 
@@ -28,10 +28,12 @@ class Care:
     Attributes:
         gate: deviations beyond which a measurement is refused; None: none is.
         patience: refusals in a row after which it is taken all the same.
+        student: degrees of freedom of heavy tails; None: the tails are normal.
     """
 
     gate: float | None = None
     patience: int = PATIENCE
+    student: float | None = None
 
 
 def care_of(cls: type[Any], options: Mapping[str, Any]) -> tuple[Care, dict[str, Any]]:
@@ -43,18 +45,22 @@ def care_of(cls: type[Any], options: Mapping[str, Any]) -> tuple[Care, dict[str,
     own = {each.name for each in fields(cls)}
     asked = {name: value for name, value in options.items() if name in NAMES and name not in own}
     if "gate" in asked:
-        asked["gate"] = _number("gate", asked["gate"])
+        asked["gate"] = _number("gate", asked["gate"], "deviations")
+    if "student" in asked:
+        asked["student"] = _number("student", asked["student"], "degrees of freedom")
+    if "gate" in asked and "student" in asked:
+        raise ValueError("gate and student guard against the same outliers; give one of them")
     if "patience" in asked:
-        if "gate" not in asked:
+        if not {"gate", "student"} & asked.keys():
             raise ValueError("patience is how long a gate refuses; give --set gate=4 with it")
         if not isinstance(asked["patience"], int) or isinstance(asked["patience"], bool):
             raise ValueError(f"patience is {asked['patience']!r}; give a whole number of samples")
     return Care(**asked), {name: v for name, v in options.items() if name not in asked}
 
 
-def _number(name: str, value: Any) -> float:
+def _number(name: str, value: Any, of: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
-        raise ValueError(f"{name} is {value!r}; give a number of deviations, such as {name}=4")
+        raise ValueError(f"{name} is {value!r}; give a number of {of}, such as {name}=4")
     return float(value)
 
 
@@ -73,13 +79,19 @@ def guarded(
     Raises:
         ValueError: for a filter that has nothing to refuse.
     """
-    if care.gate is None:
+    if care.gate is None and care.student is None:
         return filter, objective
     params = assembled(bare(filter), _begun(space))
     parts = _parts(filter, params, inputs)
-    if isinstance(objective, InnovationLikelihood):
+    likely = isinstance(objective, InnovationLikelihood)
+    if care.student is not None:
+        nu = care.student
+        weighed = _inside(filter, lambda f: Student(f, parts, nu, care.patience))
+        return weighed, StudentLikelihood(nu) if likely else objective
+    gate = Gated.gate if care.gate is None else care.gate
+    if likely:
         objective = GatedLikelihood(_widths(filter, params, inputs))
-    return _inside(filter, lambda f: Gated(f, parts, care.gate, care.patience)), objective
+    return _inside(filter, lambda f: Gated(f, parts, gate, care.patience)), objective
 
 
 def _begun(space: Space) -> dict[str, Any]:
@@ -120,40 +132,48 @@ def _widths(filter: Any, params: Any, inputs: Any) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class Refused:
-    """What a gate left out.
+    """What a gate left out, or what was taken at less than half of its weight.
 
     Attributes:
-        refused: how many numbers were refused.
+        refused: how many numbers that were.
         outside: how many lay outside the gate, those included that were taken because too many
             had been refused in a row.
         numbers: how many numbers were judged.
+        weighed: whether they had weights, and were not refused.
     """
 
     refused: int
     outside: int
     numbers: int
+    weighed: bool = False
 
     @property
     def words(self) -> str:
         """In a few words."""
-        told = f"{self.refused} of {self.numbers} numbers refused"
+        what = "taken at less than half their weight" if self.weighed else "refused"
+        told = f"{self.refused} of {self.numbers} numbers {what}"
         taken = self.outside - self.refused
-        return told + (f", {taken} more outside the gate were taken to recover" if taken else "")
+        return told + (
+            f", {taken} more were taken to recover from as many in a row" if taken else ""
+        )
 
 
 def refused_of(outputs: Any) -> Refused | None:
-    """What a gate refused in a run; None for a filter without one.
+    """What was refused in a run; None for a filter without care.
 
     Raises:
-        ValueError: where more lies outside the gate than inside.
+        ValueError: where more is refused than taken.
     """
     if not hasattr(outputs, "refused"):
         return None
     numbers = int((np.asarray(outputs.foretold) != 0).sum())
+    weighed = hasattr(outputs, "weight")
     refused, outside = (int(np.asarray(p).sum()) for p in (outputs.refused, outputs.outside))
     if 2 * outside >= numbers:
+        what = "have less than half their weight" if weighed else "lie outside the gate"
+        wider = "--set student=10" if weighed else "--set gate=6"
         raise ValueError(
-            f"{outside} of {numbers} measured numbers lie outside the gate, so there is nothing "
-            "left to tune by; give a wider gate, as in --set gate=6, another --start, or no gate"
+            f"{outside} of {numbers} measured numbers {what}, so there is nothing left to tune "
+            f"by; give a wider one, as in {wider}, another --start, or none"
         )
-    return Refused(refused, outside, numbers)
+    return Refused(refused, outside, numbers, weighed)
