@@ -66,8 +66,14 @@ def beta(found):
 
 
 def nis(found):
-    before = found.result.fit.consistency[0].nis
-    return {"nis": before, "factor": before, "q": found["q"], "R": found["R"]}
+    before = found.result.fit.diagnostics[0]
+    return {"nis": before.nis, "factor": before.factor, "q": found["q"], "R": found["R"]}
+
+
+def sonar(found):
+    refused = int(found.outputs["refused"].sum())
+    assert f"{refused} of 1198 numbers refused" in found.result.fit.lines[2]
+    return {"sigma": found["R"] ** 0.5, "q": found["q"], "refused": refused}
 
 
 PROBLEMS = {
@@ -82,6 +88,7 @@ PROBLEMS = {
     "several-tracks": ("tracks.csv", "constant-velocity", "x=x:m", noise),
     "madgwick-beta": ("imu_mocap.npz", "madgwick", "gyr=gyr:rad/s acc=acc:m/s^2", beta),
     "nis-check": ("track1d.csv", "constant-velocity", "x=x:m", nis),
+    "outliers-sonar": ("sonar.csv", "constant-velocity", "x=range_m:m", sonar),
     "tiny-units": ("ampere.csv", "local-level", "z=Current~[A]:A", current),
 }
 MORE = {
@@ -89,6 +96,7 @@ MORE = {
     "gps-accuracy": ("--time", "time:ms"),
     "several-tracks": ("--by", "track_id"),
     "madgwick-beta": ("--truth", "att=quat"),
+    "outliers-sonar": ("--set", "gate=4"),
     "nis-check": ("--start", "q=4", "--start", "R=25"),
 }
 

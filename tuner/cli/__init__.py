@@ -141,7 +141,8 @@ def fit(
         list[str] | None, typer.Option(metavar="NAME=LOW..HIGH", help="Ends of the search.")
     ] = None,
     set: Annotated[
-        list[str] | None, typer.Option(metavar="KEY=VALUE", help="An option of the filter.")
+        list[str] | None,
+        typer.Option(metavar="KEY=VALUE", help="A filter's option; held_out."),
     ] = None,
     objective: Annotated[
         str | None, typer.Option(help="Of tuner list objectives; the error or the likelihood.")
@@ -159,9 +160,11 @@ def fit(
     json: Json = False,
 ) -> None:
     """Tune a filter on recordings of your own; write a folder with results and exports."""
-    from tuner.cli.pairs import bounds, numbers, words
+    from tuner.cli.pairs import apart, bounds, numbers, words
     from tuner.cli.request import Request
     from tuner.cli.run import execute
+
+    options, settings = apart(words("--set", set or ()))
 
     request = Request(
         study="fit",
@@ -178,11 +181,12 @@ def fit(
             "start": numbers("--start", start or ()),
             "fix": numbers("--fix", fix or ()),
             "bound": bounds("--bound", bound or ()),
-            "options": words("--set", set or ()),
+            "options": options,
             "objective": objective,
             "solver": solver,
             "starts": starts,
             "hold_out": hold_out,
+            **settings,
         },
         out=out,
         seed=seed,
@@ -194,6 +198,44 @@ def fit(
         json=json,
     )
     raise typer.Exit(execute(request))
+
+
+@app.command()
+def check(
+    run: Annotated[
+        Path | None, typer.Argument(help="Folder of a fit, whose values are checked.")
+    ] = None,
+    log: Annotated[list[Path] | None, typer.Option(help="Recordings: CSV, NPZ or MAT.")] = None,
+    filter: Annotated[str | None, typer.Option(help="Of tuner list filters, without RUN.")] = None,
+    set: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=VALUE", help="A parameter in use, or an option of the filter."),
+    ] = None,
+    map: Maps = None,
+    truth: Truths = None,
+    rate: Rate = None,
+    time: Time = None,
+    by: By = None,
+    objective: Annotated[
+        str | None, typer.Option(help="Of tuner list objectives; the error or the likelihood.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Check values in use on a recording that they were not tuned on."""
+    from tuner.cli.check import show
+    from tuner.cli.request import Request
+
+    request = Request(
+        study="fit",
+        logs=tuple(log or ()),
+        maps=tuple(map or ()),
+        truths=tuple(truth or ()),
+        rate=rate,
+        time=time,
+        by=by,
+        json=json,
+    )
+    raise typer.Exit(show(run, filter, set or (), request, objective))
 
 
 @app.command()

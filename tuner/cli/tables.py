@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from tuner.certificate.solution import Status
+from tuner.certificate.solution import Status, range_in_words
 from tuner.run.result import ParameterRecord, Result, SolutionRecord
 
 _COLOURS = {
@@ -156,7 +156,7 @@ def _parameter(parameter: ParameterRecord, *, tuned: bool) -> str:
     """A parameter with its range; what was tuned and has none is not determined."""
     told = f"{parameter.value:.5g}"
     if parameter.interval:
-        told += f" [{parameter.interval[0]:.3g}, {parameter.interval[1]:.3g}]"
+        told += f" {range_in_words(parameter.interval, parameter.interval_kind)}"
     return f"{told} {parameter.unit}" + (
         " (not determined)" if tuned and not parameter.interval else ""
     )
