@@ -23,6 +23,7 @@ _POWER = 32  # of the mean that stands for the largest, so that it has a gradien
 _STARTS = 3
 _NOTHING = 1e-12
 _FINE = 5000
+_DEADBEAT = 20.0  # poles that decay by e^-20 a sample are as good as gone
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,8 +134,12 @@ def settling_time(system: LinearSystem, L: np.ndarray, error: np.ndarray) -> flo
     if not decay > 0:
         return np.inf
     closed = system.A - L @ system.C
-    step = system.dt or 15 / decay / _FINE
-    each = closed if system.discrete else np.asarray(expm(jnp.asarray(closed * step)))
+    step = 15 / decay / _FINE
+    if system.dt is None:
+        each = np.asarray(expm(jnp.asarray(closed * step)))
+    else:  # a slow observer of fast samples is looked at now and then
+        apart = max(int(step / system.dt), 1)
+        step, each = apart * system.dt, np.linalg.matrix_power(closed, apart)
     rows = [np.asarray(error, float)]
     for _ in range(int(np.ceil(15 / decay / step)) + 2 * len(closed)):
         rows.append(rows[-1] @ each)
@@ -155,7 +160,8 @@ def _settling_gains(settling: Settling) -> list[np.ndarray]:
     share = jax.jit(lambda L: settling(Observer(jnp.ones(()), L, jnp.zeros(())), None))
     found: list[np.ndarray] = []
     stable: list[np.ndarray] = []
-    for alpha in np.append(0.0, np.geomspace(0.03, 300.0, 60) / within):
+    fastest = 300.0 / within if system.dt is None else min(300.0 / within, _DEADBEAT / system.dt)
+    for alpha in np.append(0.0, np.geomspace(0.03 / within, fastest, 60)):
         try:
             L = gain_of_decay(system, float(alpha))
         except ValueError:
