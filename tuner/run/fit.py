@@ -22,6 +22,7 @@ from tuner.run.held_out import judge_held_out
 from tuner.run.judged import Judged, filter_name, judge
 from tuner.run.parting import HeldOutBy, Parting, parting
 from tuner.run.posed import Posed, check_channels, pose
+from tuner.run.rescaled import ThenRescaled, as_found, may_be_rescaled
 from tuner.run.result import FitRecord
 from tuner.run.searched import Wishes
 from tuner.run.study import Plan, Solutions, Task, best
@@ -198,7 +199,8 @@ def plan_fit(posed: Posed, request: Request) -> Plan:
     solver = _solver(request)
     parted = parting(posed.problem, request.held_out)
     posed = replace(posed, problem=screened(posed.problem, request))
-    tasks = [Task(posed.problem, solver), *_second_fits(parted, request, _quick(solver))]
+    main = ThenRescaled(solver) if may_be_rescaled(posed) else solver
+    tasks = [Task(posed.problem, main), *_second_fits(parted, request, _quick(solver))]
     case = Fitting(posed, parted)
     return Plan(
         source=posed.source,
@@ -240,7 +242,10 @@ def concluded(case: Fitting, solutions: Solutions) -> Fit:
     solved = {name: best(name, solutions) for name, _ in solutions}
     held_out = None if parted is None else judge_held_out(posed, parted, solved)
     solution = solved[posed.problem.name]
-    return Fit(posed, solution, judge(posed, solution, held_out))
+    judged = judge(posed, solution, held_out)
+    if may_be_rescaled(posed):
+        judged = replace(judged, rescaled=as_found(posed.problem, solution))
+    return Fit(posed, solution, judged)
 
 
 def screened(problem: Problem, request: Request) -> Problem:

@@ -12,6 +12,7 @@ from tuner.certificate.solution import Solution
 from tuner.problem.problem import Problem
 from tuner.run.held_out import HeldOut
 from tuner.run.posed import Posed
+from tuner.run.rescaled import Rescaled
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,8 @@ class Judged:
         tuned: its value at the solution.
         held_out: the same on data that was not used; None where there is too little.
         consistency: of the start and of the solution; None for a filter without a variance.
+        rescaled: what became of all variances after a fit against a truth; None where the filter
+            has none.
     """
 
     objective: str
@@ -61,6 +64,7 @@ class Judged:
     tuned: float
     held_out: HeldOut | None
     consistency: tuple[Consistency, Consistency] | None
+    rescaled: Rescaled | None = None
 
 
 def judge(posed: Posed, solution: Solution, held_out: HeldOut | None) -> Judged:

@@ -159,6 +159,16 @@ class HeldOutRecord(_Record):
     recordings: list[OneHeldOutRecord]
 
 
+class RescaledRecord(_Record):
+    """See :class:`tuner.run.rescaled.Rescaled`."""
+
+    factor: float
+    powers: dict[str, float]
+    nis: tuple[float | None, float | None]
+    nees: tuple[float | None, float | None] | None
+    reason: str
+
+
 class ConsistencyRecord(_Record):
     """See :class:`tuner.run.judged.Consistency`."""
 
@@ -177,6 +187,7 @@ class FitRecord(_Record):
         objective, unit, start, tuned: the objective before and after.
         held_out: the same on data that was not used.
         consistency: of the innovations, before and after; empty without a variance.
+        rescaled: what became of all variances after a fit against a truth.
         lines: the five lines that a run ends with.
     """
 
@@ -187,6 +198,7 @@ class FitRecord(_Record):
     tuned: float | None
     held_out: HeldOutRecord | None
     consistency: list[ConsistencyRecord]
+    rescaled: RescaledRecord | None = None
     lines: list[str]
 
     @classmethod
@@ -201,6 +213,9 @@ class FitRecord(_Record):
             tuned=judged.tuned,
             held_out=None if held is None else HeldOutRecord.model_validate(asdict(held)),
             consistency=[ConsistencyRecord(**asdict(each)) for each in judged.consistency or ()],
+            rescaled=(
+                RescaledRecord.model_validate(asdict(judged.rescaled)) if judged.rescaled else None
+            ),
             lines=lines,
         )
 

@@ -10,6 +10,7 @@ from tuner.problem.parameters import Fixed
 from tuner.run.held_out import HeldOut
 from tuner.run.judged import Judged
 from tuner.run.posed import Posed
+from tuner.run.rescaled import Rescaled
 
 WORDS = {
     "likelihood": "a measurement is foretold within",
@@ -72,6 +73,18 @@ def _worth(judged: Judged) -> Iterator[str]:
     yield f"{words} {judged.tuned:.4g}{unit}, {_start(judged.start)}{unit} before"
     if judged.held_out is not None:
         yield ", ".join(_held_out(judged.held_out, unit))
+    if judged.rescaled is not None:
+        yield _rescaled(judged.rescaled)
+
+
+def _rescaled(found: Rescaled) -> str:
+    """What became of the common factor of all variances, which accuracy leaves open."""
+    if found.reason:
+        return f"NIS {found.nis[0]:.3g}, and the variances are as they were found: {found.reason}"
+    return (
+        f"{', '.join(found.powers)} scaled together by {found.factor:.3g}, which leaves the "
+        f"estimates: NIS {found.nis[1]:.3g}, {found.nis[0]:.3g} before"
+    )
 
 
 def _held_out(held: HeldOut, unit: str) -> Iterator[str]:
