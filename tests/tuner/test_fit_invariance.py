@@ -146,7 +146,7 @@ def test_recordings_of_one_file_and_of_several(cli, here):
         found, result = fitted(cli, *files, *words)
         assert [found["q"], found["R"]] == pytest.approx(best, rel=1e-3)
         assert result["fit"]["tuned"] == pytest.approx(value, rel=1e-6)
-        assert result["fit"]["consistency"][1]["numbers"] == sum(map(len, recordings)) - 3
+        assert result["fit"]["diagnostics"][1]["numbers"] == sum(map(len, recordings)) - 3
         logs = [Path(file) for file in files if file.endswith(".csv")]
         assert result["log"]["name"] == " + ".join(log.name for log in logs)
         assert result["log"]["samples"] == sum(map(len, recordings))

@@ -53,10 +53,10 @@ def test_the_summary(fit):
     assert " m^2/s" in lines[0]
 
 
-def test_consistency_is_that_of_a_loop(fit, level):
+def test_diagnostics_are_those_of_a_loop(fit, level):
     for values, found in zip(
         (fit.posed.problem.parameters(fit.posed.problem.space.start()), fit.params._asdict()),
-        fit.judged.consistency,
+        fit.judged.diagnostics,
         strict=True,
     ):
         y, s = cases.level_loop(level["z"], float(values["q"]), float(values["R"]), 1.0)
@@ -66,13 +66,22 @@ def test_consistency_is_that_of_a_loop(fit, level):
         # The moments' own correlation, without their means, as of numbers foretold to be 0.
         ends = (np.sum(e[1:] ** 2) + np.sum(e[:-1] ** 2)) / 2
         assert found.lag_one == pytest.approx(np.sum(e[1:] * e[:-1]) / ends, abs=1e-9)
-        assert (found.low + found.high) / 2 == pytest.approx(1.0)
-        # Chi-square of 399 degrees: its 95 % range over 399, to a fiftieth of its width.
+        # Chi-square of 399 degrees over 399, fewer by what correlation takes: r^2 of the lags that
+        # are beyond two deviations, until two in a row are not.
         from scipy.stats import chi2
 
-        low, high = chi2.ppf([0.025, 0.975], 399) / 399
-        assert [found.low, found.high] == pytest.approx([low, high], abs=(high - low) / 50)
-    assert fit.judged.consistency[1].verdict == "consistent"
+        spread, quiet, lag = 1.0, 0, 0
+        while quiet < 2:
+            lag += 1
+            square = (np.sum(e[lag:] * e[:-lag]) / np.sum(e * e)) ** 2
+            spread, quiet = (spread + 2 * square, 0) if square >= 4 / 399 else (spread, quiet + 1)
+        low, high = chi2.ppf([0.025, 0.975], 399 / spread) / (399 / spread)
+        assert [found.low, found.high] == pytest.approx([low, high], rel=1e-9)
+        assert [found.factor_low, found.factor_high] == pytest.approx(
+            [found.nis / high, found.nis / low], rel=1e-9
+        )
+    assert fit.judged.diagnostics[1].verdict == "consistent"
+    assert not fit.judged.diagnostics[1].failed
 
 
 def test_a_search_without_wishes_reaches_the_optimum_of_another(fit, level):

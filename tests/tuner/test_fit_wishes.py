@@ -69,7 +69,7 @@ def test_a_start_is_where_it_begins_and_what_is_meant_by_before(cli, here, log):
     result = fitted(cli, log, *WORDS, *QUICK, "--start", "q=4", "--start", "R=25")
     y, s = cases.level_loop(cases.level()["z"], 4.0, 25.0, 1.0)
     assert result["fit"]["start"] == pytest.approx(cases.deviation(y, s), rel=1e-9)
-    before = result["fit"]["consistency"][0]
+    before = result["fit"]["diagnostics"][0]
     assert before["nis"] == pytest.approx(np.mean(y**2 / s), rel=1e-9)
     # Far from the data's own scale a start widens the search to itself.
     far = fitted(cli, log, *WORDS, *QUICK, "--start", "q=1e13", "--out", "far")
@@ -130,7 +130,7 @@ def test_solvers_agree(cli, here, log, solver):
     best, value = cases.tuned_by_hand(
         lambda q, R: cases.level_loop(cases.level()["z"], q, R, 1.0), [0.5, 2.0]
     )
-    assert solution["value"] == pytest.approx(value, rel=1e-4)
+    assert result["fit"]["tuned"] == pytest.approx(value, rel=1e-4)
     # A value flat to 1e-4 leaves some per cent of a parameter open.
     assert [number(result, "q"), number(result, "R")] == pytest.approx(best, rel=0.05)
 
@@ -196,7 +196,7 @@ def test_json_holds_the_fit_section(run):
     assert (result["schema"], result["study"]) == ("tuner.result/1", "fit")
     fit = result["fit"]
     assert set(fit) == {
-        *("filter", "objective", "unit", "start", "tuned", "held_out", "consistency", "lines"),
+        *("filter", "objective", "unit", "start", "tuned", "held_out", "diagnostics", "lines"),
     }
     assert (fit["filter"], fit["objective"], fit["unit"]) == ("LocalLevel", "likelihood", "m")
     assert set(fit["held_out"]) == {
@@ -204,7 +204,7 @@ def test_json_holds_the_fit_section(run):
         *("best", "gap", "recordings"),
     }
     assert set(fit["held_out"]["gain"]) == {"share", "low", "high", "blocks"}
-    assert len(fit["consistency"]) == 2
+    assert len(fit["diagnostics"]) == 2
     assert [s["problem"] for s in result["solutions"]] == [
         *("local_level", "local_level_part", "local_level_alone"),
     ]

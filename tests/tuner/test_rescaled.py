@@ -90,6 +90,16 @@ def test_a_filter_with_noise_of_its_own_is_not_scaled():
     assert "variances are as they were found" in fit.summary()
 
 
+def test_a_gate_that_would_decide_otherwise_is_not_scaled():
+    z = LEVEL["z"] + 30.0 * (np.arange(400) % 37 == 5)
+    record = tuner.Record.of({"z": z}, rate_hz=1.0, truth={"level": LEVEL["level"]})
+    fit = tuner.fit("local-level", record, starts=1, hold_out=False, options={"gate": 4.0})
+    assert fit.judged.rescaled.reason.endswith("noise of its own, or a gate")
+    levels = np.asarray(fit.posed.problem.outputs(fit.solution).level)
+    error = np.sqrt(np.mean((levels - LEVEL["level"]) ** 2))
+    assert error == pytest.approx(fit.solution.value, rel=1e-9)
+
+
 def test_no_noise_tells_no_factor():
     record = tuner.Record.of({"z": np.ones(60)}, rate_hz=1.0, truth={"level": np.ones(60)})
     fit = tuner.fit("local-level", record, starts=1, hold_out=False)

@@ -32,6 +32,10 @@ Time = Annotated[str | None, typer.Option(metavar="COLUMN", help="Time column.")
 By = Annotated[
     str | None, typer.Option(metavar="COLUMN", help="Tells the recordings of a file apart.")
 ]
+From = Annotated[
+    float | None, typer.Option("--from", metavar="S", help="Leave out what is earlier, s.")
+]
+To = Annotated[float | None, typer.Option("--to", metavar="S", help="Leave out what is later, s.")]
 Out = Annotated[Path | None, typer.Option(help="Folder for the results.")]
 Seed = Annotated[
     int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all random numbers; 0.")
@@ -72,6 +76,8 @@ def run(
     map: Maps = None,
     rate: Rate = None,
     time: Time = None,
+    from_: From = None,
+    to: To = None,
     set: Annotated[
         list[str] | None, typer.Option(metavar="KEY=VALUE", help="A setting of the study.")
     ] = None,
@@ -98,6 +104,8 @@ def run(
         maps=tuple(map or ()),
         rate=rate,
         time=time,
+        from_s=from_,
+        to_s=to,
         sets=tuple(set or ()),
         claims=tuple(claim or ()),
         out=out,
@@ -121,6 +129,8 @@ def fit(
     rate: Rate = None,
     time: Time = None,
     by: By = None,
+    from_: From = None,
+    to: To = None,
     start: Annotated[
         list[str] | None, typer.Option(metavar="NAME=VALUE", help="Where the search begins.")
     ] = None,
@@ -164,6 +174,8 @@ def fit(
         rate=rate,
         time=time,
         by=by,
+        from_s=from_,
+        to_s=to,
         values={
             "filter": filter,
             "start": numbers("--start", start or ()),
@@ -186,6 +198,44 @@ def fit(
         json=json,
     )
     raise typer.Exit(execute(request))
+
+
+@app.command()
+def check(
+    run: Annotated[
+        Path | None, typer.Argument(help="Folder of a fit, whose values are checked.")
+    ] = None,
+    log: Annotated[list[Path] | None, typer.Option(help="Recordings: CSV, NPZ or MAT.")] = None,
+    filter: Annotated[str | None, typer.Option(help="Of tuner list filters, without RUN.")] = None,
+    set: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=VALUE", help="A parameter in use, or an option of the filter."),
+    ] = None,
+    map: Maps = None,
+    truth: Truths = None,
+    rate: Rate = None,
+    time: Time = None,
+    by: By = None,
+    objective: Annotated[
+        str | None, typer.Option(help="Of tuner list objectives; the error or the likelihood.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Check values in use on a recording that they were not tuned on."""
+    from tuner.cli.check import show
+    from tuner.cli.request import Request
+
+    request = Request(
+        study="fit",
+        logs=tuple(log or ()),
+        maps=tuple(map or ()),
+        truths=tuple(truth or ()),
+        rate=rate,
+        time=time,
+        by=by,
+        json=json,
+    )
+    raise typer.Exit(show(run, filter, set or (), request, objective))
 
 
 @app.command()

@@ -35,10 +35,7 @@ def execute(request: Request) -> int:
     settings = parse_settings(study.settings, request.sets, base | dict(request.values))
     seed = request.seed or 0
     records = load_records(study, settings, request)
-    for record in records[:SHOWN]:
-        print("\n".join(record.describe()), file=sys.stderr)
-    if len(records) > SHOWN:
-        print(f"... and {len(records) - SHOWN} recordings more", file=sys.stderr)
+    describe(records)
     if request.dry_run:
         plan = _chosen(study.plan(settings, records, seed, ""), request)
         _say_notes(plan)
@@ -67,6 +64,14 @@ def execute(request: Request) -> int:
 
         show_result(result, folder.path)
     return 0 if trusted(plan, solutions) else 1
+
+
+def describe(records: tuple[Record, ...]) -> None:
+    """Say on stderr what was found in recordings."""
+    for record in records[:SHOWN]:
+        print("\n".join(record.describe()), file=sys.stderr)
+    if len(records) > SHOWN:
+        print(f"... and {len(records) - SHOWN} recordings more", file=sys.stderr)
 
 
 def _chosen(plan: Plan, request: Request) -> Plan:

@@ -14,6 +14,8 @@ from tuner.data.merge import stacked, timeline
 from tuner.data.plausible import implausible
 from tuner.data.record import Record
 from tuner.data.source import Source
+from tuner.identifiability.determined import Determined, determined
+from tuner.identifiability.noise import NoModelError
 from tuner.problem.problem import Problem
 from tuner.problem.surface import values
 from tuner.run.figure import Figure
@@ -183,7 +185,9 @@ def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wish
     source = _source([part for record in records for part in record.sources])
     line = lines[0] if len(lines) == 1 else stacked(lines)
     posed = pose(name, cls, line, wishes, source)
-    return replace(posed, notes=(*strange, *line.notes))
+    known = known_of(posed.problem)
+    open_ = () if known is None else known.sentences
+    return replace(posed, notes=(*strange, *line.notes, *open_), undetermined=open_)
 
 
 def _source(parts: list[Source]) -> Source:
@@ -249,13 +253,24 @@ def concluded(case: Fitting, solutions: Solutions) -> Fit:
 
 
 def screened(problem: Problem, request: Request) -> Problem:
-    """The problem with known starts: the best of random points of its box, those that count."""
+    """The problem with known starts: what its differences suggest, and the best random points."""
     if request.starts < 2 or not problem.space.size:
         return problem
     points = problem.space.starts(1 + SCREENED, request.seed)[1:]
     found = values(problem, points)
     order = np.argsort(found)[: request.starts - 1]
-    return replace(problem, known_starts=tuple(points[i] for i in order if found[i] < np.inf))
+    screened = tuple(points[i] for i in order if found[i] < np.inf)
+    known = known_of(problem)
+    first = () if known is None else (known.start,)
+    return replace(problem, known_starts=(*first, *screened)[: request.starts - 1])
+
+
+def known_of(problem: Problem) -> Determined | None:
+    """What differences of measurements say of the noise; None where they say nothing."""
+    try:
+        return determined(problem)
+    except NoModelError:
+        return None
 
 
 def _solver(request: Request) -> Solver:

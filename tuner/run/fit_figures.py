@@ -11,8 +11,8 @@ from filters.declared import bare, channel_facts, output
 from objectives import AttitudeRmse
 from objectives.attitude import attitude_error
 from tuner.problem.problem import run_filter
+from tuner.run.diagnosed import innovations
 from tuner.run.figure import Chart, Drawn, Figure, Line
-from tuner.run.judged import innovations
 from tuner.run.posed import Posed
 from tuner.run.study import Solutions, best
 

@@ -13,8 +13,6 @@ from filters.declared import bare, channel_facts
 from tuner.problem.problem import Problem, Static
 from tuner.run.amounts import run_with
 
-TRIAL = 4.0
-"""By which all variances are multiplied to see whether the estimates stay."""
 SAME = 1e-9
 """Estimates that differ by less than this share of their own size are unchanged."""
 LARGEST = 3.0
@@ -36,7 +34,8 @@ def powers(
     """The power of one common factor by which each parameter scales all variances, by name.
 
     1 of a variance or a density, 1/2 of a deviation. With them every gain, and so every estimate
-    and innovation, stays as it is. Found by evaluation, of the outputs' derivatives, and tried.
+    and innovation, stays as it is. Found of the outputs' derivatives; :func:`check_powers` tries
+    them.
 
     Args:
         problem: its filter outputs ``innovation`` and ``variance``.
@@ -44,14 +43,14 @@ def powers(
         held: those that are no part of it.
 
     Raises:
-        ValueError: where no powers leave the estimates as they are, and why.
+        ValueError: where no powers leave the estimates as they are.
     """
     free = {name: np.asarray(value) for name, value in values.items() if name not in held}
     names = [name for name, value in free.items() if _may_scale(value)]
+    if not names:
+        raise ValueError("every parameter is held")
     found = _halves(*_slopes(problem, values, names))
-    kept = {name: float(power) for name, power in zip(names, found, strict=True) if power}
-    _try(problem, values, kept)
-    return kept
+    return {name: float(power) for name, power in zip(names, found, strict=True) if power}
 
 
 def _may_scale(value: np.ndarray) -> bool:
@@ -141,16 +140,22 @@ def _halves(J: np.ndarray, D: np.ndarray) -> np.ndarray:
     return found
 
 
-def _try(problem: Problem, values: Mapping[str, Any], by: Mapping[str, float]) -> None:
-    """Refuse powers that do not leave the estimates as they are, or do not scale the variances."""
-    before, after = run_with(problem, values), run_with(problem, times(values, by, TRIAL))
+def check_powers(
+    problem: Problem, values: Mapping[str, Any], by: Mapping[str, float], factor: float
+) -> None:
+    """Scale by a factor, and see whether the estimates stay and the variances follow.
+
+    Raises:
+        ValueError: where they do not.
+    """
+    before, after = run_with(problem, values), run_with(problem, times(values, by, factor))
     pairs = zip(_kept(problem, before), _kept(problem, after), strict=True)
     apart = max(float(np.nanmax(np.abs(a - b), initial=0.0)) / _size(a) for a, b in pairs)
     if not apart <= SAME:
         raise ValueError(
-            f"with {', '.join(by) or 'no parameter'} as variances x {TRIAL:g} the estimates move "
-            f"by {apart:.1g} of their size: some noise of the filter is none of its parameters"
+            f"with {', '.join(by) or 'no parameter'} as variances x {factor:.3g} the estimates move "
+            f"by {apart:.1g} of their size: the filter has noise of its own, or a gate"
         )
     s, larger = np.asarray(before.variance), np.asarray(after.variance)
-    if not np.allclose(larger, TRIAL * s, rtol=SAME, atol=0.0):
+    if not np.allclose(larger, factor * s, rtol=SAME, atol=0.0):
         raise ValueError(f"the variances of the innovations do not follow {', '.join(by)}")

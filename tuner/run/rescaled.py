@@ -11,7 +11,7 @@ from tuner.certificate.solution import Solution, TunedParameter
 from tuner.problem.parameters import Fixed
 from tuner.problem.problem import Problem
 from tuner.run.amounts import run_with
-from tuner.run.noise_scale import powers, times
+from tuner.run.noise_scale import check_powers, powers, times
 from tuner.run.posed import NO_TRUTH, Posed
 from tuner.solvers.solver import Solver
 
@@ -109,26 +109,31 @@ def as_found(problem: Problem, solution: Solution) -> Rescaled:
     values = {name: parameter.value for name, parameter in solution.parameters.items()}
     factor, nis, nees = solution.derived[FACTOR], nis_of(problem, values), nees_of(problem, values)
     before = None if nees is None else (factor * nees, nees)
-    return Rescaled(factor, _powers(problem, values, factor), (factor * nis, nis), before)
+    return Rescaled(factor, powers(problem, values, _held(problem)), (factor * nis, nis), before)
 
 
 def _powers(problem: Problem, values: Mapping[str, Any], factor: float) -> dict[str, float]:
     """Of what is not held; where that does not do, and what is held would, that is said."""
-    held = {
-        name
-        for name, kind in problem.space.parameters
-        if isinstance(kind, Fixed) and not kind.nominal
-    }
+    held = _held(problem)
     try:
-        return powers(problem, values, held)
+        found = powers(problem, values, held)
+        check_powers(problem, values, found, factor)
+        return found
     except ValueError:
         if not held:
             raise
     found = powers(problem, values)
+    check_powers(problem, values, found, factor)
     raise ValueError(
         f"{' and '.join(sorted(held & found.keys()))} is held; {', '.join(found)} scaled together "
         f"by {factor:.3g} would make it 1"
     )
+
+
+def _held(problem: Problem) -> set[str]:
+    """The parameters on whose value somebody insists."""
+    kinds = problem.space.parameters
+    return {name for name, kind in kinds if isinstance(kind, Fixed) and not kind.nominal}
 
 
 def _scaled(parameter: TunedParameter, factor: float) -> TunedParameter:

@@ -10,9 +10,12 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from tuner.certificate.solution import Certificate, Solution, Starts, Status, TunedParameter
 from tuner.data.source import Source
+from tuner.diagnostics.finding import Verdict
 from tuner.run.comparison import Comparison
+from tuner.run.finding import Finding
 
 if TYPE_CHECKING:
+    from tuner.diagnostics import Diagnostics
     from tuner.run.judged import Judged
 
 
@@ -21,11 +24,44 @@ class _Record(BaseModel):
 
 
 class ParameterRecord(_Record):
-    """A tuned parameter; see :class:`tuner.certificate.solution.TunedParameter`."""
+    """A tuned parameter; see :class:`tuner.certificate.solution.TunedParameter`.
+
+    An end of an interval that is infinite is null.
+    """
 
     value: float | list[float] | list[list[float]]
     unit: str
-    interval: tuple[float, float] | None
+    interval: tuple[float | None, float | None] | None
+    interval_kind: str = ""
+    robust: tuple[float | None, float | None] | None = None
+    deviation: list[list[float]] | None = None
+
+    @classmethod
+    def of(cls, parameter: TunedParameter) -> "ParameterRecord":
+        """The record of a parameter."""
+        return cls(
+            value=parameter.value.tolist(),
+            unit=parameter.unit,
+            interval=parameter.interval,
+            interval_kind=parameter.interval_kind,
+            robust=parameter.robust,
+            deviation=None if parameter.deviation is None else parameter.deviation.tolist(),
+        )
+
+    def parameter(self) -> TunedParameter:
+        """The parameter that was recorded."""
+        value = np.array(self.value)
+        ends = _ends(self.interval), self.interval_kind, _ends(self.robust)
+        deviation = None if self.deviation is None else np.array(self.deviation)
+        return TunedParameter(value, self.unit, *ends, deviation)
+
+
+def _ends(interval: tuple[float | None, float | None] | None) -> tuple[float, float] | None:
+    """An interval with infinity for null."""
+    if interval is None:
+        return None
+    low, high = interval
+    return -np.inf if low is None else low, np.inf if high is None else high
 
 
 class SolutionRecord(_Record):
@@ -53,10 +89,7 @@ class SolutionRecord(_Record):
             message=solution.message,
             value=solution.value,
             z=solution.z.tolist(),
-            parameters={
-                name: ParameterRecord(value=p.value.tolist(), unit=p.unit, interval=p.interval)
-                for name, p in solution.parameters.items()
-            },
+            parameters={name: ParameterRecord.of(p) for name, p in solution.parameters.items()},
             derived=dict(solution.derived),
             evaluations=solution.evaluations,
             seconds=solution.seconds,
@@ -76,10 +109,7 @@ class SolutionRecord(_Record):
             message=self.message,
             value=_infinite(self.value),
             z=np.array(self.z),
-            parameters={
-                name: TunedParameter(np.array(p.value), p.unit, p.interval)
-                for name, p in self.parameters.items()
-            },
+            parameters={name: p.parameter() for name, p in self.parameters.items()},
             derived=_infinite(self.derived),
             evaluations=self.evaluations,
             seconds=self.seconds,
@@ -169,14 +199,35 @@ class RescaledRecord(_Record):
     reason: str
 
 
-class ConsistencyRecord(_Record):
-    """See :class:`tuner.run.judged.Consistency`."""
+class FindingRecord(_Record):
+    """See :class:`tuner.diagnostics.Finding`."""
+
+    test: str
+    what: str
+    statistic: float | None
+    p: float | None
+    verdict: Verdict
+    sentence: str
+    details: dict[str, float | None]
+
+
+class DiagnosticsRecord(_Record):
+    """See :class:`tuner.diagnostics.Diagnostics`."""
 
     nis: float | None
-    low: float
-    high: float
+    low: float | None
+    high: float | None
+    factor: float | None
+    factor_low: float | None
+    factor_high: float | None
     lag_one: float | None
     numbers: int
+    findings: list[FindingRecord]
+
+    @classmethod
+    def of(cls, diagnostics: "Diagnostics") -> "DiagnosticsRecord":
+        """The record of what innovations say."""
+        return cls.model_validate(asdict(diagnostics))
 
 
 class FitRecord(_Record):
@@ -186,7 +237,7 @@ class FitRecord(_Record):
         filter: name of the filter's class.
         objective, unit, start, tuned: the objective before and after.
         held_out: the same on data that was not used.
-        consistency: of the innovations, before and after; empty without a variance.
+        diagnostics: of the innovations, before and after; empty without any.
         rescaled: what became of all variances after a fit against a truth.
         lines: the five lines that a run ends with.
     """
@@ -197,7 +248,7 @@ class FitRecord(_Record):
     start: float | None
     tuned: float | None
     held_out: HeldOutRecord | None
-    consistency: list[ConsistencyRecord]
+    diagnostics: list[DiagnosticsRecord]
     rescaled: RescaledRecord | None = None
     lines: list[str]
 
@@ -212,7 +263,7 @@ class FitRecord(_Record):
             start=judged.start,
             tuned=judged.tuned,
             held_out=None if held is None else HeldOutRecord.model_validate(asdict(held)),
-            consistency=[ConsistencyRecord(**asdict(each)) for each in judged.consistency or ()],
+            diagnostics=[DiagnosticsRecord.of(each) for each in judged.diagnostics or ()],
             rescaled=(
                 RescaledRecord.model_validate(asdict(judged.rescaled)) if judged.rescaled else None
             ),
@@ -236,6 +287,7 @@ class Result(_Record):
     artifacts: list[str]
     seconds: float
     fit: FitRecord | None = Field(None, description="of a fit: what it is worth")
+    findings: list[Finding] = Field([], description="numbers that people take from the run")
 
     def to_json(self) -> str:
         """JSON text; infinite numbers become null."""

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from tuner.certificate.solution import Solution, Status, TunedParameter
+from tuner.certificate.solution import Solution, Status, TunedParameter, range_in_words
 from tuner.problem.parameters import Fixed
 from tuner.run.held_out import HeldOut
 from tuner.run.judged import Judged
@@ -36,7 +36,7 @@ def five_lines(
         "use       " + ", ".join(_numbers(posed, solution)),
         "how good  " + "; ".join(_worth(judged)),
         "trust     " + "; ".join(_trust(solution, judged)),
-        "open      " + ("; ".join(_open(solution)) or "nothing: all is determined"),
+        "open      " + ("; ".join(_open(posed, solution)) or "nothing: all is determined"),
         "next      " + _next(posed, solution, folder=folder),
     ]
 
@@ -44,7 +44,8 @@ def five_lines(
 def _numbers(posed: Posed, solution: Solution) -> Iterator[str]:
     for name, kind in posed.problem.space.parameters:
         if not isinstance(kind, Fixed):
-            flat = any(name in words(told) for told in solution.certificate.flat_directions)
+            open_ = (*posed.undetermined, *solution.certificate.flat_directions)
+            flat = any(name in words(told) for told in open_)
             doubt = " (not determined)" if flat else ""
             yield f"{name} = {_number(solution.parameters[name])}{doubt}"
     for name, value in solution.derived.items():
@@ -63,7 +64,7 @@ def words(text: str) -> list[str]:
 def _number(parameter: TunedParameter) -> str:
     told = f"{float(parameter.value):.5g}"
     if parameter.interval is not None:
-        told += f" [{parameter.interval[0]:.3g}, {parameter.interval[1]:.3g}]"
+        told += f" {range_in_words(parameter.interval, parameter.interval_kind)}"
     return f"{told} {parameter.unit}".rstrip()
 
 
@@ -136,22 +137,30 @@ def _trust(solution: Solution, judged: Judged) -> Iterator[str]:
     yield solution.status.value
     if starts.count > 1:
         yield f"{starts.agreeing} of {starts.count} starts agree"
-    if judged.consistency is not None:
-        for when, found in zip(("before", "now"), judged.consistency, strict=True):
+    if judged.refused is not None:
+        yield judged.refused.words
+    if judged.diagnostics is None:
+        return
+    for when, found in zip(("before", "now"), judged.diagnostics, strict=True):
+        if found["size"].verdict != "not tried":
             yield (
                 f"{when}: NIS {found.nis:.4g} ({found.low:.3g} to {found.high:.3g} expected: "
                 f"{found.verdict}){_lag(found.lag_one)}"
             )
+    now = judged.diagnostics[1]
+    said = {"size"} if now.verdict != "consistent" else set()
+    yield from (found.sentence for found in now.failed if found.test not in said)
 
 
 def _lag(correlation: float) -> str:
     return f", lag one {correlation:+.2f}" if np.isfinite(correlation) else ""
 
 
-def _open(solution: Solution) -> Iterator[str]:
+def _open(posed: Posed, solution: Solution) -> Iterator[str]:
     if solution.status is Status.FAILED:
         yield "all: nothing was found"
         return
+    yield from posed.undetermined
     yield from solution.certificate.flat_directions
     yield from (f"{name} lies at its bound" for name in _at_bound(solution))
 

@@ -1,0 +1,7 @@
+"""What the innovations of a filter say about it: size, whiteness, outliers, and their causes."""
+
+from tuner.diagnostics.diagnose import Diagnostics, Ways, diagnose
+from tuner.diagnostics.finding import Finding
+from tuner.diagnostics.innovations import Innovations
+
+__all__ = ["Diagnostics", "Finding", "Innovations", "Ways", "diagnose"]

@@ -1,0 +1,106 @@
+"""All that innovations say about a filter, in one pass."""
+
+from dataclasses import dataclass
+
+from tuner.diagnostics.beginning import of_start
+from tuner.diagnostics.finding import Finding
+from tuner.diagnostics.innovations import Innovations
+from tuner.diagnostics.outliers import of_outliers
+from tuner.diagnostics.size import NOTHING, of_size, size
+from tuner.diagnostics.spread import over_level, over_time
+from tuner.diagnostics.turns import of_turns
+from tuner.diagnostics.whiteness import lag_one, of_whiteness
+
+
+@dataclass(frozen=True)
+class Ways:
+    """The way out of each failure, in words that end a sentence.
+
+    Attributes:
+        outliers, turns, start, level, time, whiteness: of the tests by these names.
+    """
+
+    outliers: str = "fit with --set gate=4, which refuses them"
+    turns: str = "unwrap it before (numpy.unwrap)"
+    start: str = "begin where the data begin, or with a larger variance"
+    level: str = "give each measurement's own deviation"
+    time: str = "tune the parts apart"
+    whiteness: str = (
+        "the model lacks a motion, or the noise of the measurement is coloured; try a model of one "
+        "state more"
+    )
+
+
+@dataclass(frozen=True)
+class Diagnostics:
+    """Whether a filter is right about its innovations.
+
+    Attributes:
+        nis: mean of y^2 / s over the numbers that count; 1 where the filter is right.
+        low, high: in which 95 of 100 right filters have it.
+        factor: by which all noise variances would have to be multiplied, by likelihood.
+        factor_low, factor_high: its 95 % interval.
+        lag_one: correlation of each normalised innovation with the one before; 0 if white.
+        numbers: how many numbers count.
+        findings: every test, causes before what follows from them.
+    """
+
+    nis: float
+    low: float
+    high: float
+    factor: float
+    factor_low: float
+    factor_high: float
+    lag_one: float
+    numbers: int
+    findings: tuple[Finding, ...]
+
+    @property
+    def failed(self) -> tuple[Finding, ...]:
+        """The tests that failed."""
+        return tuple(found for found in self.findings if found.verdict == "failed")
+
+    def __getitem__(self, test: str) -> Finding:
+        return next(found for found in self.findings if found.test == test)
+
+    @property
+    def verdict(self) -> str:
+        """Of the NIS, in a few words."""
+        if self["size"].verdict == "not tried":
+            return "nothing counts"
+        if not self.nis > 0:
+            return "nothing that is not foretold: too little noise to judge by"
+        if self["size"].verdict == "passed" or self.low <= self.nis <= self.high:
+            return "consistent"
+        words = "too large" if self.nis < 1 else "too small"
+        return f"noise variances {words} by a factor {max(self.nis, 1 / self.nis):.3g}"
+
+
+def diagnose(innovations: Innovations, ways: Ways | None = None) -> Diagnostics:
+    """Test the innovations of a run.
+
+    >>> import numpy as np
+    >>> e = np.random.default_rng(1).standard_normal(500)
+    >>> [found.test for found in diagnose(Innovations.of(e, np.ones(500))).failed]
+    []
+    >>> found = diagnose(Innovations.of(3 * e, np.ones(500)))
+    >>> [each.test for each in found.failed], round(found.factor)
+    (['size'], 9)
+    """
+    ways = Ways() if ways is None else ways
+    findings = (
+        of_turns(innovations, ways.turns),
+        of_outliers(innovations, ways.outliers),
+        of_start(innovations, ways.start),
+        over_level(innovations, ways.level),
+        over_time(innovations, ways.time),
+        of_whiteness(innovations, ways.whiteness),
+        of_size(innovations),
+    )
+    numbers = sum(map(len, innovations.columns))
+    return Diagnostics(
+        *(size(innovations.columns) if innovations.foretold else NOTHING),
+        lag_one(innovations.normalised),
+        numbers,
+        findings,
+    )

@@ -1,0 +1,57 @@
+"""What a test of the innovations found, and by which chance it counts as a failure."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+Verdict: TypeAlias = Literal["passed", "failed", "not tried"]
+LEVEL = 0.01
+"""A test fails where a right filter would do as badly in fewer than one of so many recordings."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One test.
+
+    Attributes:
+        test: its name.
+        what: what the statistic is, in words.
+        statistic: NaN where it was not tried.
+        p: the chance of so much with a right filter; NaN where it was not tried.
+        verdict: failed below a chance of 1 %, or where a test says otherwise.
+        sentence: where it failed, what is wrong and the way out; where it was not tried, why.
+        details: further numbers by name.
+    """
+
+    test: str
+    what: str
+    statistic: float
+    p: float
+    verdict: Verdict
+    sentence: str = ""
+    details: Mapping[str, float] = field(default_factory=dict)
+
+
+def judged(
+    test: str,
+    what: str,
+    statistic: float,
+    p: float,
+    sentence: str,
+    details: Mapping[str, float] | None = None,
+    level: float = LEVEL,
+) -> Finding:
+    """A finding; the sentence is kept where it failed.
+
+    >>> judged("size", "NIS", 4.0, 1e-9, "NIS is 4").verdict
+    'failed'
+    """
+    p = min(float(p), 1.0)
+    if p < level:
+        return Finding(test, what, float(statistic), p, "failed", sentence, details or {})
+    return Finding(test, what, float(statistic), p, "passed", "", details or {})
+
+
+def not_tried(test: str, what: str, why: str) -> Finding:
+    """A test that the recording gives no ground for."""
+    return Finding(test, what, float("nan"), float("nan"), "not tried", why)

@@ -1,0 +1,197 @@
+"""The innovations of a run, and the numbers of each measurement among them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+INSIDE = 4.0
+"""Beyond so many deviations a normalised innovation is an outlier: 1 in 15,800 of normal ones."""
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """The numbers of one measurement that count, recording after recording, each in time.
+
+    Attributes:
+        name: of the measurement; "" where there is one alone.
+        e: innovations over their deviations, ``(n,)``; independent and standard normal for a right
+            filter, as are all below in the same order.
+        y: innovations.
+        times: s.
+        recording: which recording each is of.
+        levels: what was foretold, in the unit of the measurement; None where nobody knows.
+    """
+
+    name: str
+    e: np.ndarray
+    y: np.ndarray
+    times: np.ndarray
+    recording: np.ndarray
+    levels: np.ndarray | None
+
+    def __len__(self) -> int:
+        return len(self.e)
+
+    @cached_property
+    def scale(self) -> float:
+        """Deviation of ``e`` without its outliers: of those that lie within four of it.
+
+        Begins with the median and goes on with the numbers inside until they stay the same.
+        """
+        size = np.abs(self.e)
+        scale = float(np.median(size)) / 0.6745
+        inside = size <= INSIDE * scale
+        for _ in range(50):
+            if not scale > 0:
+                break
+            before, scale = inside, float(np.sqrt(np.mean(size[inside] ** 2)))
+            inside = size <= INSIDE * scale
+            if (inside == before).all():
+                break
+        return scale if scale > 0 else float(np.sqrt(np.mean(size**2)))
+
+    def correlation(self, lag: int) -> float:
+        """Of each number with that so many before in the same recording, in units of the square."""
+        pairs = self.e[lag:] * self.e[:-lag]
+        same = self.recording[lag:] == self.recording[:-lag]
+        return float((pairs * same).sum() / (self.e @ self.e))
+
+    def pairs(self, lag: int) -> int:
+        """How many there are."""
+        return int((self.recording[lag:] == self.recording[:-lag]).sum())
+
+    @cached_property
+    def spread(self) -> float:
+        """By which factor correlation widens the variance of a mean of squares; 1 if white.
+
+        1 + 2 sum r_k^2 (Bartlett, for normal numbers), up to two lags in a row that say nothing.
+        """
+        bound, total, quiet = 4 / max(len(self), 1), 1.0, 0
+        for lag in range(1, len(self) // 5 + 1):
+            square = self.correlation(lag) ** 2
+            quiet = quiet + 1 if square < bound else 0
+            if quiet == 2:
+                break
+            total += 2 * square if square >= bound else 0.0
+        return total
+
+
+@dataclass(frozen=True, eq=False)
+class Innovations:
+    """What a filter did not foretell over N samples of k recordings with m measurements.
+
+    Attributes:
+        value: measured less foretold, ``(N, k, m)``.
+        variance: of it, as the filter says; 0 where it does not count.
+        times: of the samples, s, ``(N, k)``.
+        levels: what was foretold, ``(N, k, m)``, or None.
+        names: of the measurements.
+        unit: of the levels.
+        turns: what a full turn is, where the measurements are or may be angles.
+        foretold: whether the variances are the filter's, and not the innovations' own mean square.
+
+    Raises:
+        ValueError: for shapes that do not go together.
+    """
+
+    value: np.ndarray
+    variance: np.ndarray
+    times: np.ndarray
+    levels: np.ndarray | None = None
+    names: tuple[str, ...] = ("",)
+    unit: str = ""
+    turns: tuple[float, ...] = ()
+    foretold: bool = True
+
+    def __post_init__(self) -> None:
+        shape = self.value.shape
+        others = {"variances": self.variance.shape}
+        others |= {} if self.levels is None else {"levels": self.levels.shape}
+        for what, other in others.items():
+            if other != shape:
+                raise ValueError(f"the innovations are {shape} and their {what} {other}; give like")
+        if self.value.ndim != 3 or self.times.shape != shape[:2] or len(self.names) != shape[2]:
+            raise ValueError(
+                f"innovations {shape} at times {self.times.shape} of {len(self.names)} measurements"
+                " do not go together; give (N, k, m), (N, k) and m names"
+            )
+
+    @classmethod
+    def of(
+        cls,
+        value: Any,
+        variance: Any,
+        *,
+        times: Any = None,
+        levels: Any = None,
+        names: Sequence[str] = (),
+        unit: str = "",
+        turns: Sequence[float] = (),
+        foretold: bool = True,
+    ) -> "Innovations":
+        """From arrays ``(N,)``, ``(N, m)`` or ``(N, k, m)``; without times, samples are counted.
+
+        >>> Innovations.of(np.zeros((5, 2)), np.ones((5, 2))).value.shape
+        (5, 1, 2)
+        """
+        y = _wide(value)
+        when = np.arange(len(y), dtype=float) if times is None else np.asarray(times, float)
+        when = np.broadcast_to(when if when.ndim == 2 else when[:, None], y.shape[:2])
+        known = tuple(names) or (("",) if y.shape[2] == 1 else tuple(map(str, range(y.shape[2]))))
+        above = None if levels is None else _wide(levels)
+        return cls(y, _wide(variance), when, above, known, unit, tuple(turns), foretold)
+
+    @cached_property
+    def counted(self) -> np.ndarray:
+        """Which numbers count."""
+        with np.errstate(invalid="ignore"):
+            return np.asarray((self.variance > 0) & np.isfinite(self.value / self.variance))
+
+    @cached_property
+    def lost(self) -> np.ndarray:
+        """Which numbers are none, or have no variance that is one: the filter went astray."""
+        known = np.isfinite(self.value) & np.isfinite(self.variance) & (self.variance >= 0)
+        return np.asarray(~known)
+
+    @cached_property
+    def normalised(self) -> np.ndarray:
+        """Innovations over their deviations; NaN where they do not count."""
+        s = np.where(self.counted, self.variance, 1.0)
+        return np.where(self.counted, self.value / np.sqrt(s), np.nan)
+
+    @cached_property
+    def columns(self) -> tuple[Column, ...]:
+        """The measurements of which any number counts."""
+        found = (self._column(i) for i in range(self.value.shape[2]))
+        return tuple(column for column in found if len(column))
+
+    def _column(self, i: int) -> Column:
+        # Recordings one after another: they come first, then time.
+        counted = self.counted[:, :, i].T
+        recording = np.broadcast_to(np.arange(len(counted))[:, None], counted.shape)
+        levels = None if self.levels is None else self.levels[:, :, i].T[counted]
+        return Column(
+            self.names[i],
+            self.normalised[:, :, i].T[counted],
+            self.value[:, :, i].T[counted],
+            self.times.T[counted],
+            recording[counted],
+            levels if levels is not None and np.isfinite(levels).all() else None,
+        )
+
+    def place(self, column: Column, index: int) -> str:
+        """Where a number is, in words."""
+        words = f"at {column.times[index]:.5g} s"
+        if self.value.shape[1] > 1:
+            words += f" of recording {column.recording[index] + 1}"
+        return f"{words} in {column.name}" if column.name and len(self.names) > 1 else words
+
+
+def _wide(array: Any) -> np.ndarray:
+    whole: np.ndarray = np.asarray(array, float)
+    if whole.ndim == 1:
+        return whole[:, None, None]
+    return whole[:, None, :] if whole.ndim == 2 else whole

@@ -1,0 +1,153 @@
+"""Whether the noise is the same all the time, and at all levels."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tuner.diagnostics.finding import Finding, judged, not_tried
+from tuner.diagnostics.innovations import Column, Innovations
+
+TIME, TIME_WHAT = "over time", "largest distance of the sum of scores from its straight course"
+LEVEL, LEVEL_WHAT = "over level", "correlation of scores with the level's rank, over its deviation"
+FEW = 40
+"""Of fewer numbers nothing is said."""
+PARTS = 10
+
+
+class Scores(NamedTuple):
+    """What the sizes of numbers would be if they were normal: by their ranks, less the mean.
+
+    Attributes:
+        values: ``(n,)``.
+        deviation: of them, as a sum of them varies.
+    """
+
+    values: np.ndarray
+    deviation: float
+
+
+def scores(column: Column) -> Scores:
+    """Klotz's scores of the sizes: squares of normal quantiles.
+
+    Outliers and heavy tails have no say beyond their rank, and of normal numbers nothing is lost
+    (Klotz, Annals of Mathematical Statistics 33, 1962). Correlation widens the sum.
+    """
+    from scipy.special import ndtri
+    from scipy.stats import rankdata
+
+    shares = rankdata(np.abs(column.e)) / (len(column) + 1)
+    values = ndtri((1 + shares) / 2) ** 2
+    values = values - values.mean()
+    return Scores(values, float(np.sqrt(np.mean(values**2) * column.spread)))
+
+
+def over_time(innovations: Innovations, way: str) -> Finding:
+    """Test whether the noise changes with time, or from recording to recording.
+
+    Two looks: the largest distance of the sum of scores from its straight course (sum of squares
+    of Brown, Durbin and Evans 1975; Kolmogorov's distribution), which finds steps and trends, and
+    the spread of ten parts' means, which finds what comes and goes.
+
+    Args:
+        innovations: they.
+        way: the way out, in words.
+    """
+    from scipy.stats import chi2, kstwobign
+
+    found = []
+    columns = [c for c in innovations.columns if len(c) >= FEW and c.e.any()]
+    for column in columns:
+        values, deviation = scores(column)
+        if not deviation > 0:
+            continue
+        course = float(np.abs(np.cumsum(values)).max() / deviation / np.sqrt(len(column)))
+        bounds = _bounds(len(column))
+        means = np.add.reduceat(values, bounds[:-1]) / np.diff(bounds)
+        parts = float(np.diff(bounds) @ means**2 / deviation**2)
+        chances = kstwobign.sf(course), chi2.sf(parts, len(means) - 1)
+        found.append((2 * len(columns) * float(min(chances)), course, column))
+    if not found:
+        return not_tried(TIME, TIME_WHAT, f"it takes {FEW} innovations of a measurement")
+    p, course, column = min(found, key=lambda each: each[0])
+    bounds = _bounds(len(column))
+    sizes = np.add.reduceat(column.e**2, bounds[:-1]) / np.diff(bounds)
+    least, most = int(np.argmin(sizes)), int(np.argmax(sizes))
+    words = [_span(innovations, column, sizes, bounds, i) for i in (least, most)]
+    details = {"lowest": float(sizes[least]), "highest": float(sizes[most])}
+    sentence = f"the noise{_of(column)} changes with time (NIS {words[0]}, {words[1]}); {way}"
+    return judged(TIME, TIME_WHAT, course, p, sentence, details)
+
+
+def over_level(innovations: Innovations, way: str) -> Finding:
+    """Test whether the noise grows or falls with the level, or with its size if it has both signs.
+
+    The level is what was foretold, for that knows nothing of the number's own noise.
+
+    Args:
+        innovations: they.
+        way: the way out, in words.
+    """
+    from scipy.stats import norm
+
+    known = [c for c in innovations.columns if c.levels is not None and len(c) >= FEW]
+    looks = [(c, at) for c in known if c.e.any() for at in _levels(c) if np.ptp(at) > 0]
+    if not looks:
+        why = "nothing is known of the level" if not known else "the level stands still"
+        return not_tried(LEVEL, LEVEL_WHAT, why)
+    statistics = [_with(column, at) for column, at in looks]
+    worst = int(np.argmax(np.abs(statistics)))
+    column, at = looks[worst]
+    order = np.argsort(at, kind="stable")
+    thirds = [order[: len(order) // 3], order[-(len(order) // 3) :]]
+    sizes = [float(np.mean(column.e[rows] ** 2)) for rows in thirds]
+    unit = f" {innovations.unit}" if innovations.unit else ""
+    told = [f"{at[rows].min():.3g} to {at[rows].max():.3g}{unit}" for rows in thirds]
+    sentence = (
+        f"the noise{_of(column)} {'grows' if statistics[worst] > 0 else 'falls'} with the level "
+        f"(NIS {sizes[0]:.3g} at {told[0]}, {sizes[1]:.3g} at {told[1]}); {way}"
+    )
+    p = 2 * len(looks) * float(norm.sf(abs(statistics[worst])))
+    details = {"lower_third": sizes[0], "upper_third": sizes[1]}
+    return judged(LEVEL, LEVEL_WHAT, statistics[worst], p, sentence, details)
+
+
+def _with(column: Column, level: np.ndarray) -> float:
+    """Correlation of the scores with the ranks of levels, over its deviation."""
+    from scipy.stats import rankdata
+
+    values, deviation = scores(column)
+    ranks = rankdata(level)
+    ranks = ranks - ranks.mean()
+    size = deviation * np.sqrt(ranks @ ranks)
+    return float(values @ ranks / size) if size > 0 else 0.0
+
+
+def _levels(column: Column) -> list[np.ndarray]:
+    """The level, and its size where it has both signs."""
+    level = np.asarray(column.levels)
+    return [level, np.abs(level)] if level.min() < 0 < level.max() else [level]
+
+
+def _bounds(count: int) -> np.ndarray:
+    parts = min(PARTS, max(count // 20, 2))
+    return np.linspace(0, count, parts + 1).astype(int)
+
+
+def _span(
+    innovations: Innovations, column: Column, sizes: np.ndarray, bounds: np.ndarray, i: int
+) -> str:
+    first, last = bounds[i], bounds[i + 1] - 1
+    return f"{sizes[i]:.3g} from {_when(innovations, column, first)} to " + _when(
+        innovations, column, last
+    )
+
+
+def _when(innovations: Innovations, column: Column, index: int) -> str:
+    words = f"{column.times[index]:.5g} s"
+    if innovations.value.shape[1] > 1:
+        words += f" of recording {column.recording[index] + 1}"
+    return words
+
+
+def _of(column: Column) -> str:
+    return f" of {column.name}" if column.name else ""

@@ -1,0 +1,92 @@
+"""Values that are in use, on a recording that they were not tuned on."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from filters.declared import bare, parameter_facts
+from tuner.catalogue import find
+from tuner.data.record import Record
+from tuner.diagnostics import Diagnostics
+from tuner.problem.parameters import Fixed
+from tuner.run.diagnosed import diagnosed
+from tuner.run.fit import pose_on
+from tuner.run.posed import Posed
+from tuner.run.searched import Wishes
+
+
+@dataclass(frozen=True, eq=False)
+class Check:
+    """What a recording says about values in use.
+
+    Attributes:
+        posed: the problem and its data.
+        values: all parameters, by name.
+        value: the objective.
+        diagnostics: what the innovations say; None for a filter without any.
+    """
+
+    posed: Posed
+    values: Mapping[str, np.ndarray]
+    value: float
+    diagnostics: Diagnostics | None
+
+
+def check(
+    filter: str | type[Any],
+    record: Record | Iterable[Record],
+    values: Mapping[str, Any],
+    *,
+    options: Mapping[str, Any] | None = None,
+    objective: str | None = None,
+) -> Check:
+    """Try values in use on a recording, or on several.
+
+    With a truth the value is the filter's error, without one the likelihood of its innovations.
+
+    Args:
+        filter: a name of ``tuner list filters``, or a class that declares its facts.
+        record: recordings in SI (:func:`tuner.read_record`, :meth:`tuner.Record.of`).
+        values: parameters by name; one that is never tuned (a start, a constant) is typical where
+            it is left out.
+        options: fields of the filter's class.
+        objective: of ``tuner list objectives``.
+
+    Raises:
+        ValueError: for a parameter that has no value, or that the filter does not know, and for a
+            filter that says nothing of how good it is: without innovations and without a truth.
+
+    >>> rng = np.random.default_rng(1)
+    >>> level = np.cumsum(0.1 * rng.standard_normal(400))
+    >>> record = Record.of({"z": level + rng.standard_normal(400)}, rate_hz=1.0)
+    >>> found = check("local-level", record, {"q": 1.0, "R": 100.0})
+    >>> 0.008 < found.diagnostics.factor < 0.012, found.diagnostics["size"].verdict
+    (True, 'failed')
+    """
+    name = filter if isinstance(filter, str) else filter.__name__
+    cls = find("tuner.filters", filter) if isinstance(filter, str) else filter
+    records = (record,) if isinstance(record, Record) else tuple(record)
+    wishes = Wishes(fix=values, options=options or {}, objective=objective, held=True)
+    posed = pose_on(name, cls, records, wishes)
+    return checked(posed)
+
+
+def checked(posed: Posed) -> Check:
+    """Try the values that a problem holds.
+
+    Raises:
+        ValueError: where one is still to be tuned.
+    """
+    space = posed.problem.space
+    open_ = [name for name, kind in space.parameters if not isinstance(kind, Fixed)]
+    if open_:
+        facts = parameter_facts(bare(posed.problem.filter))
+        told = ", ".join(f"{name} ({facts[name].meaning})" for name in open_)
+        raise ValueError(
+            f"{posed.problem.name} has no value in use for {told}; give it with "
+            + " ".join(f"--set {name}=..." for name in open_)
+        )
+    values = posed.problem.parameters(space.start())
+    return Check(posed, values, posed.problem.score(values), diagnosed(posed, values))
