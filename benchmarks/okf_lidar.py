@@ -88,11 +88,13 @@ class Tracks:
         step = params.transition
         step = step._replace(F=jnp.where(passed, step.F, jnp.eye(4)), Q=passed * step.Q)
         sample = Sample(jnp.where(seen, z, 0.0).T, None, step)
-        state, out = LinearKalman().step(params, state, sample)
+        estimate, out = LinearKalman().step(params, state, sample)
         variance = jnp.broadcast_to(out.variance, (self.count, 2))
         variance = jnp.where(seen & passed, variance, 0.0)
         P = jnp.broadcast_to(out.P, (self.count, 4, 4))
-        return state, Tracked(out.x.T, P, jnp.where(seen, out.innovation.T, 0.0), variance)
+        return Estimate(estimate.x, estimate.P), Tracked(
+            out.x.T, P, jnp.where(seen, out.innovation.T, 0.0), variance
+        )
 
 
 def targets(file: Path) -> tuple[Targets, Targets]:

@@ -87,7 +87,8 @@ def adds_up(problem: Problem) -> bool:
     """Whether the objective is a sum over samples, divided by what counts."""
     if not (is_fold(problem.objective) and is_additive(problem.objective)):
         return False
-    total = problem.objective.init()
+    objective: Any = problem.objective
+    total = objective.init()
     return isinstance(total, tuple) and [np.shape(leaf) for leaf in total] == [(), ()]
 
 

@@ -153,8 +153,8 @@ def check_powers(
     apart = max(float(np.nanmax(np.abs(a - b), initial=0.0)) / _size(a) for a, b in pairs)
     if not apart <= SAME:
         raise ValueError(
-            f"with {', '.join(by) or 'no parameter'} as variances x {factor:.3g} the estimates move "
-            f"by {apart:.1g} of their size: the filter has noise of its own, or a gate"
+            f"with {', '.join(by) or 'no parameter'} scaled by {factor:.3g} the estimates move by "
+            f"{apart:.1g} of their size: the filter has noise of its own, or a gate"
         )
     s, larger = np.asarray(before.variance), np.asarray(after.variance)
     if not np.allclose(larger, factor * s, rtol=SAME, atol=0.0):
