@@ -25,7 +25,7 @@ from rich.table import Table
 
 from filters import Estimate, LinearKalman, LinearModel, Sample, Transition
 from objectives import ChannelRmse, Data, InnovationLikelihood
-from tuner.certificate.solution import Solution
+from tuner.certificate.solution import Solution, TunedParameter, range_in_words
 from tuner.problem.parameters import Covariance, Fixed, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.space import Space
@@ -140,6 +140,8 @@ def posed(known: Targets, *, full: bool, truth: bool) -> Problem:
     else:
         kept["Q"], kept["R"] = Fixed(_nested(Q)), Fixed(_nested(R))
         kept |= {f"{n}_factor": Positive(1.0, 1e-6, 1e6) for n in ("Q", "R")}
+    if truth and not full:  # the same filters: the error sees ratios alone
+        kept |= {"R_factor": Fixed(1.0, nominal=True), "P0": Positive(P0, 1.0, 1e9, "m^2")}
     error = ChannelRmse("x", parts=2)
     return Problem(
         name=f"okf_{'matrices' if full else 'factors'}_{'error' if truth else 'likelihood'}",
@@ -236,16 +238,24 @@ def main(arguments: list[str] | None = None) -> int:
     return 0
 
 
+def spread(parameter: TunedParameter) -> str:
+    """Its interval; of a matrix the standard deviation of each entry."""
+    if parameter.interval is not None:
+        return f" {range_in_words(parameter.interval, parameter.interval_kind)}"
+    if parameter.deviation is None:
+        return ""
+    numbers = np.array2string(parameter.deviation, precision=2, separator=", ")
+    return f" +- {numbers}".replace("\n", "")
+
+
 def told(solution: Solution) -> str:
     """Numbers with their intervals; matrices as they are."""
     words = []
     for name, parameter in solution.parameters.items():
         if name in ("Q", "R") and f"{name}_factor" in solution.parameters:
             continue
-        ends = parameter.interval
-        interval = "" if ends is None else f" [{ends[0]:.3g}, {ends[1]:.3g}]"
         numbers = np.array2string(parameter.value, precision=4, separator=", ").replace("\n", "")
-        words.append(f"{name} = {numbers}{interval}")
+        words.append(f"{name} = {numbers}{spread(parameter)}")
     return "; ".join(words)
 
 

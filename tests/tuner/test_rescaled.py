@@ -9,7 +9,17 @@ import pytest
 from jax import Array
 
 import tuner
-from filters import Channel, LinearKalman, LinearModel, Param, Sample, Transition, Vertical, run
+from filters import (
+    Channel,
+    LinearKalman,
+    LinearModel,
+    LocalLevel,
+    Param,
+    Sample,
+    Transition,
+    Vertical,
+    run,
+)
 from objectives import ChannelRmse, Data
 from tests.tuner import fit_cases as cases
 from tuner.problem.parameters import Fixed, Positive
@@ -101,8 +111,11 @@ def test_a_gate_that_would_decide_otherwise_is_not_scaled():
 
 def test_no_noise_tells_no_factor():
     record = tuner.Record.of({"z": np.ones(60)}, rate_hz=1.0, truth={"level": np.full(60, 1.1)})
-    fit = tuner.fit("local-level", record, starts=1, hold_out=False)
-    assert fit.judged.rescaled.reason == "no factor makes it 1"
+    problem = pose_on("local-level", LocalLevel, (record,), Wishes()).problem
+    solution = Gradient("l-bfgs-b", seed=0, starts=1)(problem)
+    same, found = rescaled(problem, solution)
+    assert same is solution
+    assert (found.factor, found.reason) == (1.0, "no factor makes it 1")
 
 
 def test_variances_and_deviations_are_told_apart():

@@ -141,9 +141,11 @@ def _scaled(parameter: TunedParameter, factor: float) -> TunedParameter:
     ranges = {
         name: tuple(factor * end for end in interval)
         for name in ("interval", "robust")
-        if (interval := getattr(parameter, name, None)) is not None
+        if (interval := getattr(parameter, name)) is not None
     }
     changed: Any = ranges | {"value": parameter.value * factor}
+    if parameter.deviation is not None:
+        changed["deviation"] = parameter.deviation * factor
     return replace(parameter, **changed)
 
 

@@ -199,6 +199,26 @@ class RescaledRecord(_Record):
     reason: str
 
 
+class TradedRecord(_Record):
+    """See :class:`tuner.run.front.Traded`."""
+
+    first: float
+    second: float
+    weight: float
+    knee: bool
+    status: str
+    parameters: dict[str, Any]
+
+
+class TradeRecord(_Record):
+    """See :class:`tuner.run.front.Trade`."""
+
+    objective: str
+    unit: str
+    depth: float
+    points: list[TradedRecord]
+
+
 class FindingRecord(_Record):
     """See :class:`tuner.diagnostics.Finding`."""
 
@@ -239,6 +259,7 @@ class FitRecord(_Record):
         held_out: the same on data that was not used.
         diagnostics: of the innovations, before and after; empty without any.
         rescaled: what became of all variances after a fit against a truth.
+        trade: the front against a second objective.
         lines: the five lines that a run ends with.
     """
 
@@ -250,6 +271,7 @@ class FitRecord(_Record):
     held_out: HeldOutRecord | None
     diagnostics: list[DiagnosticsRecord]
     rescaled: RescaledRecord | None = None
+    trade: TradeRecord | None = None
     lines: list[str]
 
     @classmethod
@@ -267,6 +289,7 @@ class FitRecord(_Record):
             rescaled=(
                 RescaledRecord.model_validate(asdict(judged.rescaled)) if judged.rescaled else None
             ),
+            trade=TradeRecord.model_validate(asdict(judged.trade)) if judged.trade else None,
             lines=lines,
         )
 
