@@ -21,7 +21,7 @@ SOLVER = Gradient("l-bfgs-b", seed=0, starts=3)
 def coloured(samples=300):
     """A random walk whose measurement noise is coloured: to foretell it is to follow it."""
     draw = np.random.default_rng(3)
-    walk, noise = np.cumsum(0.06 * draw.standard_normal(samples)), np.zeros(samples)
+    walk, noise = np.cumsum(0.2 * draw.standard_normal(samples)), np.zeros(samples)
     for k in range(1, samples):
         noise[k] = 0.8 * noise[k - 1] + 0.6 * draw.standard_normal()
     return walk + noise, walk
@@ -53,7 +53,7 @@ def test_a_front_and_its_knee_are_those_of_all_points():
         assert point.solution.status in (Status.CONVERGED, Status.STARTS_DIFFER)
         known = both(float(point.solution.parameters["q"].value))
         assert (point.first, point.second) == pytest.approx(known, rel=1e-9)
-    grid = np.array([both(q) for q in np.geomspace(1e-4, 1e3, 600)])
+    grid = np.array([both(q) for q in np.geomspace(1e-3, 1e3, 1500)])
     assert front.points[0].first == pytest.approx(grid[:, 0].min(), rel=1e-4)
     assert front.points[-1].second == pytest.approx(grid[:, 1].min(), rel=1e-4)
     ends = np.log([grid[grid[:, 0].argmin()], grid[grid[:, 1].argmin()]])
