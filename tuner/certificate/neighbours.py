@@ -11,8 +11,8 @@ from tuner.certificate.yardstick import Yardstick
 from tuner.problem.constraint import ALLOWED
 from tuner.problem.problem import Problem
 
-DISTANCES = (0.03, 0.3, 1.0, 3.0, 8.0, 20.0)
-"""How far from a point others are tried along every axis, within the box: a plateau is wide."""
+DISTANCES = (0.03, 0.3, 1.0)
+"""How far from a point its neighbours are tried, along every axis of its curvature."""
 APART = 1.5
 """Points of a search through the whole box lie no further apart, unless the box is enormous."""
 NEAR = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
@@ -76,7 +76,10 @@ def neighbours(
 
 
 def lower_afar(problem: Problem, yard: Yardstick, z: np.ndarray) -> np.ndarray | None:
-    """The lowest point along the coordinates of z ``(n,)``, all through the box; None: itself."""
+    """The lowest point along the coordinates of z ``(n,)``, all through the box; None: itself.
+
+    A plateau may be wider than any neighbourhood.
+    """
     trial = _Trial(problem, yard, problem.value(z))
     low, high = problem.space.box()
     points = []
