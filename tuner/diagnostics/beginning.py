@@ -3,7 +3,7 @@
 import numpy as np
 
 from tuner.diagnostics.finding import Finding, judged, not_tried
-from tuner.diagnostics.innovations import Column, Innovations
+from tuner.diagnostics.innovations import INSIDE, Column, Innovations
 
 NAME, WHAT = "start", "mean square of the first innovations over the usual one"
 FEW = 40
@@ -11,6 +11,8 @@ FEW = 40
 WINDOWS = (1, 2, 4, 8, 16)
 CLIPPED = 3.0
 """In deviations; from the second number on, so that one outlier there is no start."""
+QUIET = 3
+"""A leap after so many numbers is an outlier's; a wrong start shows before, or grows."""
 
 
 def of_start(innovations: Innovations, way: str) -> Finding:
@@ -43,10 +45,14 @@ def of_start(innovations: Innovations, way: str) -> Finding:
 
 
 def _firsts(column: Column, width: int) -> np.ndarray:
-    """Squares of the first numbers of each recording that has enough, over the usual one."""
+    """Squares of the first numbers of each recording that has enough, over the usual one.
+
+    A recording in which an outlier leaps out of quiet ones among them is left out.
+    """
     starts = np.flatnonzero(np.diff(column.recording, prepend=-1))
     lengths = np.diff(np.append(starts, len(column)))
     rows = starts[lengths >= max(FEW // 2, width)][:, None] + np.arange(width)
     sizes = np.abs(column.e[rows]) / column.scale
+    leaps = (np.diff(sizes, axis=1) > INSIDE)[:, QUIET - 1 :].any(axis=1)
     later = np.arange(width) > 0
-    return np.asarray(np.where(later, np.minimum(sizes, CLIPPED), sizes) ** 2)
+    return np.asarray(np.where(later, np.minimum(sizes, CLIPPED), sizes)[~leaps] ** 2)

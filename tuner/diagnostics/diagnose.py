@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from tuner.diagnostics.beginning import of_start
 from tuner.diagnostics.finding import Finding
 from tuner.diagnostics.innovations import Innovations
-from tuner.diagnostics.outliers import of_outliers
+from tuner.diagnostics.outliers import Varying, of_outliers
 from tuner.diagnostics.size import NOTHING, of_size, size
 from tuner.diagnostics.spread import over_level, over_time
 from tuner.diagnostics.turns import of_turns
@@ -88,12 +88,13 @@ def diagnose(innovations: Innovations, ways: Ways | None = None) -> Diagnostics:
     (['size'], 9)
     """
     ways = Ways() if ways is None else ways
+    level, time = over_level(innovations, ways.level), over_time(innovations, ways.time)
     findings = (
         of_turns(innovations, ways.turns),
-        of_outliers(innovations, ways.outliers),
+        of_outliers(innovations, ways.outliers, _varying(level, time)),
         of_start(innovations, ways.start),
-        over_level(innovations, ways.level),
-        over_time(innovations, ways.time),
+        level,
+        time,
         of_whiteness(innovations, ways.whiteness),
         of_size(innovations),
     )
@@ -104,3 +105,11 @@ def diagnose(innovations: Innovations, ways: Ways | None = None) -> Diagnostics:
         numbers,
         findings,
     )
+
+
+def _varying(level: Finding, time: Finding) -> Varying:
+    """What the noise changes with: of both the likelier."""
+    failed = [found for found in (time, level) if found.verdict == "failed"]
+    if not failed:
+        return ""
+    return "level" if min(failed, key=lambda found: found.p) is level else "time"

@@ -11,6 +11,27 @@ INSIDE = 4.0
 """Beyond so many deviations a normalised innovation is an outlier: 1 in 15,800 of normal ones."""
 
 
+def usual(numbers: np.ndarray) -> float:
+    """Deviation of numbers without outliers: of those that lie within four of it.
+
+    Begins with the median and goes on with the numbers inside until they stay the same.
+
+    >>> usual(np.array([1.0, -1.0, 1.0, -1.0, 99.0]))
+    1.0
+    """
+    size = np.abs(numbers)
+    scale = float(np.median(size)) / 0.6745
+    inside = size <= INSIDE * scale
+    for _ in range(50):
+        if not scale > 0:
+            break
+        before, scale = inside, float(np.sqrt(np.mean(size[inside] ** 2)))
+        inside = size <= INSIDE * scale
+        if (inside == before).all():
+            break
+    return scale if scale > 0 else float(np.sqrt(np.mean(size**2)))
+
+
 @dataclass(frozen=True, eq=False)
 class Column:
     """The numbers of one measurement that count, recording after recording, each in time.
@@ -37,27 +58,15 @@ class Column:
 
     @cached_property
     def scale(self) -> float:
-        """Deviation of ``e`` without its outliers: of those that lie within four of it.
-
-        Begins with the median and goes on with the numbers inside until they stay the same.
-        """
-        size = np.abs(self.e)
-        scale = float(np.median(size)) / 0.6745
-        inside = size <= INSIDE * scale
-        for _ in range(50):
-            if not scale > 0:
-                break
-            before, scale = inside, float(np.sqrt(np.mean(size[inside] ** 2)))
-            inside = size <= INSIDE * scale
-            if (inside == before).all():
-                break
-        return scale if scale > 0 else float(np.sqrt(np.mean(size**2)))
+        """Deviation of ``e`` without its outliers; see :func:`usual`."""
+        return usual(self.e)
 
     def correlation(self, lag: int) -> float:
         """Of each number with that so many before in the same recording, in units of the square."""
         pairs = self.e[lag:] * self.e[:-lag]
         same = self.recording[lag:] == self.recording[:-lag]
-        return float((pairs * same).sum() / (self.e @ self.e))
+        power = float(self.e @ self.e)
+        return float((pairs * same).sum()) / power if power > 0 else 0.0
 
     def pairs(self, lag: int) -> int:
         """How many there are."""
@@ -147,7 +156,7 @@ class Innovations:
     @cached_property
     def counted(self) -> np.ndarray:
         """Which numbers count."""
-        with np.errstate(invalid="ignore"):
+        with np.errstate(invalid="ignore", divide="ignore"):
             return np.asarray((self.variance > 0) & np.isfinite(self.value / self.variance))
 
     @cached_property

@@ -12,6 +12,7 @@ LEVEL, LEVEL_WHAT = "over level", "correlation of scores with the level's rank, 
 FEW = 40
 """Of fewer numbers nothing is said."""
 PARTS = 10
+NEIGHBOURS = 10
 
 
 class Scores(NamedTuple):
@@ -30,7 +31,8 @@ def scores(column: Column) -> Scores:
     """Klotz's scores of the sizes: squares of normal quantiles.
 
     Outliers and heavy tails have no say beyond their rank, and of normal numbers nothing is lost
-    (Klotz, Annals of Mathematical Statistics 33, 1962). Correlation widens the sum.
+    (Klotz, Annals of Mathematical Statistics 33, 1962). Correlation of the numbers widens the sum,
+    and so does that of their sizes over ten neighbours, as an outlier's aftermath has it.
     """
     from scipy.special import ndtri
     from scipy.stats import rankdata
@@ -38,7 +40,25 @@ def scores(column: Column) -> Scores:
     shares = rankdata(np.abs(column.e)) / (len(column) + 1)
     values = ndtri((1 + shares) / 2) ** 2
     values = values - values.mean()
-    return Scores(values, float(np.sqrt(np.mean(values**2) * column.spread)))
+    wider = max(column.spread, _wider(values))
+    return Scores(values, float(np.sqrt(np.mean(values**2) * wider)))
+
+
+def _wider(values: np.ndarray) -> float:
+    """By which factor the correlation of neighbours widens the variance of a sum of scores.
+
+    Each less its part's mean, for slow changes are what is looked for.
+    """
+    bounds = _bounds(len(values))
+    means = np.add.reduceat(values, bounds[:-1]) / np.diff(bounds)
+    rest = values - np.repeat(means, np.diff(bounds))
+    power, bound, total = rest @ rest, 2 / np.sqrt(len(rest)), 1.0
+    for lag in range(1, min(NEIGHBOURS, len(rest) // 5) + 1):
+        correlation = float(rest[lag:] @ rest[:-lag] / power) if power > 0 else 0.0
+        if correlation < bound:
+            break
+        total += 2 * correlation
+    return total
 
 
 def over_time(innovations: Innovations, way: str) -> Finding:

@@ -64,7 +64,7 @@ def lag_one(normalised: np.ndarray) -> float:
     >>> round(lag_one(np.array([[1.0], [-1.0], [1.0], [-1.0], [np.nan], [1.0]])), 6)
     -1.0
     """
-    columns = normalised.reshape(len(normalised), -1).T
+    columns = normalised.reshape(len(normalised), int(np.prod(normalised.shape[1:]))).T
     pairs = [column[np.isfinite(column)] for column in columns]
     products = sum(float(c[1:] @ c[:-1]) for c in pairs)
     squares = sum(float(c[1:] @ c[1:]) + float(c[:-1] @ c[:-1]) for c in pairs) / 2
