@@ -70,6 +70,8 @@ def test_ljung_box_is_that_of_a_loop():
     found = diagnose(Innovations.of(e, np.ones(200)))["whiteness"]
     assert found.statistic == pytest.approx(Q, rel=1e-12)
     assert found.details["p_ljung_box"] == pytest.approx(chi2.sf(Q, 10), rel=1e-9)
+    tuned = diagnose(Innovations.of(e, np.ones(200)), fitted=2)["whiteness"]
+    assert tuned.details["p_ljung_box"] == pytest.approx(chi2.sf(Q, 8), rel=1e-9)
 
 
 def test_no_pair_joins_two_recordings():
@@ -94,7 +96,11 @@ def test_the_usual_deviation_is_that_without_outliers():
     e[::20] += 5.0
     (column,) = Innovations.of(e, np.ones(1200)).columns
     inside = np.delete(e, np.arange(0, 1200, 20))
-    assert column.scale == pytest.approx(np.sqrt(np.mean(inside**2)), rel=1e-12)
+    inside = inside[np.abs(inside) < 3 * column.scale]
+    # Of normal numbers, those within three deviations have this mean square.
+    share = 1 - 2 * 3 * norm.pdf(3) / (1 - 2 * norm.sf(3))
+    assert column.scale == pytest.approx(np.sqrt(np.mean(inside**2) / share), rel=1e-5)
+    assert column.scale == pytest.approx(0.01, rel=0.05)
 
 
 def test_lag_one_of_white_and_of_like_numbers():

@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 
 from tuner.diagnostics.beginning import of_start
+from tuner.diagnostics.column import PARTS, Varying
 from tuner.diagnostics.finding import Finding
 from tuner.diagnostics.innovations import Innovations
-from tuner.diagnostics.outliers import Varying, of_outliers
+from tuner.diagnostics.outliers import of_outliers
 from tuner.diagnostics.size import NOTHING, of_size, size
 from tuner.diagnostics.spread import over_level, over_time
 from tuner.diagnostics.turns import of_turns
@@ -76,8 +77,16 @@ class Diagnostics:
         return f"noise variances {words} by a factor {max(self.nis, 1 / self.nis):.3g}"
 
 
-def diagnose(innovations: Innovations, ways: Ways | None = None) -> Diagnostics:
+def diagnose(innovations: Innovations, ways: Ways | None = None, *, fitted: int = 0) -> Diagnostics:
     """Test the innovations of a run.
+
+    Where the noise changes with time or level, the other tests are made on what is left without
+    this change, so that they do not fail for the same reason.
+
+    Args:
+        innovations: they.
+        ways: the way out of each failure, in words.
+        fitted: how many parameters were tuned on these innovations.
 
     >>> import numpy as np
     >>> e = np.random.default_rng(1).standard_normal(500)
@@ -87,29 +96,35 @@ def diagnose(innovations: Innovations, ways: Ways | None = None) -> Diagnostics:
     >>> [each.test for each in found.failed], round(found.factor)
     (['size'], 9)
     """
-    ways = Ways() if ways is None else ways
-    level, time = over_level(innovations, ways.level), over_time(innovations, ways.time)
+    ways, lag = Ways() if ways is None else ways, lag_one(innovations.normalised)
+    level, time, varying = _changes(innovations, ways)
+    columns = tuple(column.evened(varying) for column in innovations.columns)
     findings = (
-        of_turns(innovations, ways.turns),
-        of_outliers(innovations, ways.outliers, _varying(level, time)),
-        of_start(innovations, ways.start),
+        of_turns(innovations, columns, ways.turns),
+        of_outliers(innovations, columns, PARTS if varying else 1, ways.outliers),
+        of_start(columns, ways.start),
         level,
         time,
-        of_whiteness(innovations, ways.whiteness),
+        of_whiteness(columns, lag, fitted, ways.whiteness),
         of_size(innovations),
     )
-    numbers = sum(map(len, innovations.columns))
-    return Diagnostics(
-        *(size(innovations.columns) if innovations.foretold else NOTHING),
-        lag_one(innovations.normalised),
-        numbers,
-        findings,
-    )
+    whole = size(innovations.columns) if innovations.foretold else NOTHING
+    return Diagnostics(*whole, lag, sum(map(len, columns)), findings)
 
 
-def _varying(level: Finding, time: Finding) -> Varying:
-    """What the noise changes with: of both the likelier."""
-    failed = [found for found in (time, level) if found.verdict == "failed"]
-    if not failed:
-        return ""
-    return "level" if min(failed, key=lambda found: found.p) is level else "time"
+def _changes(innovations: Innovations, ways: Ways) -> tuple[Finding, Finding, Varying]:
+    """Whether the noise changes with the level and with time, and with which of them rather.
+
+    A change with one that explains that with the other is told alone.
+    """
+    calm = tuple(column.only(column.calm) for column in innovations.columns)
+    level, time = over_level(calm, innovations.unit, ways.level), over_time(calm, ways.time)
+    if "failed" not in (level.verdict, time.verdict):
+        return level, time, ""
+    if level.verdict != time.verdict:
+        return level, time, "level" if level.verdict == "failed" else "time"
+    rather: Varying = "level" if level.p < time.p else "time"
+    evened = tuple(column.evened(rather) for column in calm)
+    if rather == "level":
+        return level, over_time(evened, ways.time), rather
+    return over_level(evened, innovations.unit, ways.level), time, rather

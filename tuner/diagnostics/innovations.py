@@ -1,4 +1,4 @@
-"""The innovations of a run, and the numbers of each measurement among them."""
+"""The innovations of a run."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,85 +7,7 @@ from typing import Any
 
 import numpy as np
 
-INSIDE = 4.0
-"""Beyond so many deviations a normalised innovation is an outlier: 1 in 15,800 of normal ones."""
-
-
-def usual(numbers: np.ndarray) -> float:
-    """Deviation of numbers without outliers: of those that lie within four of it.
-
-    Begins with the median and goes on with the numbers inside until they stay the same.
-
-    >>> usual(np.array([1.0, -1.0, 1.0, -1.0, 99.0]))
-    1.0
-    """
-    size = np.abs(numbers)
-    scale = float(np.median(size)) / 0.6745
-    inside = size <= INSIDE * scale
-    for _ in range(50):
-        if not scale > 0:
-            break
-        before, scale = inside, float(np.sqrt(np.mean(size[inside] ** 2)))
-        inside = size <= INSIDE * scale
-        if (inside == before).all():
-            break
-    return scale if scale > 0 else float(np.sqrt(np.mean(size**2)))
-
-
-@dataclass(frozen=True, eq=False)
-class Column:
-    """The numbers of one measurement that count, recording after recording, each in time.
-
-    Attributes:
-        name: of the measurement; "" where there is one alone.
-        e: innovations over their deviations, ``(n,)``; independent and standard normal for a right
-            filter, as are all below in the same order.
-        y: innovations.
-        times: s.
-        recording: which recording each is of.
-        levels: what was foretold, in the unit of the measurement; None where nobody knows.
-    """
-
-    name: str
-    e: np.ndarray
-    y: np.ndarray
-    times: np.ndarray
-    recording: np.ndarray
-    levels: np.ndarray | None
-
-    def __len__(self) -> int:
-        return len(self.e)
-
-    @cached_property
-    def scale(self) -> float:
-        """Deviation of ``e`` without its outliers; see :func:`usual`."""
-        return usual(self.e)
-
-    def correlation(self, lag: int) -> float:
-        """Of each number with that so many before in the same recording, in units of the square."""
-        pairs = self.e[lag:] * self.e[:-lag]
-        same = self.recording[lag:] == self.recording[:-lag]
-        power = float(self.e @ self.e)
-        return float((pairs * same).sum()) / power if power > 0 else 0.0
-
-    def pairs(self, lag: int) -> int:
-        """How many there are."""
-        return int((self.recording[lag:] == self.recording[:-lag]).sum())
-
-    @cached_property
-    def spread(self) -> float:
-        """By which factor correlation widens the variance of a mean of squares; 1 if white.
-
-        1 + 2 sum r_k^2 (Bartlett, for normal numbers), up to two lags in a row that say nothing.
-        """
-        bound, total, quiet = 4 / max(len(self), 1), 1.0, 0
-        for lag in range(1, len(self) // 5 + 1):
-            square = self.correlation(lag) ** 2
-            quiet = quiet + 1 if square < bound else 0
-            if quiet == 2:
-                break
-            total += 2 * square if square >= bound else 0.0
-        return total
+from tuner.diagnostics.column import Column
 
 
 @dataclass(frozen=True, eq=False)

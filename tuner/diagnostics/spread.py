@@ -4,14 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tuner.diagnostics.column import PARTS, Column
 from tuner.diagnostics.finding import Finding, judged, not_tried
-from tuner.diagnostics.innovations import Column, Innovations
 
 TIME, TIME_WHAT = "over time", "largest distance of the sum of scores from its straight course"
 LEVEL, LEVEL_WHAT = "over level", "correlation of scores with the level's rank, over its deviation"
 FEW = 40
 """Of fewer numbers nothing is said."""
-PARTS = 10
 NEIGHBOURS = 10
 
 
@@ -61,7 +60,7 @@ def _wider(values: np.ndarray) -> float:
     return total
 
 
-def over_time(innovations: Innovations, way: str) -> Finding:
+def over_time(columns: tuple[Column, ...], way: str) -> Finding:
     """Test whether the noise changes with time, or from recording to recording.
 
     Two looks: the largest distance of the sum of scores from its straight course (sum of squares
@@ -69,13 +68,13 @@ def over_time(innovations: Innovations, way: str) -> Finding:
     the spread of ten parts' means, which finds what comes and goes.
 
     Args:
-        innovations: they.
+        columns: the measurements.
         way: the way out, in words.
     """
     from scipy.stats import chi2, kstwobign
 
     found = []
-    columns = [c for c in innovations.columns if len(c) >= FEW and c.e.any()]
+    columns = tuple(c for c in columns if len(c) >= FEW and c.e.any())
     for column in columns:
         values, deviation = scores(column)
         if not deviation > 0:
@@ -92,24 +91,25 @@ def over_time(innovations: Innovations, way: str) -> Finding:
     bounds = _bounds(len(column))
     sizes = np.add.reduceat(column.e**2, bounds[:-1]) / np.diff(bounds)
     least, most = int(np.argmin(sizes)), int(np.argmax(sizes))
-    words = [_span(innovations, column, sizes, bounds, i) for i in (least, most)]
+    words = [_span(column, sizes, bounds, i) for i in (least, most)]
     details = {"lowest": float(sizes[least]), "highest": float(sizes[most])}
     sentence = f"the noise{_of(column)} changes with time (NIS {words[0]}, {words[1]}); {way}"
     return judged(TIME, TIME_WHAT, course, p, sentence, details)
 
 
-def over_level(innovations: Innovations, way: str) -> Finding:
+def over_level(columns: tuple[Column, ...], unit: str, way: str) -> Finding:
     """Test whether the noise grows or falls with the level, or with its size if it has both signs.
 
     The level is what was foretold, for that knows nothing of the number's own noise.
 
     Args:
-        innovations: they.
+        columns: the measurements.
+        unit: of the levels.
         way: the way out, in words.
     """
     from scipy.stats import norm
 
-    known = [c for c in innovations.columns if c.levels is not None and len(c) >= FEW]
+    known = [c for c in columns if c.levels is not None and len(c) >= FEW]
     looks = [(c, at) for c in known if c.e.any() for at in _levels(c) if np.ptp(at) > 0]
     if not looks:
         why = "nothing is known of the level" if not known else "the level stands still"
@@ -120,8 +120,7 @@ def over_level(innovations: Innovations, way: str) -> Finding:
     order = np.argsort(at, kind="stable")
     thirds = [order[: len(order) // 3], order[-(len(order) // 3) :]]
     sizes = [float(np.mean(column.e[rows] ** 2)) for rows in thirds]
-    unit = f" {innovations.unit}" if innovations.unit else ""
-    told = [f"{at[rows].min():.3g} to {at[rows].max():.3g}{unit}" for rows in thirds]
+    told = [f"{at[rows].min():.3g} to {at[rows].max():.3g} {unit}".rstrip() for rows in thirds]
     sentence = (
         f"the noise{_of(column)} {'grows' if statistics[worst] > 0 else 'falls'} with the level "
         f"(NIS {sizes[0]:.3g} at {told[0]}, {sizes[1]:.3g} at {told[1]}); {way}"
@@ -153,18 +152,14 @@ def _bounds(count: int) -> np.ndarray:
     return np.linspace(0, count, parts + 1).astype(int)
 
 
-def _span(
-    innovations: Innovations, column: Column, sizes: np.ndarray, bounds: np.ndarray, i: int
-) -> str:
+def _span(column: Column, sizes: np.ndarray, bounds: np.ndarray, i: int) -> str:
     first, last = bounds[i], bounds[i + 1] - 1
-    return f"{sizes[i]:.3g} from {_when(innovations, column, first)} to " + _when(
-        innovations, column, last
-    )
+    return f"{sizes[i]:.3g} from {_when(column, first)} to {_when(column, last)}"
 
 
-def _when(innovations: Innovations, column: Column, index: int) -> str:
+def _when(column: Column, index: int) -> str:
     words = f"{column.times[index]:.5g} s"
-    if innovations.value.shape[1] > 1:
+    if column.recording[-1] > 0:
         words += f" of recording {column.recording[index] + 1}"
     return words
 

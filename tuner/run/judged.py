@@ -11,7 +11,7 @@ from tuner.certificate.solution import Solution
 from tuner.diagnostics import Diagnostics
 from tuner.problem.problem import Problem
 from tuner.run.diagnosed import diagnosed
-from tuner.run.posed import Posed
+from tuner.run.posed import NO_TRUTH, Posed
 
 SHARE = 0.7
 """Share of the samples, or of the recordings, that a second fit is tuned on; the rest judges it."""
@@ -76,7 +76,8 @@ def judge(posed: Posed, solution: Solution, part: Solution | None) -> Judged:
         part: tuned on :func:`first_part`; None where there is none.
     """
     begun = posed.problem.parameters(posed.problem.space.start())
-    before, now = diagnosed(posed, begun), diagnosed(posed, _of(solution))
+    fitted = posed.problem.space.size if posed.objective in NO_TRUTH else 0
+    before, now = diagnosed(posed, begun), diagnosed(posed, _of(solution), fitted=fitted)
     return Judged(
         posed.objective,
         posed.unit,
