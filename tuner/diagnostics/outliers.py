@@ -53,9 +53,7 @@ def of_outliers(
     words = (
         found
         if min(chances[:2]) < chances[2] or count > 2 * expected + 2
-        else (
-            f"innovations have heavier tails than normal noise (kurtosis {kurtosis:.3g} instead of 3)"
-        )
+        else (f"innovations have heavier tails than normal noise (kurtosis {kurtosis:.3g} for 3)")
     )
     details = {"expected": expected, "largest": largest[first], "kurtosis": kurtosis}
     details |= {"time": float(columns[first].times[place])}

@@ -39,16 +39,15 @@ def scores(column: Column) -> Scores:
     shares = rankdata(np.abs(column.e)) / (len(column) + 1)
     values = ndtri((1 + shares) / 2) ** 2
     values = values - values.mean()
-    wider = max(column.spread, _wider(values))
+    wider = max(column.spread, _wider(values, _bounds(column)))
     return Scores(values, float(np.sqrt(np.mean(values**2) * wider)))
 
 
-def _wider(values: np.ndarray) -> float:
+def _wider(values: np.ndarray, bounds: np.ndarray) -> float:
     """By which factor the correlation of neighbours widens the variance of a sum of scores.
 
     Each less its part's mean, for slow changes are what is looked for.
     """
-    bounds = _bounds(len(values))
     means = np.add.reduceat(values, bounds[:-1]) / np.diff(bounds)
     rest = values - np.repeat(means, np.diff(bounds))
     power, bound, total = rest @ rest, 2 / np.sqrt(len(rest)), 1.0
@@ -80,7 +79,7 @@ def over_time(columns: tuple[Column, ...], way: str) -> Finding:
         if not deviation > 0:
             continue
         course = float(np.abs(np.cumsum(values)).max() / deviation / np.sqrt(len(column)))
-        bounds = _bounds(len(column))
+        bounds = _bounds(column)
         means = np.add.reduceat(values, bounds[:-1]) / np.diff(bounds)
         parts = float(np.diff(bounds) @ means**2 / deviation**2)
         chances = kstwobign.sf(course), chi2.sf(parts, len(means) - 1)
@@ -88,7 +87,7 @@ def over_time(columns: tuple[Column, ...], way: str) -> Finding:
     if not found:
         return not_tried(TIME, TIME_WHAT, f"it takes {FEW} innovations of a measurement")
     p, course, column = min(found, key=lambda each: each[0])
-    bounds = _bounds(len(column))
+    bounds = _bounds(column)
     sizes = np.add.reduceat(column.e**2, bounds[:-1]) / np.diff(bounds)
     least, most = int(np.argmin(sizes)), int(np.argmax(sizes))
     words = [_span(column, sizes, bounds, i) for i in (least, most)]
@@ -147,9 +146,13 @@ def _levels(column: Column) -> list[np.ndarray]:
     return [level, np.abs(level)] if level.min() < 0 < level.max() else [level]
 
 
-def _bounds(count: int) -> np.ndarray:
-    parts = min(PARTS, max(count // 20, 2))
-    return np.linspace(0, count, parts + 1).astype(int)
+def _bounds(column: Column) -> np.ndarray:
+    """Where ten parts begin and end, or several recordings where there are enough."""
+    count = len(column)
+    starts = np.flatnonzero(np.diff(column.recording, prepend=-1))
+    if len(starts) > 2 and count >= FEW // 2 * len(starts):
+        return np.append(starts, count)
+    return np.linspace(0, count, min(PARTS, max(count // 20, 2)) + 1).astype(int)
 
 
 def _span(column: Column, sizes: np.ndarray, bounds: np.ndarray, i: int) -> str:
