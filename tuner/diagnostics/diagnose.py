@@ -115,16 +115,19 @@ def diagnose(innovations: Innovations, ways: Ways | None = None, *, fitted: int 
 def _changes(innovations: Innovations, ways: Ways) -> tuple[Finding, Finding, Varying]:
     """Whether the noise changes with the level and with time, and with which of them rather.
 
-    A change with one that explains that with the other is told alone.
+    Where one change explains the other, and not the other way round, it is told alone.
     """
     calm = tuple(column.only(column.calm) for column in innovations.columns)
     level, time = over_level(calm, innovations.unit, ways.level), over_time(calm, ways.time)
-    if "failed" not in (level.verdict, time.verdict):
-        return level, time, ""
-    if level.verdict != time.verdict:
-        return level, time, "level" if level.verdict == "failed" else "time"
-    rather: Varying = "level" if level.p < time.p else "time"
-    evened = tuple(column.evened(rather) for column in calm)
-    if rather == "level":
-        return level, over_time(evened, ways.time), rather
-    return over_level(evened, innovations.unit, ways.level), time, rather
+    if level.verdict != "failed" or time.verdict != "failed":
+        failed: Varying = "time" if time.verdict == "failed" else ""
+        return level, time, "level" if level.verdict == "failed" else failed
+    by_level = tuple(column.evened("level") for column in calm)
+    by_time = tuple(column.evened("time") for column in calm)
+    time_left = over_time(by_level, ways.time)
+    level_left = over_level(by_time, innovations.unit, ways.level)
+    if time_left.verdict != level_left.verdict:
+        if time_left.verdict == "failed":
+            return level_left, time, "time"
+        return level, time_left, "level"
+    return level, time, "level" if level.p < time.p else "time"

@@ -33,7 +33,8 @@ def of_turns(innovations: Innovations, columns: tuple[Column, ...], way: str) ->
     for turn in innovations.turns:
         for column in columns:
             deviation = np.abs(column.y / np.where(column.e == 0, 1.0, column.e)) * column.scale
-            begun = np.flatnonzero(outlying(column) & (APART * deviation < turn))
+            far = (np.abs(column.y) > turn / 2) & (APART * deviation < turn)
+            begun = np.flatnonzero(outlying(column) & far)
             typical = float(np.median(deviation))
             if not 0 < APART * typical < turn:
                 continue
