@@ -30,6 +30,8 @@ from filters import (
 from tuner.diagnostics import Diagnostics, Innovations, diagnose
 
 SAMPLES = 1000
+FEWER, MOVED = 50, 1.8
+"""So many records tell first whether a size comes into question."""
 DRAG, DRIVE, STEP = 0.2, 0.8, 0.1
 TURN = 2 * np.pi
 
@@ -336,8 +338,11 @@ def main(arguments: list[str] | None = None) -> None:
 
 def _rows(model: Model, fault: Fault, records: int, seed: int, *, every: bool) -> Iterator[str]:
     for size in fault.sizes:
+        last = every or size == fault.sizes[-1]
+        if not last and at_size(model, fault, size, FEWER, seed)[0] < MOVED:
+            continue
         factor, shares = at_size(model, fault, size, records, seed)
-        if every or factor >= 2 or size == fault.sizes[-1]:
+        if last or factor >= 2:
             rest = {k: v for k, v in shares.items() if k not in (fault.test, "any")}
             own = f"{100 * shares[fault.test]:.1f} | {100 * shares['any']:.1f}"
             yield f"{size:.3g} | {factor:.3g} | {own} | {_shares(rest)}"

@@ -196,7 +196,7 @@ def test_a_noisier_recording_among_several():
     e[:, 5] *= 2
     found = diagnose(Innovations.of(e, np.ones_like(e)))["over time"]
     assert found.verdict == "failed"
-    assert "of recording 6" in found.sentence
+    assert "in recording 6)" in found.sentence
 
 
 def test_wrapped_angles():

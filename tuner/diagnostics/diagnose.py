@@ -99,9 +99,11 @@ def diagnose(innovations: Innovations, ways: Ways | None = None, *, fitted: int 
     ways, lag = Ways() if ways is None else ways, lag_one(innovations.normalised)
     level, time, varying = _changes(innovations, ways)
     columns = tuple(column.evened(varying) for column in innovations.columns)
+    turns = of_turns(innovations, columns, ways.turns)
+    refused = ways.turns if turns.verdict == "failed" else ways.outliers
     findings = (
-        of_turns(innovations, columns, ways.turns),
-        of_outliers(innovations, columns, PARTS if varying else 1, ways.outliers),
+        turns,
+        of_outliers(innovations, columns, PARTS if varying else 1, refused),
         of_start(columns, ways.start),
         level,
         time,

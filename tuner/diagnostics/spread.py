@@ -109,13 +109,14 @@ def over_level(columns: tuple[Column, ...], unit: str, way: str) -> Finding:
     from scipy.stats import norm
 
     known = [c for c in columns if c.levels is not None and len(c) >= FEW]
-    looks = [(c, at) for c in known if c.e.any() for at in _levels(c) if np.ptp(at) > 0]
+    given = [(c, scores(c)) for c in known if c.e.any()]
+    looks = [(c, at, own) for c, own in given for at in _levels(c) if np.ptp(at) > 0]
     if not looks:
         why = "nothing is known of the level" if not known else "the level stands still"
         return not_tried(LEVEL, LEVEL_WHAT, why)
-    statistics = [_with(column, at) for column, at in looks]
+    statistics = [_with(own, at) for _, at, own in looks]
     worst = int(np.argmax(np.abs(statistics)))
-    column, at = looks[worst]
+    column, at, _ = looks[worst]
     order = np.argsort(at, kind="stable")
     thirds = [order[: len(order) // 3], order[-(len(order) // 3) :]]
     sizes = [float(np.mean(column.e[rows] ** 2)) for rows in thirds]
@@ -129,11 +130,11 @@ def over_level(columns: tuple[Column, ...], unit: str, way: str) -> Finding:
     return judged(LEVEL, LEVEL_WHAT, statistics[worst], p, sentence, details)
 
 
-def _with(column: Column, level: np.ndarray) -> float:
+def _with(found: Scores, level: np.ndarray) -> float:
     """Correlation of the scores with the ranks of levels, over its deviation."""
     from scipy.stats import rankdata
 
-    values, deviation = scores(column)
+    values, deviation = found
     ranks = rankdata(level)
     ranks = ranks - ranks.mean()
     size = deviation * np.sqrt(ranks @ ranks)
@@ -157,6 +158,9 @@ def _bounds(column: Column) -> np.ndarray:
 
 def _span(column: Column, sizes: np.ndarray, bounds: np.ndarray, i: int) -> str:
     first, last = bounds[i], bounds[i + 1] - 1
+    number = column.recording[first]
+    if column.recording[-1] > 0 and (column.recording == number).sum() == last - first + 1:
+        return f"{sizes[i]:.3g} in recording {number + 1}"
     return f"{sizes[i]:.3g} from {_when(column, first)} to {_when(column, last)}"
 
 

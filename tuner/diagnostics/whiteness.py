@@ -39,7 +39,10 @@ def of_whiteness(columns: tuple[Column, ...], lag: float, fitted: int, way: str)
     at = int(np.argmax(np.abs(means)))
     chances["p_mean"] = min(2 * len(columns) * float(norm.sf(abs(means[at]))), 1.0)
     p = min(2 * chances["p_short"], 4 * chances["p_ljung_box"], 4 * chances["p_mean"])
-    words = f"innovations are correlated (lag one {lag:+.2f}, Ljung-Box {Q:.3g} over {lags} lags)"
+    words = (
+        f"innovations are correlated (lag one {lag:+.2f}, {_largest(columns, squares)}, "
+        f"Ljung-Box {Q:.3g} over {lags} lags)"
+    )
     if 4 * chances["p_mean"] < LEVEL:
         offset = columns[at].e.mean()
         name = f" of {columns[at].name}" if columns[at].name else ""
@@ -51,6 +54,12 @@ def of_whiteness(columns: tuple[Column, ...], lag: float, fitted: int, way: str)
 def _degrees(count: int, fitted: int) -> int:
     """Of freedom; tuning takes at most half of them."""
     return count - min(fitted, count // 2)
+
+
+def _largest(columns: tuple[Column, ...], squares: np.ndarray) -> str:
+    row, at = np.unravel_index(np.argmax(squares), squares.shape)
+    column, lag = columns[int(row)], int(at) + 1
+    return f"at most {column.correlation(lag):+.2f} at lag {lag}"
 
 
 def _square(column: Column, lag: int) -> float:
