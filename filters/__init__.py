@@ -90,6 +90,7 @@ from filters.extended import (  # noqa: E402
     linearised,
 )
 from filters.fuzzy_regression import line, regression  # noqa: E402
+from filters.gated import Gated  # noqa: E402
 from filters.gps_aided import GpsAidedKalman, GpsAidedNoise, GpsAidedSample  # noqa: E402
 from filters.imu import ImuSample, SixAxes  # noqa: E402
 from filters.ins import ErrorStateIns, InsState  # noqa: E402
@@ -107,9 +108,11 @@ from filters.kownacki import (  # noqa: E402
 )
 from filters.linear import (  # noqa: E402
     GainedSample,
+    LinearForm,
     LinearKalman,
     LinearModel,
     LinearOutputs,
+    Measured,
     Sample,
     StoredGains,
     Transition,
@@ -120,6 +123,7 @@ from filters.local_level import (  # noqa: E402
     LocalLevelNoise,
     LocalLevelOutputs,
 )
+from filters.measured import measured  # noqa: E402
 from filters.pi_complementary import (  # noqa: E402
     PiComplementary,
     PiGains,
@@ -133,6 +137,7 @@ from filters.pi_complementary import (  # noqa: E402
 from filters.protocol import AnyFilter, Filter, run  # noqa: E402
 from filters.residual_noise import ResidualNoise  # noqa: E402
 from filters.strapdown import RestRule  # noqa: E402
+from filters.student import Student  # noqa: E402
 from filters.tilt_euler import (  # noqa: E402
     TiltKalman,
     TiltNoise,
@@ -195,6 +200,7 @@ __all__ = [
     "GainCovariance",
     "GainTable",
     "GainedSample",
+    "Gated",
     "GpsAidedKalman",
     "GpsAidedNoise",
     "GpsAidedSample",
@@ -209,6 +215,7 @@ __all__ = [
     "KownackiNoise",
     "Lanes",
     "LevelSample",
+    "LinearForm",
     "LinearKalman",
     "LinearModel",
     "LinearOutputs",
@@ -223,6 +230,7 @@ __all__ = [
     "Mahony",
     "MahonyGains",
     "MahonyState",
+    "Measured",
     "Param",
     "PiComplementary",
     "PiGains",
@@ -237,6 +245,7 @@ __all__ = [
     "SixAxes",
     "SteadyState",
     "StoredGains",
+    "Student",
     "TableCovariance",
     "TiltKalman",
     "TiltNoise",
@@ -269,6 +278,7 @@ __all__ = [
     "loop_error",
     "loop_option",
     "loop_step",
+    "measured",
     "optional",
     "output",
     "parameter_facts",

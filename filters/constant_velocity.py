@@ -4,11 +4,23 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Literal, NamedTuple, TypeAlias
 
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from filters.declared import Channel, Param
-from filters.integrators import Chain, Upper, begin, full, measure, move, steady_gain, unknown
+from filters.integrators import (
+    Chain,
+    Upper,
+    begin,
+    full,
+    integration,
+    measure,
+    move,
+    steady_gain,
+    unknown,
+)
 from filters.integrators import white_noise as noise
+from filters.linear import LinearForm, Measured, Transition
 from filters.validate import check_setup
 
 Axes: TypeAlias = Literal["x", "xy", "xyz"]
@@ -157,6 +169,14 @@ class ConstantVelocity:
         state, found = _stepped(state, Q, params.R, self.dt, inputs)
         return state, ConstantVelocityOutputs(*found)
 
+    def linear(self, params: ConstantVelocityNoise) -> LinearForm:
+        """The model whose Kalman filter this is, one axis after the other."""
+        return _linear(len(self.axes), full(noise(2, 2, params.q, self.dt)), params.R, self.dt)
+
+    def measured(self, inputs: PositionSample) -> Measured:
+        """The positions of a whole record, ``(N, k)``, with their deviations."""
+        return _measured(inputs)
+
     def derive(self, params: ConstantVelocityNoise) -> dict[str, Array]:
         """The covariance a sample, and the steady gains in closed form.
 
@@ -224,10 +244,32 @@ class ConstantAcceleration:
         state, found = _stepped(state, Q, params.R, self.dt, inputs)
         return state, ConstantAccelerationOutputs(*found)
 
+    def linear(self, params: ConstantAccelerationNoise) -> LinearForm:
+        """The model whose Kalman filter this is, one axis after the other."""
+        return _linear(len(self.axes), full(noise(3, 3, params.q, self.dt)), params.R, self.dt)
+
+    def measured(self, inputs: PositionSample) -> Measured:
+        """The positions of a whole record, ``(N, k)``, with their deviations."""
+        return _measured(inputs)
+
     def derive(self, params: ConstantAccelerationNoise) -> dict[str, Array]:
         """The covariance a sample, and the steady gains from the Riccati equation."""
         Q = full(noise(3, 3, jnp.asarray(params.q), self.dt))
         return {"Q": Q, "K": steady_gain(Q / params.R, self.dt)}
+
+
+def _linear(axes: int, Q: Array, R: Array, dt: float) -> LinearForm:
+    n, each = len(Q), jnp.eye(axes)
+    step = Transition(jnp.kron(each, integration(n, dt)), jnp.eye(axes * n), jnp.kron(each, Q))
+    return LinearForm(step, jnp.kron(each, jnp.eye(1, n)), jnp.broadcast_to(R, (axes,)))
+
+
+def _measured(inputs: PositionSample) -> Measured:
+    given = [part for part in (inputs.x, inputs.y, inputs.z) if part is not None]
+    z = np.stack([np.asarray(part) for part in given], axis=-1)
+    own = None if inputs.sigma is None else np.asarray(inputs.sigma)[:, None]
+    sigma = None if own is None else np.broadcast_to(own, z.shape)
+    return Measured(z, sigma=sigma)
 
 
 def _axes(channels: frozenset[str]) -> Axes:

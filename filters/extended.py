@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from filters.declared import Channel
-from filters.kalman import Estimate, predict, update
+from filters.diffuse import AnyEstimate, AnyKind, advance, begin, take
 from filters.linear import LinearOutputs
 
 Move: TypeAlias = Callable[[Any, Array, Any], Array]
@@ -57,6 +57,9 @@ class ExtendedKalman:
         move: f: parameters, state, input to the next state; a module-level function.
         disturb: covariance of w, ``(n, n)``, at the state before the step.
         measure: h: to the measurements ``(m,)``, at the predicted state.
+        diffuse: numbers of the states of which nothing is known at the start, exactly
+            (:mod:`filters.diffuse`): their P0 does not matter, their x0 is only where f and h are
+            linearised until measurements have determined them, which do not count (variance 0).
 
     >>> def still(p, x, u):
     ...     return x
@@ -70,20 +73,21 @@ class ExtendedKalman:
     move: Move
     disturb: Move
     measure: Move
+    diffuse: tuple[int, ...] = ()
 
     inputs, outputs = ExtendedSample, LinearOutputs
 
-    def init(self, params: ExtendedModel) -> Estimate:
+    def init(self, params: ExtendedModel) -> AnyEstimate:
         """The start: ``x0`` and ``P0``."""
-        return Estimate(params.x0, params.P0)
+        return begin(params.x0, params.P0, self.diffuse)
 
     def step(
-        self, params: ExtendedModel, state: Estimate, inputs: ExtendedSample
-    ) -> tuple[Estimate, LinearOutputs]:
+        self, params: ExtendedModel, state: AnyEstimate, inputs: ExtendedSample
+    ) -> tuple[AnyEstimate, LinearOutputs]:
         """Predict to this sample's time and take its measurements."""
         model, u = params.model, inputs.u
         F = jax.jacfwd(self.move, argnums=1)(model, state.x, u)
-        ahead = predict(state, F, self.disturb(model, state.x, u))
+        ahead = advance(state, F, self.disturb(model, state.x, u))
         estimate = ahead._replace(x=self.move(model, state.x, u))
         H = jax.jacfwd(self.measure, argnums=1)(model, estimate.x, u)
         expected = self.measure(model, estimate.x, u)
@@ -91,8 +95,8 @@ class ExtendedKalman:
 
 
 def linearised(
-    estimate: Estimate, H: Array, R: Array, z: Array, expected: Array
-) -> tuple[Estimate, LinearOutputs]:
+    estimate: AnyKind, H: Array, R: Array, z: Array, expected: Array
+) -> tuple[AnyKind, LinearOutputs]:
     """Take measurements z = h(x) + v, linearised where ``expected`` = h(x) was worked out.
 
     Args:
@@ -106,7 +110,7 @@ def linearised(
     linear = z - expected + (H * estimate.x).sum(axis=1)
     parts = []
     for i in range(H.shape[0]):
-        estimate, innovation = update(estimate, H[i], R[i], linear[i])
+        estimate, innovation = take(estimate, H[i], R[i], linear[i])
         parts.append(innovation)
     value, variance, gain = (jnp.stack(part) for part in zip(*parts, strict=True))
     return estimate, LinearOutputs(estimate.x, estimate.P, value, variance, gain)

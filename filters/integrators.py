@@ -108,6 +108,24 @@ def full(P: Upper) -> Array:
     return jnp.stack([jnp.stack([jnp.asarray(_at(P, i, j)) for j in range(n)]) for i in range(n)])
 
 
+def integration(n: int, dt: ArrayLike) -> Array:
+    """The matrix by which n numbers, each the derivative of the one before, move on, ``(n, n)``.
+
+    Args:
+        n: how many numbers there are.
+        dt: sample time, s.
+
+    >>> integration(3, 2.0).tolist()
+    [[1.0, 2.0, 2.0], [0.0, 1.0, 2.0], [0.0, 0.0, 1.0]]
+    """
+    step = jnp.asarray(dt)
+    zero = jnp.zeros_like(step)
+    rows = [
+        [step ** (j - i) / factorial(j - i) if j >= i else zero for j in range(n)] for i in range(n)
+    ]
+    return jnp.stack([jnp.stack(row) for row in rows])
+
+
 def move(chain: Chain, Q: Upper, dt: ArrayLike) -> Chain:
     """Integrate over one step; before the first measurement nothing moves.
 

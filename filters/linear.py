@@ -4,10 +4,12 @@ from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from filters.declared import Channel
-from filters.kalman import Estimate, decorrelate, predict, update
+from filters.diffuse import AnyEstimate, advance, begin, take
+from filters.kalman import decorrelate
 from filters.small_linalg import matmul
 
 
@@ -60,6 +62,35 @@ class Sample(NamedTuple):
     transition: Transition | None = None
 
 
+class LinearForm(NamedTuple):
+    """The linear model whose Kalman filter a filter is: what its method ``linear`` returns.
+
+    Attributes:
+        transition: :class:`Transition` of one step of the filter's ``dt``.
+        H: measurement matrix, ``(m, n)``.
+        R: measurement covariance, its diagonal ``(m,)`` or the full matrix ``(m, m)``.
+    """
+
+    transition: Transition
+    H: Array
+    R: Array
+
+
+class Measured(NamedTuple):
+    """A whole record as a linear model takes it: what a filter's method ``measured`` returns.
+
+    Attributes:
+        z: measurements, ``(N, m)``; NaN means missing.
+        u: known input of the step that leads to each sample, ``(N, q)``, or None.
+        sigma: deviations of the measurements where ``R`` is a factor on their squares, ``(N, m)``,
+            or None; where one is not positive its measurement is missing.
+    """
+
+    z: Array | np.ndarray
+    u: Array | np.ndarray | None = None
+    sigma: Array | np.ndarray | None = None
+
+
 class LinearOutputs(NamedTuple):
     """What the filter knows after a sample.
 
@@ -88,20 +119,27 @@ class LinearKalman:
     Source: Kalman 1960; sequential updates as in Bierman 1977, ch. 5. A missing
     measurement (NaN) is skipped, so a missing sample is a prediction. What it estimates is its
     model's to say: it declares neither parameters nor states.
+
+    Attributes:
+        diffuse: numbers of the states of which nothing is known at the start, exactly
+            (:mod:`filters.diffuse`): their x0 and P0 do not matter, and the measurements that
+            determine them do not count (variance 0).
     """
+
+    diffuse: tuple[int, ...] = ()
 
     inputs, outputs = Sample, LinearOutputs
 
-    def init(self, params: LinearModel) -> Estimate:
+    def init(self, params: LinearModel) -> AnyEstimate:
         """The start: ``x0`` and ``P0``."""
-        return Estimate(params.x0, params.P0)
+        return begin(params.x0, params.P0, self.diffuse)
 
     def step(
-        self, params: LinearModel, state: Estimate, inputs: Sample
-    ) -> tuple[Estimate, LinearOutputs]:
+        self, params: LinearModel, state: AnyEstimate, inputs: Sample
+    ) -> tuple[AnyEstimate, LinearOutputs]:
         """Predict to this sample's time and take its measurements."""
         move = params.transition if inputs.transition is None else inputs.transition
-        estimate = predict(state, move.F, matmul(matmul(move.G, move.Q), move.G.T))
+        estimate = advance(state, move.F, matmul(matmul(move.G, move.Q), move.G.T))
         if inputs.u is not None:
             if move.B is None:
                 raise ValueError(
@@ -116,7 +154,7 @@ class LinearKalman:
             H, variances, z = decorrelate(H, params.R, z)
         innovations = []
         for i in range(H.shape[0]):
-            estimate, innovation = update(estimate, H[i], variances[i], z[i])
+            estimate, innovation = take(estimate, H[i], variances[i], z[i])
             innovations.append(innovation)
         value, variance, gain = (jnp.stack(part) for part in zip(*innovations, strict=True))
         return estimate, LinearOutputs(estimate.x, estimate.P, value, variance, gain)

@@ -4,9 +4,11 @@ from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from filters.declared import Channel, Param
+from filters.linear import LinearForm, Measured, Transition
 from filters.validate import check_setup
 
 _LEVEL = Channel("unit", "estimated level; 0 before the first measurement")
@@ -125,6 +127,17 @@ class LocalLevel:
         variance = jnp.where(counts, params.R * (p + r), 0.0)
         state = LevelState(level, jnp.where(seen, K * r, p), jnp.maximum(state.known, seen))
         return state, LocalLevelOutputs(level, jnp.where(counts, y, 0.0)[None], variance[None])
+
+    def linear(self, params: LocalLevelNoise) -> LinearForm:
+        """The random walk whose Kalman filter this is."""
+        one = jnp.ones((1, 1))
+        step = Transition(one, one, jnp.reshape(params.q * self.dt, (1, 1)))
+        return LinearForm(step, one, jnp.reshape(params.R, (1,)))
+
+    def measured(self, inputs: LevelSample) -> Measured:
+        """The measurements of a whole record, ``(N, 1)``, with their deviations."""
+        sigma = None if inputs.sigma is None else np.asarray(inputs.sigma)[:, None]
+        return Measured(np.asarray(inputs.z)[:, None], sigma=sigma)
 
     def derive(self, params: LocalLevelNoise) -> dict[str, Array]:
         """Q = q dt, and the steady gain, K^2 / (1 - K) = Q/R solved without cancellation.

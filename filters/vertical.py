@@ -4,12 +4,24 @@ from dataclasses import dataclass
 from typing import Annotated, Literal, NamedTuple, TypeAlias
 
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
 from filters.declared import Channel, Param
-from filters.integrators import Chain, Upper, add, begin, full, measure, move, steady_gain
+from filters.integrators import (
+    Chain,
+    Upper,
+    add,
+    begin,
+    full,
+    integration,
+    measure,
+    move,
+    steady_gain,
+)
 from filters.integrators import white_noise as noise
+from filters.linear import LinearForm, Measured, Transition
 from filters.validate import check_setup
 
 Gravity: TypeAlias = Literal["removed", "included"]
@@ -146,12 +158,26 @@ class Vertical:
         height, climb, other = chain.x
         chain = chain._replace(x=(height + push * self.dt / 2, climb + push, other))
         chain, taken = measure(chain, inputs.baro, 1.0, 1)
-        pull = G if self.gravity == "included" else 0.0
-        acc = jnp.where(jnp.isnan(inputs.acc), state.acc, inputs.acc - pull)
+        acc = jnp.where(jnp.isnan(inputs.acc), state.acc, inputs.acc - self._pull())
         height, climb, other = chain.x
         variance = (params.R_baro * taken.variance)[None]
         outputs = VerticalOutputs(height, climb, -other, taken.innovation[None], variance)
         return VerticalState(chain, acc), outputs
+
+    def linear(self, params: VerticalNoise) -> LinearForm:
+        """The model whose Kalman filter this is: height, climb and the negative offset."""
+        Q, dt = full(self._noise(params, 1.0)), jnp.asarray(self.dt)
+        push = jnp.stack([dt**2 / 2, dt, jnp.zeros_like(dt)])[:, None]
+        step = Transition(integration(3, dt), jnp.eye(3), Q, push)
+        return LinearForm(step, jnp.eye(1, 3), jnp.reshape(params.R_baro, (1,)))
+
+    def measured(self, inputs: VerticalSample) -> Measured:
+        """The heights of a whole record, ``(N, 1)``, and the acceleration before each."""
+        acc = np.asarray(inputs.acc)
+        last = np.maximum.accumulate(np.where(np.isnan(acc), -1, np.arange(len(acc))))
+        held = np.where(last < 0, 0.0, acc[last] - self._pull())
+        before = np.concatenate([np.zeros(1), held[:-1]])
+        return Measured(np.asarray(inputs.baro)[:, None], before[:, None])
 
     def derive(self, params: VerticalNoise) -> dict[str, Array]:
         """The covariance a sample and the steady gains, from the Riccati equation."""
@@ -159,6 +185,9 @@ class Vertical:
         Q = full(self._noise(params, 1.0))
         turned = jnp.array([1.0, 1.0, -1.0], Q.dtype)
         return {"Q": Q * jnp.outer(turned, turned), "K": K * turned}
+
+    def _pull(self) -> float:
+        return G if self.gravity == "included" else 0.0
 
     def _noise(self, params: VerticalNoise, unit: float | Array) -> Upper:
         white = noise(3, 2, params.q_acc / unit, self.dt)

@@ -10,6 +10,7 @@ from objectives.attitude import (
     masked,
 )
 from objectives.complementary import ComplementaryLoop, SensorNoise, Transfer
+from objectives.kinds import Additive, Kind, is_additive, kind_of
 from objectives.likelihood import InnovationLikelihood
 from objectives.linear_systems.checks import covariance
 from objectives.linear_systems.lyapunov import lyapunov, stein
@@ -37,11 +38,13 @@ from objectives.linear_systems.subspaces import Subspace, unobservable
 from objectives.linear_systems.variance_ratio import VarianceRatio
 from objectives.records import Records
 from objectives.rmse import ChannelRmse
+from objectives.robust import GatedLikelihood, StudentLikelihood
 from objectives.score import (
     Data,
     Fold,
     Folded,
     Objective,
+    contributions,
     is_fold,
     kept_bytes,
     score,
@@ -59,6 +62,7 @@ from objectives.step_response import (
 from objectives.welch import Welch, window
 
 __all__ = [
+    "Additive",
     "AngleErrors",
     "AngleRmse",
     "AttitudeError",
@@ -70,7 +74,9 @@ __all__ = [
     "Factors",
     "Fold",
     "Folded",
+    "GatedLikelihood",
     "InnovationLikelihood",
+    "Kind",
     "LinearSystem",
     "Mode",
     "Objective",
@@ -83,6 +89,7 @@ __all__ = [
     "StepResponse",
     "StepSum",
     "StepTruth",
+    "StudentLikelihood",
     "Subspace",
     "Transfer",
     "VarianceRatio",
@@ -91,12 +98,15 @@ __all__ = [
     "attitude_error",
     "bucy_gain",
     "care",
+    "contributions",
     "covariance",
     "dare",
     "decay_rate",
+    "is_additive",
     "is_fold",
     "ise",
     "kept_bytes",
+    "kind_of",
     "lyapunov",
     "masked",
     "place",

@@ -1,11 +1,12 @@
 """Errors of angles over a whole record or a phase of it."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import jax.numpy as jnp
 from jax import Array
 
+from objectives.kinds import Kind
 from objectives.squares import Squares
 
 
@@ -27,17 +28,23 @@ class AngleRmse:
     count: so a phase is scored (:func:`masked`). It sums in the time loop, and keeps nothing.
     """
 
+    kind: ClassVar[Kind] = "root mean square"
+
     def init(self) -> Squares:
         """Nothing yet."""
         return Squares.none()
 
-    def update(self, total: Squares, output: HasAngles, truth: Array) -> tuple[Squares, None]:
-        """Add one sample."""
+    def added(self, output: HasAngles, truth: Array) -> tuple[Array, Array]:
+        """The squares of a sample's angles, rad^2, 0 where it does not count; whether it counts."""
         missing = jnp.isnan(truth).any(axis=-1, keepdims=True)
         # Masked before it is squared: a NaN would reach the derivative.
         error = jnp.where(missing, 0.0, output.angles - jnp.where(missing, 0.0, truth))
         seen = jnp.broadcast_to(~missing[..., 0], error.shape[:-1])
-        return total.plus((error**2).sum(axis=-1), seen), None
+        return (error**2).sum(axis=-1), seen
+
+    def update(self, total: Squares, output: HasAngles, truth: Array) -> tuple[Squares, None]:
+        """Add one sample."""
+        return total.plus(*self.added(output, truth)), None
 
     def value(self, total: Squares, kept: None) -> Array:
         """The root of the mean, ``()``; NaN where nothing counts."""

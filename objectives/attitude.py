@@ -4,13 +4,14 @@ Source: Laidig, Caruso, Cereatti and Seel, Data 6(7):72, 2021 (the three angles)
 """
 
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
 from filters.rotation import conjugate, multiply
+from objectives.kinds import Kind
 from objectives.squares import Squares, root
 
 Part = Literal["total", "heading", "inclination"]
@@ -69,18 +70,25 @@ class AttitudeRmse:
 
     part: Part = "inclination"
 
+    kind: ClassVar[Kind] = "root mean square"
+
     def init(self) -> Squares:
         """Nothing yet."""
         return Squares.none()
 
-    def update(self, total: Squares, output: Any, truth: Array) -> tuple[Squares, None]:
-        """Add one sample."""
+    def added(self, output: Any, truth: Array) -> tuple[Array, Array]:
+        """The square of each error, rad^2, 0 where it does not count, and whether it counts."""
+        shape = truth.shape[:-1]
         estimate, truth = _attitude(output).reshape(-1, 4), truth.reshape(-1, 4)
         seen = ~jnp.isnan(truth).any(axis=1)
         # Unseen samples get a truth of their own, so that no NaN enters the derivative.
         filled = jnp.where(seen[:, None], truth, jnp.array([1.0, 0.0, 0.0, 0.0]))
         error = getattr(jax.vmap(attitude_error)(estimate, filled), self.part)
-        return total.plus(error**2, seen), None
+        return jnp.where(seen, error**2, 0.0).reshape(shape), seen.reshape(shape)
+
+    def update(self, total: Squares, output: Any, truth: Array) -> tuple[Squares, None]:
+        """Add one sample."""
+        return total.plus(*self.added(output, truth)), None
 
     def value(self, total: Squares, kept: None) -> Array:
         """The root of the mean, ``()``; NaN where nothing counts."""

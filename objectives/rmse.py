@@ -2,13 +2,14 @@
 
 from dataclasses import dataclass
 from math import pi
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import jax.numpy as jnp
 from jax import Array
 
 from filters import channel_facts
 from filters.declared import declaration
+from objectives.kinds import Kind
 from objectives.squares import Squares
 
 
@@ -22,7 +23,7 @@ class ChannelRmse:
 
     Attributes:
         name: of the output; ``""``: the outputs are one array themselves.
-        kind: ``"number"``: by difference; ``"angle"``: in rad, by difference within half a turn.
+        error: ``"number"``: by difference; ``"angle"``: in rad, by difference within half a turn.
         parts: of the vector; 1 for a single number.
 
     Raises:
@@ -35,13 +36,15 @@ class ChannelRmse:
     """
 
     name: str
-    kind: Literal["number", "angle"] = "number"
+    error: Literal["number", "angle"] = "number"
     parts: int = 1
 
+    kind: ClassVar[Kind] = "root mean square"
+
     def __post_init__(self) -> None:
-        if self.kind not in ("number", "angle"):
+        if self.error not in ("number", "angle"):
             raise ValueError(
-                f"ChannelRmse: {self.name!r} is of kind {self.kind!r}; it takes a number or an "
+                f"ChannelRmse: {self.name!r} is of kind {self.error!r}; it takes a number or an "
                 "angle, AttitudeRmse takes an attitude, and a detail has no truth"
             )
         if self.parts < 1:
@@ -66,8 +69,8 @@ class ChannelRmse:
         """Nothing yet."""
         return Squares.none()
 
-    def update(self, total: Squares, output: Any, truth: Array) -> tuple[Squares, None]:
-        """Add one sample."""
+    def added(self, output: Any, truth: Array) -> tuple[Array, Array]:
+        """The square of each number's error, 0 where it does not count, and whether it counts."""
         estimate = self._named(output)
         if estimate.shape != truth.shape:
             raise ValueError(
@@ -77,9 +80,13 @@ class ChannelRmse:
         seen = ~jnp.isnan(truth)
         # Masked before it is squared: a NaN would reach the derivative.
         error = jnp.where(seen, estimate - jnp.where(seen, truth, 0.0), 0.0)
-        if self.kind == "angle":
+        if self.error == "angle":
             error = error - 2 * pi * jnp.round(error / (2 * pi))
-        return total.plus(error**2, seen), None
+        return error**2, seen
+
+    def update(self, total: Squares, output: Any, truth: Array) -> tuple[Squares, None]:
+        """Add one sample."""
+        return total.plus(*self.added(output, truth)), None
 
     def value(self, total: Squares, kept: None) -> Array:
         """The root of the mean, ``()``; NaN where nothing counts."""
@@ -107,16 +114,22 @@ class InnovationRmse:
     all, is not NaN, and where the filter outputs a ``variance`` that is not 0 if it outputs one.
     """
 
+    kind: ClassVar[Kind] = "root mean square"
+
     def init(self) -> Squares:
         """Nothing yet."""
         return Squares.none()
 
-    def update(self, total: Squares, output: Any, truth: Array) -> tuple[Squares, None]:
-        """Add one sample."""
+    def added(self, output: Any, truth: Array) -> tuple[Array, Array]:
+        """The square of each number, 0 where it does not count, and whether it counts."""
         seen = jnp.broadcast_to(~jnp.isnan(truth), output.innovation.shape)
         if hasattr(output, "variance"):
             seen = seen & (output.variance != 0)
-        return total.plus(jnp.where(seen, output.innovation, 0.0) ** 2, seen), None
+        return jnp.where(seen, output.innovation, 0.0) ** 2, seen
+
+    def update(self, total: Squares, output: Any, truth: Array) -> tuple[Squares, None]:
+        """Add one sample."""
+        return total.plus(*self.added(output, truth)), None
 
     def value(self, total: Squares, kept: None) -> Array:
         """The root of the mean, ``()``; NaN where nothing counts."""

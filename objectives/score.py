@@ -9,6 +9,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from filters import AnyFilter, run
+from objectives.kinds import Additive
 
 
 class Fold(Protocol):
@@ -119,6 +120,50 @@ def scores_and_gradients(
     values, pull = jax.vjp(jax.vmap(lambda seen: _judge(objective, data, seen)), collected)
     (weights,) = pull(jnp.ones_like(values))
     return values, jax.vmap(_chain, in_axes=(0, 1))(weights, tangents)
+
+
+@dataclass(frozen=True)
+class _Adding:
+    """A filter whose output is what an objective adds for each sample."""
+
+    filter: AnyFilter
+    objective: Additive
+
+    def init(self, params: Any) -> Any:
+        """The filter's state."""
+        return self.filter.init(params)
+
+    def step(self, params: Any, state: Any, inputs: Data) -> tuple[Any, tuple[Array, Array]]:
+        """One sample of the filter, and what it adds."""
+        state, output = self.filter.step(params, state, inputs.inputs)
+        return state, self.objective.added(output, inputs.truth)
+
+
+def contributions(
+    filter: AnyFilter, objective: Additive, params: Any, data: Data
+) -> tuple[Array, Array]:
+    """What each sample adds to an objective, and how many of its numbers count.
+
+    Args:
+        filter: the filter.
+        objective: a likelihood or a mean square.
+        params: the filter's.
+        data: inputs and truth.
+
+    Returns:
+        Both of the shape that the objective adds in, time first: ``(N, m)`` for m measurements,
+        ``(N, k, m)`` for k records side by side. The sums' ratio is the objective, or its square.
+
+    >>> from filters import LevelSample, LocalLevel, LocalLevelNoise
+    >>> from objectives import InnovationLikelihood
+    >>> data = Data(LevelSample(jnp.arange(5.0)), jnp.zeros((5, 1)))
+    >>> noise, likelihood = LocalLevelNoise(jnp.array(1.0), jnp.array(1.0)), InnovationLikelihood()
+    >>> nats, counts = contributions(LocalLevel(dt=1.0), likelihood, noise, data)
+    >>> bool(nats.sum() / counts.sum() == score(LocalLevel(dt=1.0), likelihood, noise, data))
+    True
+    """
+    _, (amounts, counted) = run(_Adding(filter, objective), params, data)
+    return amounts, counted
 
 
 def kept_bytes(filter: AnyFilter | None, objective: Objective, params: Any, data: Data) -> int:

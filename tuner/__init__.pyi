@@ -15,6 +15,9 @@ from tuner.data.reading import read_record as read_record
 from tuner.data.reading import read_records as read_records
 from tuner.data.record import Record as Record
 from tuner.export import Tuned as Tuned
+from tuner.identifiability.determined import Determined as Determined
+from tuner.identifiability.determined import determined as determined
+from tuner.identifiability.determined import with_known_start as with_known_start
 from tuner.observers import fastest_decay as fastest_decay
 from tuner.observers import minimum_variance as minimum_variance
 from tuner.problem.constraint import Constraint as Constraint

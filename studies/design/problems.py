@@ -33,13 +33,15 @@ class Posed:
 
 
 def pose(settings: Settings, seed: int) -> Posed:
-    """The fastest observer that keeps the bound; without one that of minimum variance.
+    """The fastest observer that keeps the bound; that of least variance, which settles in time.
 
     Raises:
         ValueError: for a model or a demand that no observer meets.
     """
     full = system_of(settings)
     error = Variance.of(full, error_of(settings, full)).error
+    if settings.settles_s is not None:
+        return _settled(settings, full, error, settings.settles_s, seed)
     if settings.bound is None:
         return _minimum_variance(settings, full, error, seed)
     return _fastest_decay(settings, full, error, settings.bound, seed)
@@ -68,6 +70,15 @@ def _minimum_variance(
         Task(proof, Convex("sdp")),
     )
     return Posed(designed, problem, tasks, undriven)
+
+
+def _settled(
+    settings: Settings, full: LinearSystem, error: np.ndarray, within_s: float, seed: int
+) -> Posed:
+    designed = Designed(full, error, full, np.eye(len(full.A)), settings.unit, seed)
+    posed = observers.settled("settled", full, error, within_s)
+    problem = replace(posed, exported=designed.exported)
+    return Posed(designed, problem, (Task(problem, Ipopt(seed=seed, starts=settings.starts)),))
 
 
 def _fastest_decay(

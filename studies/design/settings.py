@@ -24,6 +24,9 @@ class Settings(StudySettings):
     error: str | tuple[Number, ...] = Field(description="the state whose error counts, or a row")
     G: Matrix | None = Field(None, description="where w enters; the unit matrix if unset")
     bound: float | None = Field(None, gt=0, description="of that error's variance; none: least")
+    settles_s: float | None = Field(
+        None, gt=0, description="least variance among those that settle to 2 % within it, s"
+    )
     states: tuple[str, ...] | None = Field(None, description="names of the states; x1, x2, ...")
     dt: float | None = Field(None, gt=0, description="sample time of a discrete model, s")
     sample_time: float | None = Field(
@@ -53,6 +56,11 @@ class Settings(StudySettings):
     def _one_clock(self) -> "Settings":
         if self.dt is not None and self.sample_time is not None:
             raise ValueError("dt says that A is discrete, sample_time that it is not: give one")
+        if self.bound is not None and self.settles_s is not None:
+            raise ValueError(
+                "bound asks for the fastest within a variance, settles_s for the least variance "
+                "within a time: give one"
+            )
         return self
 
 

@@ -12,6 +12,7 @@ from tuner.data.merge import Timeline, timeline
 from tuner.data.noise_split import NoiseSplit, split_noise
 from tuner.data.record import Record
 from tuner.data.source import Source
+from tuner.data.stillness import check_at_rest
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,11 +93,14 @@ def benches(settings: Settings, records: tuple[Record, ...], seed: int) -> list[
             "cut out a piece without gaps"
         )
     source = replace(source, samples=len(line.times), rate_hz=line.rate_hz)
-    return [
-        _bench(sensor, line.units[sensor.channel], _whole(source, sensor, line), source, settings)
-        for sensor in (GYRO, ACC)
-        if sensor.channel in line.channels
-    ]
+    tested = []
+    for sensor in (GYRO, ACC):
+        if sensor.channel in line.channels:
+            values, unit = _whole(source, sensor, line), line.units[sensor.channel]
+            name = f"{source.name} ({sensor.channel})"
+            check_at_rest(name, values, source.rate_hz, float(line.times[0]))
+            tested.append(_bench(sensor, unit, values, source, settings))
+    return tested
 
 
 def _whole(source: Source, sensor: Sensor, line: Timeline) -> np.ndarray:

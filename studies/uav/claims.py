@@ -19,6 +19,7 @@ from studies.uav.judging import (
 from studies.uav.prediction import Predicted, predicted
 from studies.uav.problems import LAWS, PROCESS, Tuned
 from studies.uav.settings import ANGLES
+from tuner.certificate.solution import range_in_words
 from tuner.run.comparison import Comparison, claim, undecided
 from tuner.run.study import Claim, Solutions, best
 
@@ -246,7 +247,7 @@ def determined(field: Field, solutions: Solutions, *, law: Tuned) -> Iterator[Co
             note = "; ".join(said) or "the deviation does not curve there as at a minimum"
             yield undecided(quantity, where, ours=value, unit=unit, note=note)
         else:
-            note = f"the deviation rises by 1 % at {rises[0]:.2g} and {rises[1]:.2g}"
+            note = range_in_words(rises, found.parameters[name].interval_kind)
             yield claim(quantity, where, True, ours=value, unit=unit, note=note)
 
 

@@ -8,7 +8,9 @@ import pytest
 from scipy.stats import norm
 
 from filters import LinearKalman, LinearModel, Sample, Transition, run
-from objectives import Data, InnovationLikelihood, score
+from objectives import Data, InnovationLikelihood, contributions, score
+
+ONE = np.eye(1)
 
 
 class Outputs(NamedTuple):
@@ -31,21 +33,43 @@ def test_it_is_the_density_of_what_was_measured():
     truth = np.where(rng.random((40, 3)) < 0.3, np.nan, 1.0)
     seen = ~np.isnan(truth)
     mean = -norm.logpdf(y[seen], scale=np.sqrt(s[seen])).mean()
-    # the definition, by another route than logarithms of variances
-    assert folded(y, s, truth) == pytest.approx(np.exp(mean) / np.sqrt(2 * np.pi * np.e), rel=1e-12)
+    assert folded(y, s, truth) == pytest.approx(mean, rel=1e-12)
+
+
+def deviation(y, s, truth):
+    return float(InnovationLikelihood().deviation(folded(y, s, truth)))
 
 
 def test_a_constant_right_variance_comes_back_as_a_deviation():
     y = np.tile([[0.3], [-0.3]], (10, 1))
-    assert folded(y, np.full((20, 1), 0.09), y) == pytest.approx(0.3, rel=1e-12)
-    assert folded(y, np.full((20, 1), 0.18), y) > 0.3
-    assert folded(y, np.full((20, 1), 0.045), y) > 0.3
+    assert deviation(y, np.full((20, 1), 0.09), y) == pytest.approx(0.3, rel=1e-12)
+    assert deviation(y, np.full((20, 1), 0.18), y) > 0.3
+    assert deviation(y, np.full((20, 1), 0.045), y) > 0.3
+
+
+def test_it_stays_a_number_where_the_density_is_none():
+    y = np.full((3, 1), 1e6)
+    assert folded(y, np.full((3, 1), 1e-6), y) == pytest.approx(0.5e18, rel=1e-12)
+    assert deviation(y, np.full((3, 1), 1e-6), y) == np.inf
+
+
+def test_what_samples_add_makes_up_the_mean():
+    rng = np.random.default_rng(4)
+    z = rng.standard_normal((50, 1))
+    z[::5] = np.nan
+    model = LinearModel(Transition(ONE, ONE, ONE), ONE, np.ones(1), ONE, np.zeros(1))
+    data = Data(Sample(z), z)
+    nats, counts = contributions(LinearKalman(), InnovationLikelihood(), model, data)
+    assert nats.shape == counts.shape == (50, 1)
+    assert (np.asarray(nats)[::5] == 0).all()
+    mean = float(nats.sum() / counts.sum())
+    assert mean == pytest.approx(float(score(LinearKalman(), InnovationLikelihood(), model, data)))
 
 
 def test_missing_numbers_do_not_count_whatever_their_variance():
     y, s = np.array([[0.3, 0.0], [-0.3, 0.0]]), np.array([[0.09, np.nan], [0.09, -1.0]])
     truth = np.array([[1.0, np.nan], [1.0, np.nan]])
-    assert folded(y, s, truth) == pytest.approx(0.3, rel=1e-12)
+    assert deviation(y, s, truth) == pytest.approx(0.3, rel=1e-12)
     assert np.isnan(folded(y, s, np.full((2, 2), np.nan)))
 
 

@@ -16,7 +16,8 @@ from studies.suh2004.paper import HEURISTIC
 from studies.suh2004.problems import held_out
 from studies.suh2004.settings import Settings
 from tests import oracles_suh2004 as oracle
-from tuner.certificate.certify import estimates, unknown_spectrum
+from tuner.certificate.intervals import estimates
+from tuner.certificate.yardstick import yardstick
 from tuner.cli import invoke
 from tuner.problem import problem as engine
 from tuner.run.comparison import Verdict
@@ -192,7 +193,7 @@ def test_a_claim_is_tried_alone(tmp_path, monkeypatch, capfd):
 
 def test_what_is_exported():
     found = problems.posed(recordings(SHORT, 1, 0))["two_step"]
-    start = estimates(found, found.space.start(), unknown_spectrum(found.space.size))
+    start = estimates(found, found.space.start(), yardstick(found, found.space.start()), None)
     solution = SimpleNamespace(parameters=start)
     told = {quantity.name: quantity for quantity in found.quantities(solution)}
     assert list(told) == [*problems.BY_HAND]

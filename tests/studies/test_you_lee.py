@@ -22,7 +22,8 @@ from studies.you_lee.paper import TwoGains
 from studies.you_lee.problems import spaces, tuned_case, with_gains
 from studies.you_lee.settings import Settings
 from tests import oracles_you_lee as oracle
-from tuner.certificate.certify import estimates, unknown_spectrum
+from tuner.certificate.intervals import estimates
+from tuner.certificate.yardstick import yardstick
 from tuner.cli import invoke
 from tuner.run.comparison import Verdict
 from tuner.run.drawing import table
@@ -446,7 +447,9 @@ def test_a_run_can_be_planned(tmp_path, monkeypatch, capfd):
 
 def exported(problem):
     """What is written down of a problem at its initial values."""
-    start = estimates(problem, problem.space.start(), unknown_spectrum(problem.space.size))
+    start = estimates(
+        problem, problem.space.start(), yardstick(problem, problem.space.start()), None
+    )
     return {each.name: each for each in problem.quantities(SimpleNamespace(parameters=start))}
 
 

@@ -71,9 +71,10 @@ def test_its_certificate_speaks_of_what_is_smooth():
     assert certificate.curvatures == (pytest.approx(2.0, rel=1e-6), pytest.approx(2.0, rel=1e-6))
     assert certificate.flat_directions == ()
     assert certificate.gradient["ln switch"] == 0.0
-    assert solution.parameters["switch"].interval is None
+    # Within a piece the value does not change, beyond it by 0.2: its ends, found by trying.
+    assert solution.parameters["switch"].interval == pytest.approx(STEPS, rel=1e-6)
     # 1 % more at (ln a)^2 = 0.01
-    assert solution.parameters["a"].interval == pytest.approx(np.exp([-0.1, 0.1]), rel=1e-5)
+    assert solution.parameters["a"].interval == pytest.approx(np.exp([-0.1, 0.1]), rel=2e-4)
 
 
 def test_from_the_far_end_of_the_box_the_first_step_goes_inwards():

@@ -70,6 +70,12 @@ def nis(found):
     return {"nis": before.nis, "factor": before.factor, "q": found["q"], "R": found["R"]}
 
 
+def sonar(found):
+    refused = int(found.outputs["refused"].sum())
+    assert f"{refused} of 1198 numbers refused" in found.result.fit.lines[2]
+    return {"sigma": found["R"] ** 0.5, "q": found["q"], "refused": refused}
+
+
 PROBLEMS = {
     "level-pressure": ("pressure.csv", "local-level", "z=pressure_Pa:Pa", pressure),
     "vario": ("vario.csv", "vertical", "acc=acc_up_ms2:m/s^2 baro=baro_m:m", vario),
@@ -82,6 +88,7 @@ PROBLEMS = {
     "several-tracks": ("tracks.csv", "constant-velocity", "x=x:m", noise),
     "madgwick-beta": ("imu_mocap.npz", "madgwick", "gyr=gyr:rad/s acc=acc:m/s^2", beta),
     "nis-check": ("track1d.csv", "constant-velocity", "x=x:m", nis),
+    "outliers-sonar": ("sonar.csv", "constant-velocity", "x=range_m:m", sonar),
     "tiny-units": ("ampere.csv", "local-level", "z=Current~[A]:A", current),
 }
 MORE = {
@@ -89,6 +96,7 @@ MORE = {
     "gps-accuracy": ("--time", "time:ms"),
     "several-tracks": ("--by", "track_id"),
     "madgwick-beta": ("--truth", "att=quat"),
+    "outliers-sonar": ("--set", "gate=4"),
     "nis-check": ("--start", "q=4", "--start", "R=25"),
 }
 
@@ -159,3 +167,47 @@ def test_a_model_of_ones_own_is_tuned_by_one_call(here, monkeypatch):
         "sigma_gps": found["R"] ** 0.5,
     }
     check("robot-2d", answer, here)
+
+
+def found_in(folder):
+    """What a run found besides its solutions, by name."""
+    return {row.name: row for row in read_result(folder).findings}
+
+
+def test_a_gyroscope_at_rest_for_hours(cli, here):
+    log = CASES / "allan-static" / "gyro_rest.csv.gz"
+    words = ["--map", f"z=gyro_z_raw*{1 / 1310.72!r}:deg/s", "--rate", 1, "--set", "rate_hz=100"]
+    code, out, err = cli("run", "rest", "--log", log, *words, "--out", "out")
+    assert code == 0, (out, err)
+    rows = found_in(here / "out")
+    for how in ("curve", "likelihood"):
+        answer = {
+            "N": rows[f"z.N.{how}"].value,
+            "K": rows[f"z.K.{how}"].value,
+            "kalibr_noise_density": rows[f"z.gyroscope_noise_density.{how}"].value,
+            "kalibr_random_walk": rows[f"z.gyroscope_random_walk.{how}"].value,
+            "arw_deg_sqrt_h": rows[f"z.ARW.{how}"].value,
+            "R_100Hz": rows["z.R"].value,
+            "Q_100Hz": rows["z.Q"].value,
+        }
+        check("allan-static", answer, here)
+    assert rows["z.K.likelihood"].low == pytest.approx(1.53e-4, rel=0.02)
+    assert rows["z.K.likelihood"].high == pytest.approx(2.07e-4, rel=0.02)
+
+
+@pytest.mark.parametrize(("study", "channel"), [("rest", "z"), ("kownacki2010", "a")])
+def test_a_board_that_is_waved_about_is_not_at_rest(study, channel, cli, here):
+    log = CASES / "moving-record" / "acc_x.csv"
+    words = ["--log", log, "--map", f"{channel}=AccX_mg:mg", "--time", "time_ms:ms"]
+    code, _, err = cli("run", study, *words, "--out", "out")
+    assert code == 2
+    refused = "acc_x.csv" in err and "is not at rest" in err
+    check("moving-record", {"refused_or_warned": int(refused)}, here)
+
+
+def test_trackers_gains_without_a_recording(cli, here):
+    code, out, err = cli("run", CASES / "one-number-cv" / "one.toml", "--out", "out")
+    assert code == 0, (out, err)
+    rows = found_in(here / "out")
+    names = ("Q11", "Q12", "Q22", "K1", "K2", "alpha", "beta")
+    check("one-number-cv", {name: rows[name].value for name in names}, here)

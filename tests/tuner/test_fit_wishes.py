@@ -130,7 +130,7 @@ def test_solvers_agree(cli, here, log, solver):
     best, value = cases.tuned_by_hand(
         lambda q, R: cases.level_loop(cases.level()["z"], q, R, 1.0), [0.5, 2.0]
     )
-    assert solution["value"] == pytest.approx(value, rel=1e-4)
+    assert result["fit"]["tuned"] == pytest.approx(value, rel=1e-4)
     # A value flat to 1e-4 leaves some per cent of a parameter open.
     assert [number(result, "q"), number(result, "R")] == pytest.approx(best, rel=0.05)
 
@@ -199,9 +199,15 @@ def test_json_holds_the_fit_section(run):
         *("filter", "objective", "unit", "start", "tuned", "held_out", "diagnostics", "lines"),
     }
     assert (fit["filter"], fit["objective"], fit["unit"]) == ("LocalLevel", "likelihood", "m")
-    assert set(fit["held_out"]) == {"what", "start", "tuned"}
+    assert set(fit["held_out"]) == {
+        *("way", "what", "start", "tuned", "gain", "nothing", "unfiltered", "over_unfiltered"),
+        *("best", "gap", "recordings"),
+    }
+    assert set(fit["held_out"]["gain"]) == {"share", "low", "high", "blocks"}
     assert len(fit["diagnostics"]) == 2
-    assert [s["problem"] for s in result["solutions"]] == ["local_level", "local_level_part"]
+    assert [s["problem"] for s in result["solutions"]] == [
+        *("local_level", "local_level_part", "local_level_alone"),
+    ]
     assert set(result["artifacts"]) == {n for n, data in snapshot(run).items() if data is not None}
 
 
@@ -242,7 +248,7 @@ def test_an_interrupted_fit_goes_on(cli, here, log, monkeypatch):
     whole, solved = Gradient.__call__, []
 
     def interrupted(solver, problem):
-        if problem.name.endswith("_part"):
+        if problem.name.endswith(("_part", "_alone")):
             raise KeyboardInterrupt
         solved.append(problem.name)
         return whole(solver, problem)
@@ -281,3 +287,16 @@ def test_pictures_say_what_they_show(run):
     inside = np.mean(np.abs(rows[:, 1]) < 2)
     assert 0.92 < inside < 0.98  # 399 numbers of 95.4 %: a deviation of 1 %
     assert (run / "figures" / "local_level_innovations.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_what_is_held_out_is_chosen(cli, here, log):
+    code, _, err = cli("fit", log, *WORDS, "--starts", 1, "--set", "held_out=none", "--out", "none")
+    assert code == 0, err
+    assert read_result(here / "none").fit.held_out is None
+    code, _, err = cli("fit", log, *WORDS, "--set", "held_out=leave-one-out", "--out", "two")
+    assert (code, "takes several recordings, and there is one alone" in err) == (2, True)
+    code, _, err = cli("fit", log, *WORDS, "--set", "held_out=half", "--out", "three")
+    assert code == 2
+    assert "held_out" in err
+    assert "leave-one-out" in err
+    assert err.count("\n") == 1

@@ -171,6 +171,9 @@ def test_first_entries_are_the_fixed_ones():
         "value": 1e-6,
         "unit": "(rad/s)^2",
         "interval": [1e-7, 1e-5],
+        "interval_kind": "",
+        "robust": None,
+        "deviation": None,
     }
     assert plain["comparisons"][0] == {**asdict(row()), "verdict": "match"}
     assert {"solutions", "comparisons", "artifacts"} <= set(plain)

@@ -1,59 +1,27 @@
 """The certificate of a point: gradient, bounds, curvature, and what is not determined."""
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from tuner.certificate.kkt import NEAR, Held
-from tuner.certificate.solution import Certificate, Starts, TunedParameter
+from tuner.certificate.kkt import Held, at_ends, pushed
+from tuner.certificate.solution import Certificate, Starts
+from tuner.certificate.spectrum import Spectrum
+from tuner.certificate.yardstick import Yardstick, told_apart
 from tuner.problem.problem import Problem
 
 TENFOLD = math.log(10)
-FLAT = 0.01
-"""A direction is flat if a tenfold change along it changes the value by less than this share.
-
-The intervals of :func:`estimates` are drawn where the value has risen by as much.
-"""
-STATIONARY = 1e-3
-"""A point is stationary if a change by a factor e would, to first order, cost less than this."""
-
-
-class Spectrum(NamedTuple):
-    """How an objective curves around a point, relative to its value there.
-
-    Attributes:
-        curvatures: eigenvalues of the Hessian over the value, ascending, ``(k,)``.
-        directions: their eigenvectors, one per column, ``(n, k)``; k < n where constraints hold.
-    """
-
-    curvatures: np.ndarray
-    directions: np.ndarray
-
-
-def spectrum(problem: Problem, z: np.ndarray, held: Held) -> Spectrum:
-    """How a problem curves around a point ``(n,)`` along what keeps its active constraints.
-
-    With constraints it is the Lagrangian that curves. NaN where the objective is not a number.
-    """
-    if not held.tangent.size:
-        return Spectrum(np.zeros(0), held.tangent)
-    hessian = problem.hessian(z) / (abs(problem.value(z)) or 1.0)
-    if held.weights.any():
-        hessian = hessian + problem.constraint_hessian(z, held.weights)
-    if not np.isfinite(hessian).all():
-        return Spectrum(np.full(len(z), np.nan), np.eye(len(z)))
-    curvatures, directions = np.linalg.eigh(held.tangent.T @ hessian @ held.tangent)
-    return Spectrum(curvatures, held.tangent @ directions)
-
-
-def unknown_spectrum(size: int) -> Spectrum:
-    """Where nobody asked how a problem of ``size`` coordinates curves."""
-    return Spectrum(np.zeros(0), np.zeros((size, 0)))
+HARDLY = 0.1
+"""A share of a direction that is left out of its sentence, if the sentence holds without."""
 
 
 def certify(
-    problem: Problem, z: np.ndarray, held: Held, curved: Spectrum, starts: Starts
+    problem: Problem,
+    z: np.ndarray,
+    held: Held,
+    curved: Spectrum,
+    undetermined: list[np.ndarray],
+    starts: Starts,
 ) -> Certificate:
     """Judge a point of a problem.
 
@@ -62,46 +30,68 @@ def certify(
         z: the point, ``(n,)``.
         held: which constraints hold it.
         curved: how the problem curves around it.
+        undetermined: the directions that :func:`flat` found.
         starts: what the starts came to.
 
     Returns:
         The certificate, without any word from other methods.
     """
     labels = problem.space.coordinates
-    low, high = problem.space.box()
-    bound = ((z <= low + NEAR) | (z >= high - NEAR)) & ~problem.space.limited()
+    bound = at_ends(problem, z)
     names = [constraint.name for constraint in problem.constraints]
     return Certificate(
         gradient={label: float(g) for label, g in zip(labels, held.gradient, strict=True)},
         active_bounds=tuple(label for label, at in zip(labels, bound, strict=True) if at),
         curvatures=tuple(float(c) for c in curved.curvatures),
-        flat_directions=tuple(
-            flat_in_words(labels, direction)
-            for curvature, direction in zip(curved.curvatures, curved.directions.T, strict=True)
-            if is_flat(float(held.gradient @ direction), float(curvature))
-        ),
+        flat_directions=tuple(flat_in_words(labels, each) for each in undetermined),
         starts=starts,
         methods={},
         multipliers=dict(zip(names, held.weights.tolist(), strict=True)) | held.limits,
     )
 
 
-def is_flat(slope: float, curvature: float) -> bool:
-    """Whether a tenfold change either way along a direction hardly changes the value.
+def flat(problem: Problem, yard: Yardstick, z: np.ndarray, curved: Spectrum) -> list[np.ndarray]:
+    """The directions along which a tenfold change either way cannot be told, by trying it.
 
-    >>> is_flat(0.0, 1e-5), is_flat(0.0, 0.1), is_flat(0.1, 0.0), is_flat(0.0, -0.1)
-    (True, False, False, False)
+    Each is ``(n,)``, of the largest entry 1: those axes of the curvature, or the one coordinate
+    that such an axis is nearly, where that is flat by itself.
     """
-    return abs(slope) * TENFOLD + abs(curvature) * TENFOLD**2 / 2 < FLAT
+    found: list[np.ndarray] = []
+    for direction in curved.directions.T[np.isfinite(curved.curvatures)]:
+        step = direction / direction[np.argmax(np.abs(direction))]
+        alone = np.where(np.abs(step) < HARDLY, 0.0, step)
+        for tried in (alone, step):
+            if not _told(problem, yard, z, tried):
+                found.append(tried)
+                break
+    return found
 
 
-def is_stationary(problem: Problem, z: np.ndarray, gradient: dict[str, float]) -> tuple[bool, bool]:
-    """Whether the gradient vanishes, and whether it does but for what pushes against a bound."""
-    slopes = np.array(list(gradient.values()))
+def _told(problem: Problem, yard: Yardstick, z: np.ndarray, direction: np.ndarray) -> bool:
+    """Whether a tenfold change along a direction can be told, to one side at least."""
+    limited = problem.space.limited()
     low, high = problem.space.box()
-    steep = ~(np.abs(slopes) <= STATIONARY)  # what is not a number is not stationary either
-    held = ((z <= low + NEAR) & (slopes > 0)) | ((z >= high - NEAR) & (slopes < 0))
-    return not steep.any(), not (steep & ~held).any()
+
+    def moved(side: int) -> np.ndarray:
+        point = z + side * TENFOLD * direction
+        return np.where(limited, np.clip(point, low, high), point)
+
+    return any(told_apart(problem, yard, z, moved(side)) for side in (1, -1))
+
+
+def predicted_fall(problem: Problem, z: np.ndarray, held: Held, curved: Spectrum) -> float:
+    """How far the value should fall from a point ``(n,)``, in units, by its derivatives there.
+
+    To where the quadratic model is lowest, within a step of 1 along each axis. What pushes against
+    an end of the box is left out. NaN where a derivative is not a number.
+    """
+    slopes = np.where(pushed(problem, z, held.gradient), 0.0, held.gradient)
+    axes = curved.directions if len(curved.curvatures) else held.tangent
+    curvatures = curved.curvatures if len(curved.curvatures) else np.zeros(axes.shape[1])
+    along = np.abs(axes.T @ slopes)
+    near = (curvatures >= along) & (curvatures > 0)  # the model's lowest point is within 1
+    inside = np.divide(along**2, 2 * curvatures, out=np.zeros_like(along), where=near)
+    return float(np.where(near, inside, along - curvatures / 2).sum())
 
 
 def flat_in_words(labels: list[str], direction: np.ndarray) -> str:
@@ -128,28 +118,3 @@ def flat_in_words(labels: list[str], direction: np.ndarray) -> str:
     power = d2 / d1
     name = first if abs(abs(power) - 1) < 0.02 else f"{first}^{abs(power):.2g}"
     return f"{sentence}: only {second}{'/' if power > 0 else '*'}{name} is determined"
-
-
-def estimates(problem: Problem, z: np.ndarray, curved: Spectrum) -> dict[str, TunedParameter]:
-    """The parameters at z ``(n,)`` with their units and 1 % intervals."""
-    values = problem.parameters(z)
-    spread = _spread(curved)
-    found, at = {}, 0
-    for name, parameter in problem.space.parameters:
-        interval = None
-        if parameter.size == 1 and 0 < spread[at] < np.inf:
-            reach = np.where(np.arange(len(z)) == at, spread, 0.0)
-            low, high = problem.parameters(z - reach)[name], problem.parameters(z + reach)[name]
-            interval = float(low), float(high)
-        found[name] = TunedParameter(values[name], parameter.unit, interval)
-        at += parameter.size
-    return found
-
-
-def _spread(curved: Spectrum) -> np.ndarray:
-    """Half-widths in z, ``(n,)``, within which the value rises by 1 %; infinite along flat ones."""
-    curvatures, directions = curved
-    rising = curvatures * TENFOLD**2 / 2 >= FLAT
-    squared = (directions[:, rising] ** 2 / curvatures[rising]).sum(axis=1)
-    squared[(np.abs(directions[:, ~rising]) > 0.02).any(axis=1)] = np.inf
-    return np.asarray(np.sqrt(2 * FLAT * squared))

@@ -14,7 +14,7 @@ NEAR = 0.01
 
 
 class Held(NamedTuple):
-    """A point with what holds it; all relative to the value there.
+    """A point with what holds it; all in units of its yardstick.
 
     Attributes:
         gradient: of the Lagrangian: the objective's less the shares of what holds it, ``(n,)``.
@@ -22,6 +22,7 @@ class Held(NamedTuple):
         limits: multiplier of every limit that holds a coordinate, by its description.
         tangent: orthonormal directions that keep all that holds, ``(n, k)``; none along thresholds.
         excess: how far the worst constraint is exceeded, as a share of its bound.
+        stepped: which coordinates are thresholds, ``(n,)`` of bool.
     """
 
     gradient: np.ndarray
@@ -29,26 +30,27 @@ class Held(NamedTuple):
     limits: dict[str, float]
     tangent: np.ndarray
     excess: float
+    stepped: np.ndarray
 
 
-def hold(problem: Problem, z: np.ndarray) -> Held:
-    """Which constraints and limits hold a point ``(n,)``, and how hard.
+def hold(problem: Problem, z: np.ndarray, unit: float) -> Held:
+    """Which constraints and limits hold a point ``(n,)``, and how hard, in units of the value.
 
     The multipliers are found from the gradients alone, by non-negative least squares, and so do
     not depend on what a solver says about them (Karush, Kuhn and Tucker's conditions).
     """
-    value, gradient = problem.value_and_gradient(z)
-    gradient = gradient / (abs(value) or 1.0)
+    gradient = problem.value_and_gradient(z)[1] / unit
     excess, slopes = problem.excesses(z)
     labels, limits, ends = _boundaries(problem, z)
     size, count = problem.space.size, len(labels)
     touched = excess >= -ALLOWED
     rows = np.vstack([slopes[touched], limits])
     # Along a threshold every derivative is 0 and says nothing.
-    steps = np.eye(size)[problem.space.thresholds()]
+    stepped = problem.space.thresholds()
+    steps = np.eye(size)[stepped]
     worst, weights = float(excess.max(initial=-np.inf)), np.zeros(len(excess))
     if not len(rows) or not (np.isfinite(gradient).all() and np.isfinite(rows).all()):
-        return Held(gradient, weights, {}, _orthogonal(steps, size), worst)
+        return Held(gradient, weights, {}, _orthogonal(steps, size), worst, stepped)
     from scipy.optimize import nnls
 
     # The box's own ends take their part as well, but their share stays in the gradient: a slope
@@ -57,7 +59,22 @@ def hold(problem: Problem, z: np.ndarray) -> Held:
     weights[touched] = multipliers[: len(rows) - count]
     by_limit = dict(zip(labels, multipliers[len(rows) - count :].tolist(), strict=True))
     tangent = _orthogonal(np.vstack([rows[multipliers > PUSHING], steps]), size)
-    return Held(gradient + rows.T @ multipliers, weights, by_limit, tangent, worst)
+    return Held(gradient + rows.T @ multipliers, weights, by_limit, tangent, worst, stepped)
+
+
+def at_ends(problem: Problem, z: np.ndarray) -> np.ndarray:
+    """Which coordinates lie at an end of the search box, ``(n,)`` of bool."""
+    low, high = problem.space.box()
+    ends: np.ndarray = ((z <= low + NEAR) | (z >= high - NEAR)) & ~problem.space.limited()
+    return ends
+
+
+def pushed(problem: Problem, z: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+    """Which coordinates the slope pushes against an end of the search box, ``(n,)`` of bool."""
+    low, high = problem.space.box()
+    outward = ((z <= low + NEAR) & (slopes > 0)) | ((z >= high - NEAR) & (slopes < 0))
+    found: np.ndarray = outward & at_ends(problem, z)
+    return found
 
 
 def _boundaries(problem: Problem, z: np.ndarray) -> tuple[list[str], np.ndarray, np.ndarray]:

@@ -1,7 +1,9 @@
 """What a solver returns: the best point, how it ended, and what speaks for it."""
 
+import math
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,6 +12,10 @@ class Status(Enum):
     """How a solution ended, each with its sentence."""
 
     CONVERGED = "converged"
+    KINK = "at a kink"
+    STAIRCASE = "on a step"
+    STARTS_DIFFER = "starts differ"
+    SADDLE = "saddle"
     STALLED = "stalled"
     LIMIT = "limit"
     AT_BOUND = "at bound"
@@ -26,12 +32,16 @@ class Status(Enum):
     @property
     def trusted(self) -> bool:
         """Whether a solution may be exported without being forced."""
-        return self is Status.CONVERGED
+        return self in (Status.CONVERGED, Status.KINK, Status.STAIRCASE)
 
 
 _SENTENCES = {
-    Status.CONVERGED: "the gradient vanishes here",
-    Status.STALLED: "the method stopped by its own tolerance, but the gradient does not vanish",
+    Status.CONVERGED: "the gradient vanishes here, and no neighbour that was tried is lower",
+    Status.KINK: "the objective has a kink here, from which it rises to all sides that were tried",
+    Status.STAIRCASE: "the objective changes in steps, and no neighbour that was tried is lower",
+    Status.STARTS_DIFFER: "a lowest point nearby, which most starts did not come to",
+    Status.SADDLE: "the gradient vanishes here, but the value falls to a side",
+    Status.STALLED: "the method stopped by its own tolerance, but lower values were seen",
     Status.LIMIT: "the allowed number of evaluations was used up before the gradient vanished",
     Status.AT_BOUND: "a bound of the search box holds the solution; the optimum lies beyond it",
     Status.INFEASIBLE: "no point was found that keeps every constraint",
@@ -41,6 +51,19 @@ _SENTENCES = {
 }
 
 
+class Interval(NamedTuple):
+    """A range for a parameter, and what it is a range of.
+
+    Attributes:
+        ends: lowest and highest value; the farthest that there is (0 or infinite for a positive
+            parameter) where the data set no limit to that side.
+        kind: "95 %, likelihood ratio", "95 %, sandwich", or "1 % of the cost".
+    """
+
+    ends: tuple[float, float]
+    kind: str
+
+
 @dataclass(frozen=True)
 class TunedParameter:
     """One tuned parameter.
@@ -48,14 +71,51 @@ class TunedParameter:
     Attributes:
         value: number ``()`` or matrix.
         unit: its unit.
-        interval: the range over which the objective stays within 1 % of its best, the other
-            parameters following (quadratic model); None where the data does not determine it
-            or it is not a free positive or bounded number.
+        interval: lowest and highest value; None where the data do not determine it, or it is not
+            a free single number. Of a likelihood: where twice the log likelihood, the other
+            parameters following, has fallen by 3.84, which holds the true value in 95 of 100
+            records; where the data set a limit to one side alone the other end is 0 or infinite,
+            and the limit is one of 95 % to that side. Of a mean square: 95 % by the scatter of
+            the errors over time. Of any other cost: where it has risen by 1 %, which is no
+            statement about the true value.
+        interval_kind: which of the three, in words; "" without an interval.
+        robust: of a likelihood, the interval that holds as well where the innovations are
+            correlated or not Gaussian; None where the record is too short.
+        deviation: of a matrix, the standard deviation of each entry, to first order; None for a
+            number, a plain cost, and where the data do not determine it.
     """
 
     value: np.ndarray
     unit: str
     interval: tuple[float, float] | None
+    interval_kind: str = ""
+    robust: tuple[float, float] | None = None
+    deviation: np.ndarray | None = None
+
+
+def range_in_words(interval: tuple[float | None, float | None], kind: str) -> str:
+    """An interval in brackets, or the one limit that it has, and what it is a range of.
+
+    Args:
+        interval: lowest and highest value; None stands for infinite.
+        kind: of the interval, as :class:`TunedParameter` has it.
+
+    >>> range_in_words((1.0, 2.5), "95 %, likelihood ratio")
+    '[1, 2.5] (95 %)'
+    >>> range_in_words((0.0, 2e-4), "95 %, sandwich")
+    '[below 0.0002] (95 %)'
+    >>> range_in_words((3.0, None), "1 % of the cost")
+    '[above 3] (1 % of the cost)'
+    """
+    low, high = interval
+    short = kind.partition(",")[0]
+    if high is None or high == math.inf:
+        told = f"[above {low:.3g}]"
+    elif low is None or low in (0.0, -math.inf):
+        told = f"[below {high:.3g}]"
+    else:
+        told = f"[{low:.3g}, {high:.3g}]"
+    return f"{told} ({short})" if short else told
 
 
 @dataclass(frozen=True)
@@ -64,8 +124,10 @@ class Starts:
 
     Attributes:
         count: how many starts there were.
-        agreeing: how many ended within 0.1 % of the best value, the best included.
-        worst: the worst end over the best one, 1 where all agree.
+        agreeing: how many ended as low as the best, itself included: within 0.1 % of its value, or
+            within 0.05 nats of a likelihood.
+        worst: by how much the worst end lies above the best, as a share of its value or in nats; 0
+            where all agree.
     """
 
     count: int
@@ -75,15 +137,18 @@ class Starts:
 
 @dataclass(frozen=True)
 class Certificate:
-    """What speaks for a solution, in unconstrained coordinates z and relative to the value.
+    """What speaks for a solution, in unconstrained coordinates z.
+
+    A likelihood is counted in nats of the whole record, everything else in shares of the value.
 
     Attributes:
-        gradient: derivative of ln value by each coordinate.
+        gradient: derivative by each coordinate.
         active_bounds: coordinates that lie on their bound.
-        curvatures: eigenvalues of the Hessian over the value, ascending.
-        flat_directions: a sentence for each direction in which nothing is determined.
+        curvatures: eigenvalues of the Hessian, ascending.
+        flat_directions: a sentence for each direction in which nothing is determined, which was
+            tried: a tenfold change either way cannot be told from the best.
         starts: agreement of the starts.
-        methods: best value of every other solver on the same problem over this one's value.
+        methods: the value that every other solver reached on the same problem.
         multipliers: by constraint, by how many per cent the value falls where the bound is 1 %
             wider; the gradient is then what is left of it after the constraints' share.
         lower_bound: no admissible point has a lower value: a dual solution proves it. None where

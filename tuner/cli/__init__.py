@@ -32,6 +32,10 @@ Time = Annotated[str | None, typer.Option(metavar="COLUMN", help="Time column.")
 By = Annotated[
     str | None, typer.Option(metavar="COLUMN", help="Tells the recordings of a file apart.")
 ]
+From = Annotated[
+    float | None, typer.Option("--from", metavar="S", help="Leave out what is earlier, s.")
+]
+To = Annotated[float | None, typer.Option("--to", metavar="S", help="Leave out what is later, s.")]
 Out = Annotated[Path | None, typer.Option(help="Folder for the results.")]
 Seed = Annotated[
     int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all random numbers; 0.")
@@ -72,6 +76,8 @@ def run(
     map: Maps = None,
     rate: Rate = None,
     time: Time = None,
+    from_: From = None,
+    to: To = None,
     set: Annotated[
         list[str] | None, typer.Option(metavar="KEY=VALUE", help="A setting of the study.")
     ] = None,
@@ -98,6 +104,8 @@ def run(
         maps=tuple(map or ()),
         rate=rate,
         time=time,
+        from_s=from_,
+        to_s=to,
         sets=tuple(set or ()),
         claims=tuple(claim or ()),
         out=out,
@@ -121,6 +129,8 @@ def fit(
     rate: Rate = None,
     time: Time = None,
     by: By = None,
+    from_: From = None,
+    to: To = None,
     start: Annotated[
         list[str] | None, typer.Option(metavar="NAME=VALUE", help="Where the search begins.")
     ] = None,
@@ -131,7 +141,8 @@ def fit(
         list[str] | None, typer.Option(metavar="NAME=LOW..HIGH", help="Ends of the search.")
     ] = None,
     set: Annotated[
-        list[str] | None, typer.Option(metavar="KEY=VALUE", help="An option of the filter.")
+        list[str] | None,
+        typer.Option(metavar="KEY=VALUE", help="A filter's option; held_out."),
     ] = None,
     objective: Annotated[
         str | None, typer.Option(help="Of tuner list objectives; the error or the likelihood.")
@@ -149,9 +160,11 @@ def fit(
     json: Json = False,
 ) -> None:
     """Tune a filter on recordings of your own; write a folder with results and exports."""
-    from tuner.cli.pairs import bounds, numbers, words
+    from tuner.cli.pairs import apart, bounds, numbers, words
     from tuner.cli.request import Request
     from tuner.cli.run import execute
+
+    options, settings = apart(words("--set", set or ()))
 
     request = Request(
         study="fit",
@@ -161,16 +174,19 @@ def fit(
         rate=rate,
         time=time,
         by=by,
+        from_s=from_,
+        to_s=to,
         values={
             "filter": filter,
             "start": numbers("--start", start or ()),
             "fix": numbers("--fix", fix or ()),
             "bound": bounds("--bound", bound or ()),
-            "options": words("--set", set or ()),
+            "options": options,
             "objective": objective,
             "solver": solver,
             "starts": starts,
             "hold_out": hold_out,
+            **settings,
         },
         out=out,
         seed=seed,

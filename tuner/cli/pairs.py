@@ -1,10 +1,13 @@
 """NAME=VALUE options, in one sentence where they are wrong."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from math import isfinite
 from typing import Any
 
 from tuner.cli.settings import value_of
+
+OF_FIT = ("held_out",)
+"""Settings of the fit that ``--set`` takes beside the filter's options."""
 
 
 def words(option: str, pairs: Iterable[str]) -> dict[str, Any]:
@@ -25,6 +28,16 @@ def words(option: str, pairs: Iterable[str]) -> dict[str, Any]:
             raise ValueError(f"{option} names {name} twice; name it once")
         found[name] = value_of(text)
     return found
+
+
+def apart(options: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The filter's own options, and settings of the fit that have no option of their own.
+
+    >>> apart({"law": "two-step", "held_out": "time"})
+    ({'law': 'two-step'}, {'held_out': 'time'})
+    """
+    settings = {name: value for name, value in options.items() if name in OF_FIT}
+    return {name: value for name, value in options.items() if name not in OF_FIT}, settings
 
 
 def numbers(option: str, pairs: Iterable[str]) -> dict[str, float]:

@@ -26,6 +26,8 @@ class LogEntries(_Entries):
     rate_hz: float | None = None
     time: str | None = None
     by: str | None = None
+    from_s: float | None = None
+    to_s: float | None = None
 
     @model_validator(mode="after")
     def _each_has_its_own(self) -> "LogEntries":

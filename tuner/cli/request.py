@@ -23,6 +23,8 @@ class Request:
     rate: float | None = None
     time: str | None = None
     by: str | None = None
+    from_s: float | None = None
+    to_s: float | None = None
     sets: tuple[str, ...] = ()
     values: Mapping[str, Any] = field(default_factory=dict)
     claims: tuple[str, ...] = ()
@@ -62,6 +64,8 @@ def from_toml(request: Request) -> tuple[Request, dict[str, Any]]:
             rate=recipe.log.rate_hz if request.rate is None else request.rate,
             time=recipe.log.time if request.time is None else request.time,
             by=recipe.log.by if request.by is None else request.by,
+            from_s=recipe.log.from_s if request.from_s is None else request.from_s,
+            to_s=recipe.log.to_s if request.to_s is None else request.to_s,
         )
     return filled, recipe.settings
 
@@ -80,18 +84,21 @@ def load_records(study: "Study", settings: Any, request: Request) -> "tuple[Reco
     channels = study.channels(settings)
     if not request.maps:
         known = ", ".join(f"{name} ({fact.meaning})" for name, fact in channels.items())
-        raise ValueError(f"a log needs --map NAME=COLUMN; {study.name} knows {known}")
+        knows = f"knows {known}" if channels else "takes any NAME"
+        raise ValueError(f"a log needs --map NAME=COLUMN; {study.name} {knows}")
     from tuner.data.reading import read_records
 
     return read_records(
         request.logs,
         request.maps,
         truth=request.truths,
-        inputs=channels,
+        inputs=channels or None,
         outputs={} if study.truths is None else study.truths(settings),
         rate_hz=request.rate,
         time=request.time,
         by=request.by,
+        from_s=request.from_s,
+        to_s=request.to_s,
     )
 
 
@@ -103,6 +110,8 @@ def _refuse_stray(request: Request) -> None:
         "--rate": request.rate,
         "--time": request.time,
         "--by": request.by,
+        "--from": request.from_s,
+        "--to": request.to_s,
     }
     stray = [option for option, given in told.items() if given is not None and given != ()]
     if stray:
@@ -123,4 +132,6 @@ def log_entries(request: Request, records: "tuple[Record, ...]") -> LogEntries |
         rate_hz=request.rate,
         time=request.time,
         by=request.by,
+        from_s=request.from_s,
+        to_s=request.to_s,
     )

@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from tuner.certificate.solution import Status
+from tuner.certificate.solution import Status, range_in_words
 from tuner.run.result import ParameterRecord, Result, SolutionRecord
 
 _COLOURS = {
@@ -82,6 +82,9 @@ def show_result(result: Result, folder: Path) -> None:
             "Comparison",
             [["quantity", "where", "paper", "ours", "verdict", "note"], *rows],
         )
+    found = [[f.name, number_text(f.value), f.limits, f.unit, f.meaning] for f in result.findings]
+    if found:
+        show_grid("Found", [["name", "value", "95 % limits", "unit", "meaning"], *found])
     out = console()
     for export in result.exports:
         if abs(export.relative_change or 0.0) > 1e-12:
@@ -153,7 +156,7 @@ def _parameter(parameter: ParameterRecord, *, tuned: bool) -> str:
     """A parameter with its range; what was tuned and has none is not determined."""
     told = f"{parameter.value:.5g}"
     if parameter.interval:
-        told += f" [{parameter.interval[0]:.3g}, {parameter.interval[1]:.3g}]"
+        told += f" {range_in_words(parameter.interval, parameter.interval_kind)}"
     return f"{told} {parameter.unit}" + (
         " (not determined)" if tuned and not parameter.interval else ""
     )

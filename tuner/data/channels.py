@@ -133,7 +133,7 @@ def _changed(
     unit, note = mapping.unit, ""
     if unit in _DEGREES:
         return _metres(columns, mapping, values, declared, zero)
-    if unit is None and declared and (unit := _in_name(mapping)):
+    if unit is None and declared and (unit := unit_in_name(mapping)):
         note = f"{unit}, as the column's name says"
     try:
         if declared == "m" and unit is not None and Unit.of(unit).si == "Pa":
@@ -146,7 +146,7 @@ def _changed(
     return into(values), into.unit, note or into.note
 
 
-def _in_name(mapping: Column) -> str | None:
+def unit_in_name(mapping: Column) -> str | None:
     """The unit in brackets at the end of a column's name, where it is one."""
     match = _IN_BRACKETS.fullmatch(mapping.column)
     if match is None or not match[1] or mapping.factor is not None or match[1].isdecimal():

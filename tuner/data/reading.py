@@ -12,7 +12,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from tuner.data.channels import Reading, read_channels
+from tuner.data.channels import Reading, read_channels, unit_in_name
+from tuner.data.cut import cut
 from tuner.data.logs.error import LogError, counted, quoted
 from tuner.data.logs.formats import open_table
 from tuner.data.logs.mapping import Mapping as Column
@@ -54,6 +55,8 @@ def read_record(
     outputs: Declared = None,
     rate_hz: float | None = None,
     time: str | None = None,
+    from_s: float | None = None,
+    to_s: float | None = None,
 ) -> Record:
     """Read one recording from one file or several on one clock; see :func:`read_records`.
 
@@ -77,6 +80,8 @@ def read_record(
         outputs=outputs,
         rate_hz=rate_hz,
         time=time,
+        from_s=from_s,
+        to_s=to_s,
     )
     if len(records) > 1:
         raise LogError(
@@ -96,6 +101,8 @@ def read_records(
     rate_hz: float | None = None,
     time: str | None = None,
     by: str | None = None,
+    from_s: float | None = None,
+    to_s: float | None = None,
 ) -> tuple[Record, ...]:
     """Read recordings: CSV or TXT (also compressed), NPZ, or MAT.
 
@@ -116,6 +123,8 @@ def read_records(
             With several files, that of those without a time column.
         time: the time column as ``column[index]*factor:unit``; None looks for one by its name.
         by: the column, of numbers or text, that tells the recordings of one file apart.
+        from_s: what was measured earlier is left out, s since the start of each recording.
+        to_s: what was measured later.
 
     Raises:
         LogError: for a file, a column, a unit or values that cannot be used, in one sentence.
@@ -138,11 +147,12 @@ def read_records(
     if shares is not None and len(files) > 1:
         if by is not None:
             raise LogError(f"--by {by} splits one file, and {quoted(names)} are one recording")
-        return (_merged(_files(files, tables, shares), timed),)
+        return (cut(_merged(_files(files, tables, shares), timed), from_s, to_s),)
     alone = _files(files, tables, shares or [all_of(table, maps) for table in tables])
     if by is None:
-        return tuple(_merged([file], timed) for file in alone)
-    return tuple(record for file in alone for record in _parted(file, timed, by))
+        return tuple(cut(_merged([file], timed), from_s, to_s) for file in alone)
+    parted = [record for file in alone for record in _parted(file, timed, by)]
+    return tuple(cut(record, from_s, to_s) for record in parted)
 
 
 def _check_rate(rate_hz: float) -> None:
@@ -234,7 +244,9 @@ def _signal(reading: Reading, start: Fraction) -> Signal:
     values, times = reading.values, clock.seconds + later
     values.flags.writeable = times.flags.writeable = False
     source = ",".join(part.source for part in reading.wanted.parts)
-    return Signal(values, times, reading.unit, source, clock)
+    units = {part.unit or unit_in_name(part) or "" for part in reading.wanted.parts}
+    written = units.pop() if len(units) == 1 else ""
+    return Signal(values, times, reading.unit, source, clock, written)
 
 
 def _source(file: _File, readings: Sequence[Reading]) -> Source:

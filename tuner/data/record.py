@@ -178,7 +178,7 @@ def _signal(
     except ValueError as error:
         raise LogError(f"{name!r} {error}") from error
     note = into.note if unit is not None else ""  # arrays are in SI where nothing is said
-    return Signal(into(values), runs.seconds + first, into.unit, name, runs), note
+    return Signal(into(values), runs.seconds + first, into.unit, name, runs, unit or ""), note
 
 
 def _made(name: str, signals: Sequence[Signal]) -> Source:

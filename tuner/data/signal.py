@@ -20,6 +20,7 @@ class Signal:
         unit: in SI.
         source: the columns that it was read from.
         clock: how the times run; None where nothing but the times is known.
+        written: the unit that the values were given in; "" where none was, or several.
     """
 
     values: Floats
@@ -27,6 +28,7 @@ class Signal:
     unit: str
     source: str
     clock: Clock | None = None
+    written: str = ""
 
     @property
     def running(self) -> Clock:

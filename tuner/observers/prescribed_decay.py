@@ -66,6 +66,15 @@ def starting_gains(
     return sorted(gains, key=lambda gain: -system.decay(gain))
 
 
+def gain_of_decay(system: LinearSystem, alpha: float) -> np.ndarray:
+    """The Kalman gain of a system that grows faster by e^(alpha t), ``(n, m)``.
+
+    Raises:
+        ValueError: where there is none.
+    """
+    return _gain(system, _own(system), alpha)
+
+
 def _own(system: LinearSystem) -> Weights:
     """The system's noise; measurements that have none get some, small enough not to count."""
     size = np.trace(system.V) or np.trace(system.C @ system.W @ system.C.T) or 1.0

@@ -1,6 +1,6 @@
 """The main job: a recording and a filter go in, a tuned filter comes out."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -14,10 +14,15 @@ from tuner.data.merge import stacked, timeline
 from tuner.data.plausible import implausible
 from tuner.data.record import Record
 from tuner.data.source import Source
+from tuner.identifiability.determined import Determined, determined
+from tuner.identifiability.noise import NoModelError
 from tuner.problem.problem import Problem
 from tuner.problem.surface import values
+from tuner.run.figure import Figure
 from tuner.run.fit_figures import figures
-from tuner.run.judged import Judged, filter_name, first_part, judge
+from tuner.run.held_out import judge_held_out
+from tuner.run.judged import Judged, filter_name, judge
+from tuner.run.parting import HeldOutBy, Parting, parting
 from tuner.run.posed import Posed, check_channels, pose
 from tuner.run.result import FitRecord
 from tuner.run.searched import Wishes
@@ -38,14 +43,27 @@ class Request:
         starts: of each search: the initial values first, then the best of random points.
         seed: where these come from.
         storage: database URL for samplers; "" for a temporary one.
-        hold_out: whether a second fit on a part of the data is judged on the rest.
+        held_out: what a second fit does not see and is judged on; None decides by what there is.
     """
 
     solver: str = "l-bfgs-b"
     starts: int = 4
     seed: int = 0
     storage: str = ""
-    hold_out: bool = True
+    held_out: HeldOutBy | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Fitting:
+    """What a fit's plan is about.
+
+    Attributes:
+        posed: the problem and its data.
+        parted: what is held out of them; None where nothing is.
+    """
+
+    posed: Posed
+    parted: Parting | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +111,7 @@ def fit(
     starts: int = 4,
     seed: int = 0,
     hold_out: bool = True,
+    held_out: HeldOutBy | None = None,
 ) -> Fit:
     """Tune a filter on a recording, or on several with one set of numbers for all.
 
@@ -110,6 +129,9 @@ def fit(
         starts: of the search.
         seed: where the random ones come from.
         hold_out: whether a second fit on a part of the data is judged on the rest.
+        held_out: which part that is: the end of the ``time``, some whole recordings
+            (``recording``), each in turn (``leave-one-out``), ``none``; None decides by what
+            there is.
 
     Raises:
         ValueError: for what does not go together, in one sentence with the way out.
@@ -128,9 +150,22 @@ def fit(
     cls = find("tuner.filters", filter) if isinstance(filter, str) else filter
     records = (record,) if isinstance(record, Record) else tuple(record)
     posed = pose_on(name, cls, records, wishes)
-    plan = plan_fit(posed, Request(solver, starts, seed, "", hold_out))
+    plan = plan_fit(posed, Request(solver, starts, seed, "", asked_for(hold_out, held_out)))
     solved = {(t.problem.name, t.solver.name): t.solver(t.problem) for t in plan.tasks}
-    return concluded(posed, solved)
+    return concluded(plan.case, solved)
+
+
+def asked_for(hold_out: bool, held_out: HeldOutBy | None) -> HeldOutBy | None:
+    """What is held out, from whether anything is and from what it is to be.
+
+    Raises:
+        ValueError: for a part that is to be held out where nothing is.
+    """
+    if hold_out:
+        return held_out
+    if held_out not in (None, "none"):
+        raise ValueError(f"held_out={held_out} and no hold-out exclude each other; say one of them")
+    return "none"
 
 
 def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wishes) -> Posed:
@@ -149,7 +184,9 @@ def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wish
     source = _source([part for record in records for part in record.sources])
     line = lines[0] if len(lines) == 1 else stacked(lines)
     posed = pose(name, cls, line, wishes, source)
-    return replace(posed, notes=(*strange, *line.notes))
+    known = known_of(posed.problem)
+    open_ = () if known is None else known.sentences
+    return replace(posed, notes=(*strange, *line.notes, *open_), undetermined=open_)
 
 
 def _source(parts: list[Source]) -> Source:
@@ -162,51 +199,79 @@ def _source(parts: list[Source]) -> Source:
 
 def plan_fit(posed: Posed, request: Request) -> Plan:
     """What is solved, exported and drawn."""
-    solver = make_solver(
-        request.solver, seed=request.seed, starts=request.starts, storage=request.storage
-    )
-    part = first_part(posed) if request.hold_out else None
-    if part is not None:  # by itself: its starts know nothing of what is held out
-        part = screened(part, request)
+    solver = _solver(request)
+    parted = parting(posed.problem, request.held_out)
     posed = replace(posed, problem=screened(posed.problem, request))
-    tasks = [Task(posed.problem, solver)]
-    tasks += [] if part is None else [Task(part, _quick(solver))]
+    tasks = [Task(posed.problem, solver), *_second_fits(parted, request, _quick(solver))]
+    case = Fitting(posed, parted)
     return Plan(
         source=posed.source,
         tasks=tuple(tasks),
         exports=(posed.problem.name,),
-        case=posed,
+        case=case,
         claims=(),
-        figures=figures,
+        figures=_figures,
         report=report,
         notes=posed.notes,
     )
 
 
-def report(posed: Posed, solutions: Solutions) -> FitRecord:
+def _second_fits(parted: Parting | None, request: Request, solver: Solver) -> Iterator[Task]:
+    """By themselves: their starts know nothing of what they do not see."""
+    if parted is None:
+        return
+    yield from (Task(screened(part, request), solver) for part in parted.tuned)
+    # What could be had there is beside the point, and needs less certainty.
+    few = replace(request, starts=min(request.starts, 2))
+    cheap = _quick(_solver(few))
+    yield from (Task(screened(part, few), cheap) for part in parted.alone)
+
+
+def _figures(case: Fitting, solutions: Solutions) -> Iterator[Figure]:
+    yield from figures(case.posed, solutions)
+
+
+def report(case: Fitting, solutions: Solutions) -> FitRecord:
     """What a fit is worth, for its result."""
-    found = concluded(posed, solutions)
-    lines = five_lines(posed, found.solution, found.judged)
-    return FitRecord.of(found.judged, filter_name(posed), lines)
+    found = concluded(case, solutions)
+    lines = five_lines(case.posed, found.solution, found.judged)
+    return FitRecord.of(found.judged, filter_name(case.posed), lines)
 
 
-def concluded(posed: Posed, solutions: Solutions) -> Fit:
+def concluded(case: Fitting, solutions: Solutions) -> Fit:
     """The fit that solutions of its plan amount to."""
-    name = posed.problem.name
-    solution = best(name, solutions)
-    parts = [problem for problem, _ in solutions if problem == f"{name}_part"]
-    part = best(parts[0], solutions) if parts else None
-    return Fit(posed, solution, judge(posed, solution, part))
+    posed, parted = case.posed, case.parted
+    solved = {name: best(name, solutions) for name, _ in solutions}
+    held_out = None if parted is None else judge_held_out(posed, parted, solved)
+    solution = solved[posed.problem.name]
+    return Fit(posed, solution, judge(posed, solution, held_out))
 
 
 def screened(problem: Problem, request: Request) -> Problem:
-    """The problem with known starts: the best of random points of its box, those that count."""
+    """The problem with known starts: what its differences suggest, and the best random points."""
     if request.starts < 2 or not problem.space.size:
         return problem
     points = problem.space.starts(1 + SCREENED, request.seed)[1:]
     found = values(problem, points)
     order = np.argsort(found)[: request.starts - 1]
-    return replace(problem, known_starts=tuple(points[i] for i in order if found[i] < np.inf))
+    screened = tuple(points[i] for i in order if found[i] < np.inf)
+    known = known_of(problem)
+    first = () if known is None else (known.start,)
+    return replace(problem, known_starts=(*first, *screened)[: request.starts - 1])
+
+
+def known_of(problem: Problem) -> Determined | None:
+    """What differences of measurements say of the noise; None where they say nothing."""
+    try:
+        return determined(problem)
+    except NoModelError:
+        return None
+
+
+def _solver(request: Request) -> Solver:
+    return make_solver(
+        request.solver, seed=request.seed, starts=request.starts, storage=request.storage
+    )
 
 
 def _quick(solver: Solver) -> Solver:

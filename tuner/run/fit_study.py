@@ -8,7 +8,8 @@ from pydantic import Field
 from filters.declared import Channel, channel_facts
 from tuner.catalogue import find
 from tuner.data.record import Record
-from tuner.run.fit import Request, plan_fit, pose_on
+from tuner.run.fit import Request, asked_for, plan_fit, pose_on
+from tuner.run.parting import HeldOutBy
 from tuner.run.searched import Wishes
 from tuner.run.settings import StudySettings
 from tuner.run.study import Plan, Study
@@ -26,6 +27,7 @@ class FitSettings(StudySettings):
     solver: str = Field("l-bfgs-b", description="of tuner list solvers")
     starts: int = Field(4, ge=1, description="starts of each search")
     hold_out: bool = Field(True, description="whether a part of the data judges the rest")
+    held_out: HeldOutBy | None = Field(None, description="which part; unset: by what there is")
 
     @property
     def wishes(self) -> Wishes:
@@ -50,7 +52,8 @@ def plan(settings: FitSettings, records: tuple[Record, ...], seed: int, storage:
         raise ValueError("a fit needs a recording; give it as in tuner fit LOG --filter NAME")
     cls = find("tuner.filters", settings.filter)
     posed = pose_on(settings.filter, cls, records, settings.wishes)
-    request = Request(settings.solver, settings.starts, seed, storage, settings.hold_out)
+    held_out = asked_for(settings.hold_out, settings.held_out)
+    request = Request(settings.solver, settings.starts, seed, storage, held_out)
     return plan_fit(posed, request)
 
 

@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
+from objectives import kind_of
 from tuner import export
 from tuner.certificate.single_precision import SinglePrecision
 from tuner.certificate.solution import Solution
@@ -122,6 +123,7 @@ class Run:
             artifacts=[*artifacts, "result.json"],
             seconds=time.perf_counter() - begun,
             fit=self._report(solutions),
+            findings=list(self.plan.findings(self.plan.case, solutions)),
         )
         self.folder.write("result.json", result.to_json().encode())
         self.folder.remove("progress.json")
@@ -131,11 +133,13 @@ class Run:
     def _outputs(self, problem: Problem, solution: Solution) -> str:
         """What the tuned filter returns over the recording, in full."""
         from filters.declared import bare, channel_facts, output
+        from tuner.run.careful import SAID
 
         outputs = problem.outputs(solution)
         facts = channel_facts(bare(problem.filter), "outputs")
         found = {name: output(problem.filter, outputs, name) for name in facts}
-        arrays = {name: np.asarray(each) for name, each in found.items() if each is not None}
+        found |= {name: getattr(outputs, name) for name in SAID if hasattr(outputs, name)}
+        arrays = {name: np.asarray(each) for name, each in found.items()}
         stream = io.BytesIO()
         np.savez_compressed(stream, allow_pickle=False, **arrays)
         return self.folder.write("outputs.npz", stream.getvalue())
@@ -193,7 +197,8 @@ def score_export(
     """Score the parameters of an exported filter against the value of its solution."""
     parameters = {q.name: q.value for q in tuned.quantities if q.name in problem.space.names}
     score = problem.score(parameters)
-    change = (score - value) / (value or 1.0)
+    least = 1.0 if kind_of(problem.objective) == "likelihood" else 0.0  # nats are no share of 0
+    change = (score - value) / (max(abs(value), least) or 1.0)
     return ExportRecord(
         problem=problem.name, format=form, file=file, score=score, relative_change=change
     )
@@ -236,7 +241,6 @@ def _agreement(solutions: Solutions) -> dict[tuple[str, str], Solution]:
     agreed = {}
     for key, own in solutions.items():
         others = [s for s in solutions.values() if s.problem == own.problem and s is not own]
-        with np.errstate(divide="ignore", invalid="ignore"):  # values of zero, failed solutions
-            ratios = {s.solver: float(np.divide(s.value, own.value)) for s in others}
-        agreed[key] = replace(own, certificate=replace(own.certificate, methods=ratios))
+        reached = {other.solver: other.value for other in others}
+        agreed[key] = replace(own, certificate=replace(own.certificate, methods=reached))
     return agreed

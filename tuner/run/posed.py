@@ -1,7 +1,7 @@
 """From a filter and a recording to the problem that tunes the one on the other."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import jax.numpy as jnp
@@ -17,7 +17,8 @@ from tuner.data.units import change
 from tuner.names import unknown
 from tuner.problem.exported import exported_of
 from tuner.problem.problem import Problem
-from tuner.run.searched import Wishes, own_unit, space_of
+from tuner.run.careful import NAMES, care_of, guarded
+from tuner.run.searched import Wishes, own_unit, sizes_of, space_of
 
 HEADING = frozenset(("mag", "gps", "gps_vel"))
 """Inputs that show a heading; without one an attitude is judged by its inclination."""
@@ -37,6 +38,7 @@ class Posed:
         timeline: the data.
         source: where they come from.
         notes: what looks strange in them, and what was left out, a sentence each.
+        undetermined: what of the noise no such measurements tell, a sentence each.
     """
 
     problem: Problem
@@ -46,6 +48,7 @@ class Posed:
     timeline: Timeline
     source: Source
     notes: tuple[str, ...] = ()
+    undetermined: tuple[str, ...] = ()
 
 
 def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: Source) -> Posed:
@@ -62,17 +65,22 @@ def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: 
         ValueError: for an unknown parameter, option or objective, and where nothing says how good
             a run is.
     """
-    filter = set_up(name, cls, timeline, wishes.options)
+    care, options = care_of(cls, wishes.options)
+    filter = set_up(name, cls, timeline, options)
     objective, judged, output = choose_objective(name, cls, timeline, wishes.objective)
     unit = _unit_of(cls, timeline, objective, output)
     outputs = channel_facts(cls, "outputs")
+    data = Data(_inputs(cls, timeline), truth_of(timeline, outputs.get(output), output))
+    sizes = sizes_of(cls, filter, judged, data)
+    typical = space_of(cls, timeline, replace(wishes, start={}), sizes)
+    filter, judged = guarded(care, filter, judged, typical, data.inputs)
     problem = Problem(
         name=name.replace("-", "_"),
-        space=space_of(cls, timeline, wishes),
+        space=space_of(cls, timeline, wishes, sizes),
         filter=filter,
         build=None,
         objective=judged,
-        data=Data(_inputs(cls, timeline), truth_of(timeline, outputs.get(output), output)),
+        data=data,
         source=source,
         exported=exported_of(filter, own_unit(cls, timeline)),
     )
@@ -131,7 +139,7 @@ def set_up(name: str, cls: type[Any], timeline: Timeline, options: Mapping[str, 
     known = {each.name: each for each in fields(cls)}
     for option in options:
         if option not in known or option == "dt":
-            raise unknown(f"option of {name}", option, [n for n in known if n != "dt"])
+            raise unknown(f"option of {name}", option, [*(n for n in known if n != "dt"), *NAMES])
     dt = np.asarray(timeline.dt)
     step = {"dt": float(np.nanmedian(dt) if timeline.rate_hz is None else 1 / timeline.rate_hz)}
     filter = cls(**({} if "dt" not in known else step), **options)

@@ -12,6 +12,7 @@ from tuner.certificate.solution import Certificate, Solution, Starts, Status, Tu
 from tuner.data.source import Source
 from tuner.diagnostics.finding import Verdict
 from tuner.run.comparison import Comparison
+from tuner.run.finding import Finding
 
 if TYPE_CHECKING:
     from tuner.diagnostics import Diagnostics
@@ -23,11 +24,44 @@ class _Record(BaseModel):
 
 
 class ParameterRecord(_Record):
-    """A tuned parameter; see :class:`tuner.certificate.solution.TunedParameter`."""
+    """A tuned parameter; see :class:`tuner.certificate.solution.TunedParameter`.
+
+    An end of an interval that is infinite is null.
+    """
 
     value: float | list[float] | list[list[float]]
     unit: str
-    interval: tuple[float, float] | None
+    interval: tuple[float | None, float | None] | None
+    interval_kind: str = ""
+    robust: tuple[float | None, float | None] | None = None
+    deviation: list[list[float]] | None = None
+
+    @classmethod
+    def of(cls, parameter: TunedParameter) -> "ParameterRecord":
+        """The record of a parameter."""
+        return cls(
+            value=parameter.value.tolist(),
+            unit=parameter.unit,
+            interval=parameter.interval,
+            interval_kind=parameter.interval_kind,
+            robust=parameter.robust,
+            deviation=None if parameter.deviation is None else parameter.deviation.tolist(),
+        )
+
+    def parameter(self) -> TunedParameter:
+        """The parameter that was recorded."""
+        value = np.array(self.value)
+        ends = _ends(self.interval), self.interval_kind, _ends(self.robust)
+        deviation = None if self.deviation is None else np.array(self.deviation)
+        return TunedParameter(value, self.unit, *ends, deviation)
+
+
+def _ends(interval: tuple[float | None, float | None] | None) -> tuple[float, float] | None:
+    """An interval with infinity for null."""
+    if interval is None:
+        return None
+    low, high = interval
+    return -np.inf if low is None else low, np.inf if high is None else high
 
 
 class SolutionRecord(_Record):
@@ -55,10 +89,7 @@ class SolutionRecord(_Record):
             message=solution.message,
             value=solution.value,
             z=solution.z.tolist(),
-            parameters={
-                name: ParameterRecord(value=p.value.tolist(), unit=p.unit, interval=p.interval)
-                for name, p in solution.parameters.items()
-            },
+            parameters={name: ParameterRecord.of(p) for name, p in solution.parameters.items()},
             derived=dict(solution.derived),
             evaluations=solution.evaluations,
             seconds=solution.seconds,
@@ -78,10 +109,7 @@ class SolutionRecord(_Record):
             message=self.message,
             value=_infinite(self.value),
             z=np.array(self.z),
-            parameters={
-                name: TunedParameter(np.array(p.value), p.unit, p.interval)
-                for name, p in self.parameters.items()
-            },
+            parameters={name: p.parameter() for name, p in self.parameters.items()},
             derived=_infinite(self.derived),
             evaluations=self.evaluations,
             seconds=self.seconds,
@@ -127,12 +155,38 @@ class SingleRecord(_Record):
     warning: str
 
 
-class HeldOutRecord(_Record):
-    """See :class:`tuner.run.judged.HeldOut`."""
+class GainRecord(_Record):
+    """See :class:`tuner.run.amounts.Gain`."""
 
+    share: float | None
+    low: float | None
+    high: float | None
+    blocks: int
+
+
+class OneHeldOutRecord(_Record):
+    """See :class:`tuner.run.held_out.OneHeldOut`."""
+
+    recording: int
+    start: float | None
+    tuned: float | None
+    best: float | None
+
+
+class HeldOutRecord(_Record):
+    """See :class:`tuner.run.held_out.HeldOut`."""
+
+    way: str
     what: str
     start: float | None
     tuned: float | None
+    gain: GainRecord | None
+    nothing: str
+    unfiltered: float | None
+    over_unfiltered: GainRecord | None
+    best: float | None
+    gap: float | None
+    recordings: list[OneHeldOutRecord]
 
 
 class FindingRecord(_Record):
@@ -196,7 +250,7 @@ class FitRecord(_Record):
             unit=judged.unit,
             start=judged.start,
             tuned=judged.tuned,
-            held_out=None if held is None else HeldOutRecord(**asdict(held)),
+            held_out=None if held is None else HeldOutRecord.model_validate(asdict(held)),
             diagnostics=[DiagnosticsRecord.of(each) for each in judged.diagnostics or ()],
             lines=lines,
         )
@@ -218,6 +272,7 @@ class Result(_Record):
     artifacts: list[str]
     seconds: float
     fit: FitRecord | None = Field(None, description="of a fit: what it is worth")
+    findings: list[Finding] = Field([], description="numbers that people take from the run")
 
     def to_json(self) -> str:
         """JSON text; infinite numbers become null."""

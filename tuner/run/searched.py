@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -15,9 +16,13 @@ from filters.declared import (
     optional_groups,
     parameter_facts,
 )
+from objectives import Data, Objective
 from tuner.data.merge import Timeline
+from tuner.identifiability.noise import NoModelError
+from tuner.identifiability.sizes import NoiseSize, noise_sizes
 from tuner.names import unknown
 from tuner.problem.parameters import Bounded, Fixed, Parameter, Positive
+from tuner.problem.problem import Problem
 from tuner.problem.space import Space
 
 _PER_TIME = re.compile(r"/s(?:\^(\d+))?$")
@@ -25,6 +30,8 @@ _PER_TIME = re.compile(r"/s(?:\^(\d+))?$")
 DEVIATION = "sigma"
 """The input that brings each measurement's own deviation: a declared variance of the measurement is
 then a factor on its square, without unit."""
+FAR = 1e4
+"""Factor between what differences say of a noise and where nobody looks for it."""
 LARGEST = 1e60
 """Data beyond this, or whose noise is below its inverse, are refused: a search takes squares of
 squares of it."""
@@ -51,8 +58,38 @@ class Wishes:
     held: bool = False
 
 
-def space_of(cls: type[Any], timeline: Timeline, wishes: Wishes) -> Space:
+def sizes_of(
+    cls: type[Any], filter: Any, objective: Objective, data: Data
+) -> Mapping[str, NoiseSize]:
+    """How large the noise is, by parameter; nothing for a filter whose model is not known.
+
+    Args:
+        cls: the filter's class.
+        filter: the filter, set up for the data.
+        objective: what it is judged by.
+        data: its inputs and what they are held against.
+    """
+    if not hasattr(cls, "linear"):
+        return {}
+    try:
+        return noise_sizes(Problem("noise", Space.of_filter(cls), filter, None, objective, data))
+    except NoModelError:
+        return {}
+
+
+def space_of(
+    cls: type[Any],
+    timeline: Timeline,
+    wishes: Wishes,
+    sizes: Mapping[str, NoiseSize] = MappingProxyType({}),
+) -> Space:
     """The parameters: what the facts suggest in the data's own scale, and what the user decides.
+
+    Args:
+        cls: the filter's class.
+        timeline: the data.
+        wishes: what the user decides.
+        sizes: of the noise, by parameter, as :func:`sizes_of` tells.
 
     Raises:
         ValueError: for an unknown parameter, and values that do not go together.
@@ -65,7 +102,9 @@ def space_of(cls: type[Any], timeline: Timeline, wishes: Wishes) -> Space:
     asked = wishes.start.keys() | wishes.fix.keys() | wishes.bound.keys()
     without = {name for group in optional_groups(cls) if not group & asked for name in group}
     chosen = {
-        name: _parameter(name, _in_data(fact, scale, own, timeline), wishes)
+        name: _parameter(
+            name, _sized(_in_data(fact, scale, own, timeline), fact, sizes.get(name)), wishes
+        )
         for name, fact in facts.items()
         if name not in without
     }
@@ -140,6 +179,28 @@ def _in_data(fact: Param, scale: Scale, own: str, timeline: Timeline) -> Param:
     low, high = (None if end is None else end * factor for end in (fact.low, fact.high))
     typical = fact.typical if isinstance(fact.typical, tuple) else fact.typical * factor
     return fact._replace(unit=in_unit(fact.unit, own), typical=typical, low=low, high=high)
+
+
+def _sized(fact: Param, declared: Param, size: NoiseSize | None) -> Param:
+    """A parameter's fact with the default and the ends that the noise of the record suggests.
+
+    Where the fact is declared in the data's own unit, its numbers are but a shape. Otherwise they
+    are knowledge of what such sensors are like, and stay where the data do not contradict.
+    """
+    if size is None or fact.low is None or fact.high is None or fact.low <= 0:
+        return fact
+    found = size.estimate if size.estimate > size.deviation else None
+    if OWN.search(declared.unit):
+        low, high = size.least, FAR * size.most
+        typical = size.alone / 2  # as if two noises shared it
+    else:
+        low, high = fact.low, fact.high
+        typical = float(np.asarray(fact.typical).flat[0])
+        if found is not None and not found / FAR < typical < found * FAR:
+            typical = found
+    if found is not None:
+        low, high = min(low, found / FAR), max(high, found * FAR)
+    return fact._replace(typical=typical, low=low, high=high)
 
 
 def _parameter(name: str, fact: Param, wishes: Wishes) -> Parameter:

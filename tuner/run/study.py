@@ -9,6 +9,7 @@ from tuner.data.source import Source
 from tuner.names import unknown
 from tuner.run.comparison import Comparison
 from tuner.run.figure import Figure
+from tuner.run.finding import Finding
 
 if TYPE_CHECKING:
     from jax import Array
@@ -33,6 +34,11 @@ class Task:
 
 Solutions: TypeAlias = "Mapping[tuple[str, str], Solution]"
 """Solutions by the names of problem and solver."""
+
+
+def no_findings(case: Any, solutions: Solutions) -> "tuple[Finding, ...]":
+    """Nothing but solutions was found."""
+    return ()
 
 
 def best(problem: str, solutions: Solutions) -> "Solution":
@@ -92,6 +98,7 @@ class Plan:
         figures: the figures, given the case and all solutions.
         report: what a fit is worth; None for a published study.
         notes: what should be known before anything is solved, a sentence each.
+        findings: numbers that people take from the run, given the case and all solutions.
 
     Raises:
         ValueError: where a problem is to be exported that nobody solves.
@@ -105,6 +112,7 @@ class Plan:
     figures: Callable[[Any, Solutions], Iterable[Figure]]
     report: "Callable[[Any, Solutions], FitRecord] | None" = None
     notes: tuple[str, ...] = ()
+    findings: Callable[[Any, Solutions], Iterable[Finding]] = no_findings
 
     def __post_init__(self) -> None:
         solved = {task.problem.name for task in self.tasks}
@@ -174,7 +182,7 @@ class Study:
         paper: the citation.
         settings: the model of its options, a frozen pydantic model that forbids unknown names.
         plan: from settings, recordings (none: its own data), seed and database URL to the plan.
-        channels: what ``--map`` may name; None if it takes no recording.
+        channels: what ``--map`` may name, nothing for any name; None if it takes no recording.
         truths: what ``--truth`` may name.
     """
 

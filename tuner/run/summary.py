@@ -5,8 +5,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from tuner.certificate.solution import Solution, Status, TunedParameter
+from tuner.certificate.solution import Solution, Status, TunedParameter, range_in_words
 from tuner.problem.parameters import Fixed
+from tuner.run.held_out import HeldOut
 from tuner.run.judged import Judged
 from tuner.run.posed import Posed
 
@@ -34,7 +35,7 @@ def five_lines(
         "use       " + ", ".join(_numbers(posed, solution)),
         "how good  " + "; ".join(_worth(judged)),
         "trust     " + "; ".join(_trust(solution, judged)),
-        "open      " + ("; ".join(_open(solution)) or "nothing: all is determined"),
+        "open      " + ("; ".join(_open(posed, solution)) or "nothing: all is determined"),
         "next      " + _next(posed, solution, folder=folder),
     ]
 
@@ -42,7 +43,8 @@ def five_lines(
 def _numbers(posed: Posed, solution: Solution) -> Iterator[str]:
     for name, kind in posed.problem.space.parameters:
         if not isinstance(kind, Fixed):
-            flat = any(name in words(told) for told in solution.certificate.flat_directions)
+            open_ = (*posed.undetermined, *solution.certificate.flat_directions)
+            flat = any(name in words(told) for told in open_)
             doubt = " (not determined)" if flat else ""
             yield f"{name} = {_number(solution.parameters[name])}{doubt}"
     for name, value in solution.derived.items():
@@ -61,7 +63,7 @@ def words(text: str) -> list[str]:
 def _number(parameter: TunedParameter) -> str:
     told = f"{float(parameter.value):.5g}"
     if parameter.interval is not None:
-        told += f" [{parameter.interval[0]:.3g}, {parameter.interval[1]:.3g}]"
+        told += f" {range_in_words(parameter.interval, parameter.interval_kind)}"
     return f"{told} {parameter.unit}".rstrip()
 
 
@@ -70,12 +72,47 @@ def _worth(judged: Judged) -> Iterator[str]:
     words = WORDS.get(judged.objective, judged.objective)
     yield f"{words} {judged.tuned:.4g}{unit}, {_start(judged.start)}{unit} before"
     if judged.held_out is not None:
-        held = judged.held_out
-        better = "better" if held.tuned < held.start else "NOT better"
-        yield (
-            f"on {held.what}, tuned on the rest: {held.tuned:.4g}{unit} against "
-            f"{_start(held.start)}{unit} before, {better}"
-        )
+        yield ", ".join(_held_out(judged.held_out, unit))
+
+
+def _held_out(held: HeldOut, unit: str) -> Iterator[str]:
+    """On what was not used: against the start, against nothing, and against the best there."""
+    against = f"{held.tuned:.4g}{unit} against {_start(held.start)}{unit} before"
+    yield f"on {held.what}, tuned on the rest: {against} ({_gain(held)})"
+    if held.unfiltered is not None and held.over_unfiltered is not None:
+        verdict = held.over_unfiltered.verdict
+        words = "" if verdict == "better" else f": the filter is {verdict} than that"
+        yield f"{_start(held.unfiltered)}{unit} without filter ({held.nothing}{words})"
+    if held.gap is not None:
+        yield f"{percent(held.gap)} above what tuning on it would reach"
+
+
+def _gain(held: HeldOut) -> str:
+    """Whether tuning helps there, as far as it can be told."""
+    if held.gain is None:
+        return "better" if held.tuned < held.start else "tuning does not help here"
+    gain = held.gain
+    if not np.isfinite([gain.low, gain.high]).all():
+        return "too few samples to tell whether tuning helps"
+    spread = f"{percent(gain.low)} to {percent(gain.high)} better"
+    if gain.low < 0:
+        worse = "" if gain.high < 0 else " worse"
+        spread = f"{percent(-gain.low)}{worse} to {percent(abs(gain.high))} "
+        spread += "worse" if gain.high < 0 else "better"
+    if gain.verdict == "better":
+        return spread
+    word = "harms" if gain.verdict == "worse" else "does not help"
+    return f"tuning {word} here: {spread}"
+
+
+def percent(share: float) -> str:
+    """A share in per cent, to two digits.
+
+    >>> percent(0.1234), percent(-0.001), percent(0.999)
+    ('12 %', '-0.1 %', '100 %')
+    """
+    told = 100 * share
+    return f"{told:.0f} %" if abs(told) >= 10 else f"{told:.2g} %"
 
 
 def _start(value: float) -> str:
@@ -87,6 +124,8 @@ def _trust(solution: Solution, judged: Judged) -> Iterator[str]:
     yield solution.status.value
     if starts.count > 1:
         yield f"{starts.agreeing} of {starts.count} starts agree"
+    if judged.refused is not None:
+        yield judged.refused.words
     if judged.diagnostics is None:
         return
     for when, found in zip(("before", "now"), judged.diagnostics, strict=True):
@@ -104,10 +143,11 @@ def _lag(correlation: float) -> str:
     return f", lag one {correlation:+.2f}" if np.isfinite(correlation) else ""
 
 
-def _open(solution: Solution) -> Iterator[str]:
+def _open(posed: Posed, solution: Solution) -> Iterator[str]:
     if solution.status is Status.FAILED:
         yield "all: nothing was found"
         return
+    yield from posed.undetermined
     yield from solution.certificate.flat_directions
     yield from (f"{name} lies at its bound" for name in _at_bound(solution))
 

@@ -6,8 +6,9 @@ from tuner.solvers.convex import Convex
 from tuner.solvers.gradient import Gradient
 from tuner.solvers.ipopt import Ipopt
 from tuner.solvers.known import Known
-from tuner.solvers.nelder_mead import NelderMead, fminsearch, nelder_mead
+from tuner.solvers.nelder_mead import NelderMead
 from tuner.solvers.sampling import Sampler
+from tuner.solvers.simplex import fminsearch, nelder_mead
 from tuner.solvers.solver import Solver
 
 SOLVERS = {

@@ -7,8 +7,9 @@ import numpy as np
 from tuner.certificate.solution import Solution
 from tuner.problem.problem import Problem
 from tuner.solvers.gradient import minimise
-from tuner.solvers.multistart import Minimum, from_several
-from tuner.solvers.nelder_mead import boxed
+from tuner.solvers.minimum import Minimum
+from tuner.solvers.multistart import from_several
+from tuner.solvers.simplex import boxed
 
 
 @dataclass(frozen=True)

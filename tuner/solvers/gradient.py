@@ -1,14 +1,16 @@
 """Gradient methods of scipy on exact JAX gradients: L-BFGS-B and trust-constr."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 
+from objectives import kind_of
 from tuner.certificate.solution import Solution
 from tuner.names import unknown
 from tuner.problem.problem import Problem
-from tuner.solvers.multistart import Minimum, from_several
+from tuner.solvers.minimum import Minimum
+from tuner.solvers.multistart import from_several
 
 
 @dataclass(frozen=True)
@@ -21,7 +23,8 @@ class Gradient:
             differences of the exact gradient).
         seed: where the random starts come from.
         starts: how many starts.
-        gradient: largest component of the gradient of ln value at the end.
+        gradient: largest component of the gradient at the end, over the value; a likelihood's over
+            1 nat a number.
         iterations: limit for each start.
         curvature: whether the certificate looks at second derivatives, at the cost of two
             gradients for each parameter; without them nothing is called flat, and no parameter
@@ -60,6 +63,12 @@ _TOLERANCE = {"l-bfgs-b": {"ftol": 1e-15}, "trust-constr": {"xtol": 1e-9}}
 """What each method calls the least progress worth going on for."""
 
 
+SCALES = 8
+"""A descent that falls by orders of magnitude is begun again with its new scale, so often."""
+RESCALED = 0.1
+"""A value below this share of the scale is worth that."""
+
+
 def minimise(
     problem: Problem,
     z: np.ndarray,
@@ -67,7 +76,10 @@ def minimise(
     limits: dict[str, Any],
     box: tuple[np.ndarray, np.ndarray],
 ) -> Minimum:
-    """One scipy descent on value / |value at the start|: its tolerances suit values near 1.
+    """A scipy descent on value / scale, so that its tolerances mean what they say.
+
+    The scale is |value at the start|, and again where the descent ended far below it; a
+    likelihood, of which differences count and not ratios, has 1 nat a number at least.
 
     Args:
         problem: what is minimised.
@@ -76,19 +88,37 @@ def minimise(
         limits: the method's options that end it, besides its least progress.
         box: lowest and highest z, ``(n,)`` each; equal where a coordinate is to stay.
     """
-    from scipy.optimize import Bounds, minimize
+    begin, least = problem.value(z), 1.0 if kind_of(problem.objective) == "likelihood" else 0.0
+    end = Minimum(z, begin, 1, False, "the objective at the start is not usable")
+    if not np.isfinite(begin):
+        return end
+    scale = max(abs(begin), least) or 1.0
+    for _ in range(SCALES):
+        found = _once(problem, end.z, method, limits, box, scale)
+        end = replace(found, evaluations=end.evaluations + found.evaluations)
+        smaller = max(abs(end.value), least)
+        if not 0 < smaller < RESCALED * scale:
+            break
+        scale = smaller
+    return end
 
-    low, high = box
-    begin = problem.value(z)
-    scale = abs(begin)
-    if not 0 < scale < np.inf:
-        return Minimum(z, begin, 1, False, "the objective at the start is not usable")
+
+def _once(
+    problem: Problem,
+    z: np.ndarray,
+    method: str,
+    limits: dict[str, Any],
+    box: tuple[np.ndarray, np.ndarray],
+    scale: float,
+) -> Minimum:
+    from scipy.optimize import Bounds, minimize
 
     def value_and_gradient(point: np.ndarray) -> tuple[float, np.ndarray]:
         value, gradient = problem.value_and_gradient(point)
         return value / scale, gradient / scale
 
     second = method == "trust-constr"
+    low, high = box
     ended = minimize(
         value_and_gradient,
         np.clip(z, low, high),
@@ -100,6 +130,6 @@ def minimise(
     )
     # Every Hessian costs two gradients per coordinate.
     extra = 2 * len(z) * ended.nhev if second else 0
-    finished = ended.status in (1, 2) if second else bool(ended.success)
+    finished = ended.status in (1, 2) if second else ended.status != 1
     message = str(ended.message).strip().lower().rstrip(".")
-    return Minimum(ended.x, float(ended.fun * scale), ended.nfev + extra + 1, finished, message)
+    return Minimum(ended.x, float(ended.fun * scale), ended.nfev + extra, finished, message)

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import jax.numpy as jnp
 import numpy as np
 
+from objectives import kind_of
 from tuner.certificate.solution import Solution
 from tuner.code.casadi import NoCounterpartError, expressions
 from tuner.names import unknown
 from tuner.problem.problem import Problem
 from tuner.solvers.foreign import python_function
-from tuner.solvers.multistart import Minimum, best_of, from_several
+from tuner.solvers.minimum import Minimum, best_of
+from tuner.solvers.multistart import from_several
 from tuner.solvers.widening import widen
 
 if TYPE_CHECKING:
@@ -151,11 +153,12 @@ def _descend(
 
     Its tolerances suit values near 1; a start far away leaves digits to be found.
     """
-    begin = abs(problem.value(z))
-    if not 0 < begin < np.inf:
-        return Minimum(z, begin, 1, False, "the objective at the start is not usable")
+    begun, least = problem.value(z), 1.0 if kind_of(problem.objective) == "likelihood" else 0.0
+    if not np.isfinite(begun):
+        return Minimum(z, begun, 1, False, "the objective at the start is not usable")
+    begin = max(abs(begun), least) or 1.0
     ends = [_once(problem, z, begin, statement, tolerance, iterations)]
-    reached = abs(ends[0].value)
+    reached = max(abs(ends[0].value), least)
     if ends[0].allowed and 0 < reached < REFINED * begin:
         ends.append(_once(problem, ends[0].z, reached, statement, tolerance, iterations))
     evaluations = 1 + sum(end.evaluations for end in ends)

@@ -1,47 +1,17 @@
 """What all solvers share: several starts, the best end, its certificate and its status."""
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TypeAlias
+from dataclasses import replace
 
 import numpy as np
 
-from tuner.certificate.certify import certify, estimates, is_stationary, spectrum, unknown_spectrum
-from tuner.certificate.kkt import hold
-from tuner.certificate.solution import Certificate, Solution, Starts, Status
-from tuner.problem.constraint import ALLOWED
+from tuner.certificate.solution import Solution
 from tuner.problem.problem import Problem
+from tuner.solvers.conclude import conclude
+from tuner.solvers.minimum import Descent, Minimum
 
-
-@dataclass(frozen=True)
-class Minimum:
-    """Where one descent ended.
-
-    Attributes:
-        z: the point, ``(n,)``.
-        value: the objective there.
-        evaluations: how often it was evaluated.
-        finished: whether the method's own tolerance ended it, not a limit.
-        message: the method's own words.
-        excess: how far the worst constraint is exceeded, as a share of its bound.
-    """
-
-    z: np.ndarray
-    value: float
-    evaluations: int
-    finished: bool
-    message: str
-    excess: float = -np.inf
-
-    @property
-    def allowed(self) -> bool:
-        """Whether it keeps every constraint."""
-        return self.excess <= ALLOWED
-
-
-Descent: TypeAlias = Callable[[Problem, np.ndarray], Minimum]
-"""From a problem and one start ``(n,)`` to where it leads."""
+REDRAWN = 20
+"""So many starts that lead to no number are drawn again."""
 
 
 def from_several(
@@ -81,8 +51,23 @@ def from_several(
             "says nothing; fix it, or solve by alternating, nelder-mead, cma-es or tpe"
         )
     begun = time.perf_counter()
-    ends = [descend(problem, z) for z in problem.starts(starts, seed)]
-    return conclude(problem, solver, ends, time.perf_counter() - begun, curvature=curvature)
+    ends = _descents(problem, descend, starts, seed)
+    return conclude(problem, solver, ends, begun, curvature=curvature, descend=descend)
+
+
+def _descents(problem: Problem, descend: Descent, count: int, seed: int) -> list[Minimum]:
+    """So many ends; those that are not a number are lost, and others are drawn in their place."""
+    ends: list[Minimum] = []
+    lost: list[Minimum] = []
+    for z in problem.starts(count + REDRAWN, seed):
+        end = descend(problem, z)
+        (ends if np.isfinite(end.value) else lost).append(end)
+        if len(ends) == count:
+            break
+    wasted = sum(end.evaluations for end in lost)
+    first, *others = ends or lost[:1]
+    total = first.evaluations + wasted if ends else wasted
+    return [replace(first, evaluations=total), *others]
 
 
 def refuse(
@@ -102,56 +87,3 @@ def refuse(
         raise ValueError(
             f"{solver} keeps no constraints, and {problem.name} has {names}: solve it by ipopt"
         )
-
-
-def conclude(
-    problem: Problem,
-    solver: str,
-    ends: list[Minimum],
-    seconds: float,
-    *,
-    curvature: bool = True,
-) -> Solution:
-    """The solution that the best of several ends amounts to."""
-    best = best_of(ends)
-    held = hold(problem, best.z)
-    curved = spectrum(problem, best.z, held) if curvature else unknown_spectrum(problem.space.size)
-    certificate = certify(problem, best.z, held, curved, _agreement(ends, best))
-    status = _status(problem, best, certificate)
-    return Solution(
-        problem=problem.name,
-        solver=solver,
-        status=status,
-        message=f"{status.sentence} ({best.message})",
-        value=best.value,
-        z=best.z,
-        parameters=estimates(problem, best.z, curved),
-        derived=problem.derived(best.z),
-        evaluations=sum(end.evaluations for end in ends),
-        seconds=seconds,
-        certificate=certificate,
-    )
-
-
-def best_of(ends: list[Minimum]) -> Minimum:
-    """The end with the lowest value among those that keep every constraint, if any do."""
-    return min(ends, key=lambda end: (not end.allowed, end.value))
-
-
-def _agreement(ends: list[Minimum], best: Minimum) -> Starts:
-    scale = abs(best.value) or 1.0
-    excess = [(end.value - best.value) / scale if end.allowed else np.inf for end in ends]
-    return Starts(len(ends), sum(e < 1e-3 for e in excess), 1 + max(excess))
-
-
-def _status(problem: Problem, best: Minimum, certificate: Certificate) -> Status:
-    if not np.isfinite(best.value):
-        return Status.FAILED
-    if not best.allowed:
-        return Status.INFEASIBLE
-    free, bounded = is_stationary(problem, best.z, certificate.gradient)
-    if free:
-        return Status.CONVERGED
-    if bounded:
-        return Status.AT_BOUND
-    return Status.STALLED if best.finished else Status.LIMIT

@@ -11,7 +11,9 @@ import numpy as np
 from tuner.certificate.solution import Solution
 from tuner.names import unknown
 from tuner.problem.problem import Problem
-from tuner.solvers.multistart import Minimum, conclude, refuse
+from tuner.solvers.conclude import conclude
+from tuner.solvers.minimum import Minimum
+from tuner.solvers.multistart import refuse
 
 if TYPE_CHECKING:
     import optuna
@@ -65,7 +67,7 @@ class Sampler:
             finished=True,
             message=f"best of {len(study.trials)} trials, Optuna {optuna.__version__}",
         )
-        return conclude(problem, self.name, [end], time.perf_counter() - begun)
+        return conclude(problem, self.name, [end], begun)
 
     def _study(self, problem: Problem) -> "optuna.Study":
         import optuna

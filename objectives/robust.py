@@ -1,0 +1,137 @@
+"""Likelihoods of innovations of which some are wrong: behind a gate, and with heavy tails."""
+
+from dataclasses import dataclass
+from math import e, log, pi
+from typing import Any, ClassVar
+
+import jax.numpy as jnp
+from jax import Array
+from jax.scipy.special import gammaln
+
+from filters.student import spreads
+from objectives.kinds import Kind
+from objectives.likelihood import Likely
+
+
+@dataclass(frozen=True)
+class GatedLikelihood:
+    """How well a gated filter foretells its measurements, in nats a number.
+
+    A number is right with probability 1 - share, and then its innovation y has the filter's
+    variance s; or it is wrong and lies anywhere in a range of some width: the density is
+    (1 - share) N(y; 0, s) + share / width. So what is refused costs a constant, some ten nats,
+    which is more than a right number costs and less than a wrong one taken for right would; to
+    refuse everything is dear. Numbers inside the gate and beyond count by one formula, so that the
+    gate does not cut the tails off, which would bias the variances, and nothing jumps where a
+    number passes it. The share is small: where nothing is wrong it moves a variance by less than
+    1 %. Source: Box and Tiao, Biometrika 55(1), 1968, with an even density of what is wrong.
+
+    The outputs are those of :class:`filters.Gated`. Truth as in
+    :class:`objectives.InnovationLikelihood`.
+
+    Attributes:
+        widths: of each innovation, ``(m,)``: how far apart wrong numbers may lie, in its unit.
+        share: of the numbers that are wrong, as far as is known beforehand.
+
+    >>> from collections import namedtuple
+    >>> far = namedtuple("O", "offered foretold")(jnp.array([1e9]), jnp.ones(1))
+    >>> likelihood = GatedLikelihood(widths=(200.0,))
+    >>> round(float(likelihood.added(far, jnp.zeros(1))[0][0]), 2)  # ln (200 / 0.001)
+    12.21
+    """
+
+    widths: tuple[float, ...]
+    share: float = 1e-3
+    kind: ClassVar[Kind] = "likelihood"
+
+    def init(self) -> Likely:
+        """Nothing yet."""
+        return Likely(jnp.zeros(()), jnp.zeros(()))
+
+    def added(self, output: Any, truth: Array) -> tuple[Array, Array]:
+        """What each number adds, nats, and whether it counts, ``(m,)``."""
+        seen = ~jnp.isnan(truth) & (output.foretold != 0)
+        s = jnp.where(seen, output.foretold, 1.0)
+        right = log(1 - self.share) - (output.offered**2 / s + jnp.log(s) + log(2 * pi)) / 2
+        wrong = jnp.log(self.share / jnp.asarray(self.widths, right.dtype))
+        return jnp.where(seen, -jnp.logaddexp(right, wrong), 0.0), seen
+
+    def update(self, total: Likely, output: Any, truth: Array) -> tuple[Likely, None]:
+        """Add one sample."""
+        return added_up(total, self.added(output, truth)), None
+
+    def value(self, total: Likely, kept: None) -> Array:
+        """Nats a number, ``()``; NaN where nothing counts."""
+        return total.nats / total.numbers
+
+    def deviation(self, value: Array) -> Array:
+        """The deviation of a Gaussian as likely as that, in the innovations' unit."""
+        return deviation_of(value)
+
+
+def added_up(total: Likely, added: tuple[Array, Array]) -> Likely:
+    """One sample's numbers added to a sum."""
+    amounts, counted = added
+    return Likely(total.nats + amounts.sum(), total.numbers + counted.sum())
+
+
+def deviation_of(value: Array) -> Array:
+    """exp(L) / sqrt(2 pi e).
+
+    >>> round(float(deviation_of(jnp.log(jnp.sqrt(2 * jnp.pi * jnp.e)) + jnp.log(3.0))), 12)
+    3.0
+    """
+    return jnp.exp(value - log(2 * pi * e) / 2)
+
+
+@dataclass(frozen=True)
+class StudentLikelihood:
+    """How well a filter that weighs by Student's t foretells its measurements, nats a number.
+
+    The m innovations of a sample are one draw of a multivariate t distribution of nu degrees of
+    freedom and the scales c s_i, c by :func:`filters.student.spread`; each number adds the negative
+    logarithm of its density given those before it in the sample. Together with the update of
+    :class:`filters.Student`: alone, with an update that takes outliers whole, it makes q too large,
+    for the filter has to come back from every one of them. Outputs as of that filter, truth as in
+    :class:`objectives.InnovationLikelihood`.
+
+    Attributes:
+        nu: degrees of freedom, those of the filter.
+
+    >>> from collections import namedtuple
+    >>> seen = namedtuple("O", "offered foretold")(jnp.array([100.0]), jnp.ones(1))
+    >>> round(float(StudentLikelihood(nu=4.0).added(seen, jnp.zeros(1))[0][0]), 2)  # normal: 5001
+    21.28
+    """
+
+    nu: float = 4.0
+    kind: ClassVar[Kind] = "likelihood"
+
+    def init(self) -> Likely:
+        """Nothing yet."""
+        return Likely(jnp.zeros(()), jnp.zeros(()))
+
+    def added(self, output: Any, truth: Array) -> tuple[Array, Array]:
+        """What each number adds, nats, and whether it counts, ``(m,)``."""
+        seen = ~jnp.isnan(truth) & (output.foretold != 0)
+        s = jnp.where(seen, output.foretold, 1.0)
+        k = jnp.cumsum(seen) - seen  # those before it
+        size = jnp.where(seen, output.offered**2 / s, 0.0)
+        c = self.nu * spreads(self.nu, len(s), s.dtype)[seen.sum()]
+        after = c + jnp.cumsum(size)
+        free = (self.nu + k) / 2
+        each = (jnp.log(s) + log(pi)) / 2 + gammaln(free) - gammaln(free + 0.5)
+        each += (free + 0.5) * jnp.log(after) - free * jnp.log(after - size)
+        return jnp.where(seen, each, 0.0), seen
+
+    def update(self, total: Likely, output: Any, truth: Array) -> tuple[Likely, None]:
+        """Add one sample."""
+        return added_up(total, self.added(output, truth)), None
+
+    def value(self, total: Likely, kept: None) -> Array:
+        """Nats a number, ``()``; NaN where nothing counts."""
+        return total.nats / total.numbers
+
+    def deviation(self, value: Array) -> Array:
+        """The deviation of a Gaussian as likely as that, in the innovations' unit."""
+        return deviation_of(value)

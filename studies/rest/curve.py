@@ -1,0 +1,191 @@
+"""White noise, bias instability and random walk, read from an Allan curve.
+
+The model is avar(tau) = N^2 / tau + (2 ln 2 / pi) F^2 + K^2 tau / 3: white noise, flicker noise
+and a random walk of the rate (IEEE Std 952-1997, annex C). It is linear in the squares, which are
+found by generalised least squares. F is left out where the curve does not ask for it.
+"""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from tuner.data.allan import AllanCurve, chi_square_limits
+from tuner.data.signal import Floats
+
+FLICKER = 2 * np.log(2) / np.pi
+"""The Allan variance of flicker noise over its squared coefficient."""
+ROOM = 0.02
+"""By so much an Allan variance may miss the model at short times; its density then is 1 % off."""
+_FITTED = 2  # every second point: neighbours say nearly the same
+_SPANS = 5  # the fit's last point averages a fifth of the record
+_SURE = 3.84
+"""A term that lowers chi-square by less does not belong to the model."""
+
+
+class Limited(NamedTuple):
+    """A number with its 95 % limits; low is 0 where only the upper one is known."""
+
+    value: float
+    low: float
+    high: float
+
+    def times(self, factor: float) -> "Limited":
+        """In another unit."""
+        return Limited(*(factor * number for number in self))
+
+    @property
+    def known(self) -> bool:
+        """Whether it is more than an upper limit."""
+        return self.low > 0
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """What an Allan curve comes to, in the record's unit.
+
+    Attributes:
+        curve: the curve.
+        white: N, unit/sqrt(Hz).
+        flicker: F, unit; 0 where the curve does not ask for it.
+        walk: K, unit/s/sqrt(Hz).
+        instability: B = the curve's floor over 0.664, unit, as sensors are compared by.
+        floor_s: where the floor is, the least upper limit of the curve, s.
+        from_s: the shortest averaging time that is white noise, s.
+        to_s: the longest that was fitted, s.
+        fits: whether the model explains the curve.
+    """
+
+    curve: AllanCurve
+    white: Limited
+    flicker: Limited
+    walk: Limited
+    instability: Limited
+    floor_s: float
+    from_s: float
+    to_s: float
+    fits: bool
+
+    def model(self, taus: Floats) -> Floats:
+        """The model's Allan deviations, unit."""
+        squares = np.array([self.white.value, self.flicker.value, self.walk.value]) ** 2
+        return np.asarray(np.sqrt(_columns(taus) @ squares))
+
+
+def read_noise(curve: AllanCurve) -> Noise:
+    """Fit the curve from the shortest averaging time on from which it is white noise.
+
+    A sensor's own filter, and coarse steps, bend the curve at short times. So the fit begins at
+    the first point from which on, over a decade, the model holds within ``ROOM`` and chance, and
+    from where half a decade later would give no other density.
+    """
+    last = max(int(np.searchsorted(curve.taus, curve.taus[-1] * 3 / _SPANS, "right")), 4)
+    fits = False
+    found = None
+    for first in range(max(last - 3, 1)):
+        tried = _fit(curve, first, last)
+        if _holds(curve, tried, first, last) and _stays(curve, tried, first, last):
+            found, fits = tried, True
+            break
+    if found is None:
+        first = 0
+        found = _fit(curve, 0, last)
+    # Where it is least for sure: far out a few means may differ little by chance.
+    lowest = int(np.argmin(curve.highs[first:last])) + first
+    scale = 1 / np.sqrt(FLICKER)
+    instability = Limited(
+        float(scale * curve.deviations[lowest]),
+        float(scale * curve.lows[lowest]),
+        float(scale * curve.highs[lowest]),
+    )
+    return replace(
+        found,
+        instability=instability,
+        floor_s=float(curve.taus[lowest]),
+        from_s=float(curve.taus[first]),
+        to_s=float(curve.taus[last - 1]),
+        fits=fits,
+    )
+
+
+def _columns(taus: Floats) -> Floats:
+    return np.stack([1 / taus, np.full_like(taus, FLICKER), taus / 3], axis=1)
+
+
+def _holds(curve: AllanCurve, noise: Noise, first: int, last: int) -> bool:
+    """Whether the model holds over the first decade of what is fitted."""
+    near = slice(first, int(np.searchsorted(curve.taus[:last], 10 * curve.taus[first], "right")))
+    miss = np.abs(curve.variances[near] / noise.model(curve.taus[near]) ** 2 - 1)
+    return bool(np.all(miss < ROOM + 3 * np.sqrt(2 / curve.freedom[near])))
+
+
+def _stays(curve: AllanCurve, noise: Noise, first: int, last: int) -> bool:
+    """Whether a fit that begins half a decade later finds the same density, but for chance."""
+    later = int(np.searchsorted(curve.taus[:last], 3 * curve.taus[first]))
+    if last - later < 4:
+        return True
+    other = _fit(curve, later, last).white
+    near = abs(noise.white.value / other.value - 1) < ROOM / 2 if other.value > 0 else False
+    return near or other.low <= noise.white.value <= other.high
+
+
+def _fit(curve: AllanCurve, first: int, last: int) -> Noise:
+    rows = np.unique(np.append(np.arange(first, last, _FITTED), last - 1))
+    without = _solved(curve, rows, (0, 2))
+    within = _solved(curve, rows, (0, 1, 2))
+    best = within if without.chi_square - within.chi_square > _SURE else without
+    nothing = Limited(0.0, 0.0, 0.0)
+    return Noise(curve, best.terms[0], best.terms[1], best.terms[2], nothing, 0.0, 0.0, 0.0, False)
+
+
+class _Solved(NamedTuple):
+    terms: tuple[Limited, ...]
+    chi_square: float
+
+
+def _solved(curve: AllanCurve, rows: np.ndarray, terms: tuple[int, ...]) -> _Solved:
+    """Least squares under the covariance that the model itself gives the points."""
+    from scipy.optimize import nnls
+
+    taus, seen = curve.taus[rows], curve.variances[rows]
+    A = _columns(taus)[:, terms]
+    squares, model = np.zeros(len(terms)), seen
+    root = np.eye(len(rows))
+    for _ in range(4):
+        spread = model * np.sqrt(2 / curve.freedom[rows])
+        covariance = spread[:, None] * _correlation(curve, taus, model) * spread
+        root = np.linalg.inv(np.linalg.cholesky(covariance))
+        B = root @ A
+        size = np.linalg.norm(B, axis=0)
+        squares = nnls(B / size, root @ seen)[0] / size
+        model = np.maximum(A @ squares, 1e-6 * seen)
+    rest = root @ (seen - A @ squares)
+    known = np.linalg.inv((B / size).T @ (B / size)) / np.outer(size, size)
+    limited = dict(zip(terms, map(_limited, squares, np.sqrt(np.diag(known))), strict=True))
+    nothing = Limited(0.0, 0.0, 0.0)
+    return _Solved(tuple(limited.get(i, nothing) for i in range(3)), float(rest @ rest))
+
+
+def _limited(square: float, spread: float) -> Limited:
+    """The root of an estimated square, with limits of chi-square; above alone where it is weak."""
+    if square < spread:
+        return Limited(float(np.sqrt(square)), 0.0, float(np.sqrt(square + 1.645 * spread)))
+    low, high = chi_square_limits(np.array(2 * square**2 / spread**2))
+    return Limited(*(float(np.sqrt(square * factor)) for factor in (1.0, low, high)))
+
+
+def _correlation(curve: AllanCurve, taus: Floats, model: Floats) -> Floats:
+    """Between the estimates at different times, for the spectrum that the variances stand for.
+
+    Each is a weighted mean of the periodogram, whose lines are independent.
+    """
+    low, high = 0.1 / (3 * curve.taus[-1]), 0.5 / curve.taus[0]
+    f = np.geomspace(low, high, 3000)
+    x = np.pi * f * taus[:, None]
+    weights = 2 * np.sin(x) ** 4 / x**2
+    # A variance at tau is mostly that of the spectrum around 0.4 / tau.
+    density = np.exp(np.interp(-np.log(f), np.log(taus / 0.4), np.log(model * taus)))
+    weighted = weights * density * np.sqrt(f)
+    covariance = weighted @ weighted.T
+    size = np.sqrt(np.diag(covariance))
+    return np.asarray(covariance / np.outer(size, size) + 1e-3 * np.eye(len(taus))) / 1.001

@@ -1,0 +1,37 @@
+"""What can be set."""
+
+from typing import get_args
+
+from pydantic import Field, model_validator
+
+from studies.rest.requirement import Asked
+from tuner.run.settings import StudySettings
+
+REQUIREMENTS: tuple[Asked, ...] = get_args(Asked)
+
+
+class Settings(StudySettings):
+    """For which rate R and Q are given, and what the filter has to do, if there is to be one."""
+
+    rate_hz: float | None = Field(
+        None, gt=0, description="of the machine that filters; the record's own if unset"
+    )
+    settles_s: float | None = Field(None, gt=0, description="a step has arrived to 2 % by then, s")
+    bandwidth_hz: float | None = Field(None, gt=0, description="passes to -3 dB, Hz")
+    latency_s: float | None = Field(None, gt=0, description="lag behind a steady change, s")
+    starts: int = Field(2, ge=1, description="starts of the search for N and K")
+
+    @model_validator(mode="after")
+    def _one_requirement(self) -> "Settings":
+        given = self.requirement
+        if len(given) > 1:
+            raise ValueError(
+                f"{' and '.join(given)} are given, and one of them decides the filter; give one"
+            )
+        return self
+
+    @property
+    def requirement(self) -> dict[Asked, float]:
+        """What is asked of the filter, by name; nothing or one."""
+        given = {name: getattr(self, name) for name in REQUIREMENTS}
+        return {name: value for name, value in given.items() if value is not None}

@@ -1,0 +1,187 @@
+"""Claims about a point tried on its neighbours: is one lower, is there a kink, are there steps?"""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from tuner.certificate.kkt import Held, pushed
+from tuner.certificate.spectrum import Spectrum
+from tuner.certificate.yardstick import Yardstick
+from tuner.problem.constraint import ALLOWED
+from tuner.problem.problem import Problem
+
+DISTANCES = (0.03, 0.3, 1.0, 3.0, 8.0, 20.0)
+"""How far from a point others are tried along every axis, within the box: a plateau is wide."""
+APART = 1.5
+"""Points of a search through the whole box lie no further apart, unless the box is enormous."""
+NEAR = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
+"""How far they are tried down the slope."""
+FINE = 1e-3
+"""At this distance a smooth value follows its gradient."""
+
+
+class Neighbours(NamedTuple):
+    """What the neighbours of a point say.
+
+    Attributes:
+        lower: the lowest of them, ``(n,)``, where one lies lower by more than is negligible.
+        rough: whether the derivatives say nothing: the value rises where they say it falls, or
+            changes where they are 0.
+        steps: whether it does not change at all in between.
+        evaluations: how many there were.
+    """
+
+    lower: np.ndarray | None
+    rough: bool
+    steps: bool
+    evaluations: int
+
+
+class _Trial(NamedTuple):
+    """Values in units above the point's, at points that keep the box."""
+
+    problem: Problem
+    yard: Yardstick
+    value: float
+
+    def rise(self, point: np.ndarray) -> float:
+        return self.yard.of(self.problem.value(point) - self.value)
+
+    def clipped(self, point: np.ndarray) -> np.ndarray:
+        low, high = self.problem.space.box()
+        return np.asarray(np.clip(point, low, high))
+
+
+def neighbours(
+    problem: Problem, yard: Yardstick, z: np.ndarray, held: Held, curved: Spectrum
+) -> Neighbours:
+    """Try the neighbours of a point ``(n,)`` that keep every constraint.
+
+    Down the slope at all distances, where the quadratic model has its lowest point, and along every
+    axis of the curvature both ways. At a kink the slope is that of the steepest side; the direction
+    down the shortest mean of the slopes around it is tried instead (Burke, Lewis, Overton, SIAM J.
+    Optim. 15, 2005).
+    """
+    trial = _Trial(problem, yard, problem.value(z))
+    slope = np.asarray(held.tangent @ (held.tangent.T @ _inward(problem, z, held.gradient)))
+    points = [trial.clipped(point) for point in _points(z, slope, curved, held)]
+    rises = [trial.rise(point) for point in points]
+    rough, steps = _roughness(trial, z, slope, rises, curved)
+    if rough:
+        points += [trial.clipped(z + step) for step in _past_kinks(problem, z, held)]
+        rises += [trial.rise(point) for point in points[len(rises) :]]
+    lower = _lowest(problem, yard, points, rises)
+    return Neighbours(lower, rough, steps, len(points) + 3)
+
+
+def lower_afar(problem: Problem, yard: Yardstick, z: np.ndarray) -> np.ndarray | None:
+    """The lowest point along the coordinates of z ``(n,)``, all through the box; None: itself."""
+    trial = _Trial(problem, yard, problem.value(z))
+    low, high = problem.space.box()
+    points = []
+    for at in range(len(z)):
+        count = int(np.clip((high[at] - low[at]) / APART, 8, 40))
+        for end in np.linspace(low[at], high[at], count):
+            points.append(np.where(np.arange(len(z)) == at, end, z))
+    return _lowest(problem, yard, points, [trial.rise(point) for point in points])
+
+
+def _inward(problem: Problem, z: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+    """The gradient without what pushes against an end of the box."""
+    known = np.where(np.isfinite(gradient), gradient, 0.0)
+    return np.where(pushed(problem, z, known), 0.0, known)
+
+
+def _points(z: np.ndarray, slope: np.ndarray, curved: Spectrum, held: Held) -> Iterator[np.ndarray]:
+    size = float(np.linalg.norm(slope))
+    if size > 0:
+        yield from (z - far * slope / size for far in NEAR)
+        yield from (z - step for step in _model_steps(slope, curved))
+    axes = curved.directions.T if len(curved.curvatures) else held.tangent.T
+    for axis in (*axes, *_thresholds(held)):
+        yield from (z + side * far * axis for far in DISTANCES for side in (-1, 1))
+
+
+def _thresholds(held: Held) -> np.ndarray:
+    """The axes that no tangent has, along which every derivative is 0."""
+    size = len(held.tangent)
+    covered = (held.tangent**2).sum(axis=1) > 1e-9
+    axes: np.ndarray = np.eye(size)[~covered & held.stepped]
+    return axes
+
+
+def _model_steps(slope: np.ndarray, curved: Spectrum) -> Iterator[np.ndarray]:
+    """Newton's step, flat axes at most 1 long; the same by the curvature's size alone."""
+    if not len(curved.curvatures) or not np.isfinite(curved.curvatures).all():
+        return
+    along = curved.directions.T @ slope
+    safe = np.maximum(np.abs(curved.curvatures), np.abs(along))
+    yield curved.directions @ np.divide(along, safe, out=np.zeros_like(along), where=safe > 0)
+
+
+def _roughness(
+    trial: _Trial, z: np.ndarray, slope: np.ndarray, rises: list[float], curved: Spectrum
+) -> tuple[bool, bool]:
+    """Whether derivatives mislead, and whether the value stays the same in between."""
+    size = float(np.linalg.norm(slope))
+    changed = bool(np.max(np.abs(rises), initial=0.0) > trial.yard.negligible)
+    if size == 0:
+        corner = trial.clipped(z + FINE / 10)
+        still = trial.rise(corner) == 0.0
+        return (still and changed), (still and changed)
+    if not size * FINE > 1e-3 * trial.yard.negligible:
+        return False, False
+    down = -slope / size
+    bend = float(down @ curved.hessian @ down) if curved.hessian is not None else 0.0
+    near, nearer = (trial.rise(trial.clipped(z + far * down)) for far in (FINE, FINE / 10))
+    rough = all(
+        rise - (bend * far**2 / 2 - size * far) > 0.5 * size * far
+        for rise, far in ((near, FINE), (nearer, FINE / 10))
+    )
+    # A jump is as high from close by as from afar.
+    steps = rough and (near == nearer == 0.0 or (nearer > 0 and near < 2 * nearer))
+    return rough, steps
+
+
+def _past_kinks(problem: Problem, z: np.ndarray, held: Held) -> Iterator[np.ndarray]:
+    """Steps down the shortest mean of the slopes around a point."""
+    size = len(z)
+    offsets = np.vstack([np.eye(size), -np.eye(size)]) * FINE
+    low, high = problem.space.box()
+    around = [problem.value_and_gradient(np.clip(z + step, low, high))[1] for step in offsets]
+    slopes = np.array([g for g in around if np.isfinite(g).all()])
+    if not len(slopes):
+        return
+    mean = held.tangent @ (held.tangent.T @ _shortest_mean(slopes))
+    length = float(np.linalg.norm(mean))
+    if length > 0:
+        yield from (-far * mean / length for far in NEAR)
+
+
+def _shortest_mean(slopes: np.ndarray) -> np.ndarray:
+    """The shortest vector among the weighted means of vectors ``(m, n)``.
+
+    >>> _shortest_mean(np.array([[1.0, 1.0], [-1.0, 1.0]])).round(6).tolist()
+    [0.0, 1.0]
+    """
+    from scipy.optimize import nnls
+
+    scale = np.abs(slopes).max() or 1.0
+    # Weights that add up to 1, by a row that outweighs the others.
+    weight = 1e4
+    system = np.vstack([slopes.T / scale, np.full(len(slopes), weight)])
+    weights, _ = nnls(system, np.append(np.zeros(slopes.shape[1]), weight))
+    return np.asarray(weights @ slopes)
+
+
+def _lowest(
+    problem: Problem, yard: Yardstick, points: list[np.ndarray], rises: list[float]
+) -> np.ndarray | None:
+    for index in np.argsort(rises):
+        if not rises[index] < -yard.negligible:
+            return None
+        if problem.excesses(points[index])[0].max(initial=-np.inf) <= ALLOWED:
+            lower: np.ndarray = points[index]
+            return lower
+    return None

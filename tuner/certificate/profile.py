@@ -1,0 +1,198 @@
+"""Where a value has risen by so much, seen from its best, while the other parameters follow."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from tuner.certificate.yardstick import Yardstick
+from tuner.problem.problem import Problem
+
+INNER = 6
+"""Steps of the other parameters towards their best, at each point of a profile."""
+MANY = 8
+"""From so many coordinates on, the others follow along the ridge of the quadratic model alone."""
+PRECISION = 1e-3
+"""A profile's limit is where the root of the rise is that near to what it should be."""
+
+
+class Limit(NamedTuple):
+    """One end of an interval.
+
+    Attributes:
+        z: the coordinate there.
+        reached: whether the value rises so far at all, within the box.
+    """
+
+    z: float
+    reached: bool
+
+
+class _Point(NamedTuple):
+    """A point of a profile, and how far the value has risen there, in units."""
+
+    z: np.ndarray
+    rise: float
+
+
+def limit(
+    problem: Problem,
+    yard: Yardstick,
+    z: np.ndarray,
+    hessian: np.ndarray,
+    at: int,
+    side: int,
+    rise: float,
+) -> Limit:
+    """How far a coordinate can be moved until the value has risen, the others following.
+
+    Args:
+        problem: the problem.
+        yard: how rises are measured.
+        z: the best point, ``(n,)``.
+        hessian: in units, ``(n, n)``; where the model is wrong it costs evaluations, not digits.
+        at: which coordinate.
+        side: -1 for lower values, 1 for higher ones.
+        rise: in units.
+
+    Returns:
+        The end, tried by evaluation: the value there has risen by that much, and is finite.
+    """
+    profile = _Profile.of(problem, yard, z, hessian, at)
+    low, high = problem.space.box()
+    furthest = high[at] - z[at] if side > 0 else z[at] - low[at]
+    if furthest <= 0:
+        return Limit(float(z[at]), False)
+    span = float(np.clip(profile.deviation * np.sqrt(2 * rise), 1e-9, furthest))
+    inside, outside = _Point(z, 0.0), None
+    for _ in range(40):
+        point = profile.at(inside, z[at] + side * span)
+        if abs(np.sqrt(max(point.rise, 0.0) / rise) - 1) < PRECISION:
+            return Limit(float(point.z[at]), True)
+        if point.rise < rise:
+            inside = point
+            if span >= furthest:
+                return Limit(float(point.z[at]), False)
+        else:
+            outside = point
+        span = _next(z[at], inside, outside, rise, at, furthest)
+        if outside is not None and span - abs(inside.z[at] - z[at]) < 1e-12 * (1 + span):
+            break
+    return Limit(float(inside.z[at]), outside is not None)
+
+
+def _next(
+    best: float, inside: _Point, outside: _Point | None, rise: float, at: int, furthest: float
+) -> float:
+    """The distance to try next: where the root of the rise, nearly a straight line, comes to it."""
+    near, root = abs(inside.z[at] - best), np.sqrt(max(inside.rise, 0.0) / rise)
+    if outside is None:
+        guess = near / root if root > 0 else np.inf
+        return float(min(max(1.05 * near, min(guess, 4 * near)), furthest))
+    far = abs(outside.z[at] - best)
+    beyond = np.sqrt(outside.rise / rise)
+    share = (1 - root) / (beyond - root) if np.isfinite(beyond) else 0.5
+    return float(near + np.clip(share, 0.1, 0.9) * (far - near))
+
+
+@dataclass(frozen=True, eq=False)
+class _Profile:
+    """A profile of a value along a coordinate: what it is, at best, where that is held.
+
+    Attributes:
+        best, value: the best point, and the value there.
+        held: the coordinate.
+        others: which coordinates follow, ``(n,)`` of bool.
+        deviation: how far a rise of half a unit is, by the quadratic model.
+        ridge: how the coordinates follow in that model, per step of the one held, ``(n,)``.
+        inverse: the inverse Hessian of the others in that model.
+    """
+
+    problem: Problem
+    yard: Yardstick
+    best: np.ndarray
+    value: float
+    held: int
+    others: np.ndarray
+    deviation: float
+    ridge: np.ndarray
+    inverse: np.ndarray
+
+    @classmethod
+    def of(
+        cls, problem: Problem, yard: Yardstick, z: np.ndarray, hessian: np.ndarray, held: int
+    ) -> "_Profile":
+        model, others = _positive(hessian), np.arange(len(z)) != held
+        covariance = np.linalg.inv(model)
+        return cls(
+            problem,
+            yard,
+            z,
+            problem.value(z),
+            held,
+            others,
+            deviation=float(np.sqrt(covariance[held, held])),
+            ridge=covariance[:, held] / covariance[held, held],
+            inverse=np.linalg.inv(model[np.ix_(others, others)]),
+        )
+
+    def at(self, near: _Point, coordinate: float) -> _Point:
+        """The best point with the coordinate held there, begun from a point nearby."""
+        start = np.clip(
+            near.z + self.ridge * (coordinate - near.z[self.held]), *self.problem.space.box()
+        )
+        start[self.held] = coordinate
+        if not self.others.any() or len(start) > MANY:
+            return self._measured(start)
+        return self._measured(self._followed(start))
+
+    def _measured(self, point: np.ndarray) -> _Point:
+        return _Point(point, self.yard.of(self.problem.value(point) - self.value))
+
+    def _followed(self, point: np.ndarray) -> np.ndarray:
+        """The others moved to their best by quasi-Newton steps (BFGS) from the model's inverse."""
+        inverse = self.inverse
+        value, slope = self._slope(point)
+        for _ in range(INNER):
+            step = -inverse @ slope
+            if not np.isfinite(step).all() or -(slope @ step) / 2 < 0.002 * self.yard.rise:
+                break
+            step = step * min(1.0, 2.0 / np.abs(step).max())
+            moved, value_moved, slope_moved, taken = self._downhill(point, step, value)
+            if not value_moved < value:
+                break
+            inverse = _bfgs(inverse, taken, slope_moved - slope)
+            point, value, slope = moved, value_moved, slope_moved
+        return point
+
+    def _downhill(
+        self, point: np.ndarray, step: np.ndarray, value: float
+    ) -> tuple[np.ndarray, float, np.ndarray, np.ndarray]:
+        for _ in range(6):
+            moved = point.copy()
+            moved[self.others] += step
+            moved = np.clip(moved, *self.problem.space.box())
+            found, slope = self._slope(moved)
+            if found < value:
+                break
+            step = step / 4
+        return moved, found, slope, (moved - point)[self.others]
+
+    def _slope(self, point: np.ndarray) -> tuple[float, np.ndarray]:
+        value, gradient = self.problem.value_and_gradient(point)
+        return value / self.yard.unit, gradient[self.others] / self.yard.unit
+
+
+def _positive(hessian: np.ndarray) -> np.ndarray:
+    """A Hessian whose curvatures are positive: a factor e^7 either way rises by a unit at least."""
+    curvatures, directions = np.linalg.eigh(np.where(np.isfinite(hessian), hessian, 0.0))
+    return np.asarray((directions * np.maximum(np.abs(curvatures), 0.04)) @ directions.T)
+
+
+def _bfgs(inverse: np.ndarray, step: np.ndarray, change: np.ndarray) -> np.ndarray:
+    """The inverse Hessian updated by a step and the change of the slope along it."""
+    along = float(step @ change)
+    if along <= 1e-12 * float(np.linalg.norm(step) * np.linalg.norm(change)):
+        return inverse
+    left = np.eye(len(step)) - np.outer(step, change) / along
+    return np.asarray(left @ inverse @ left.T + np.outer(step, step) / along)

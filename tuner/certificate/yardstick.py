@@ -1,0 +1,73 @@
+"""In what a difference of values is measured: in nats, or in shares of the value."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from objectives import Kind, kind_of
+from tuner.problem.problem import Problem
+from tuner.problem.samples import added, numbers
+
+NATS_95 = 1.920729
+"""Half the 95 % quantile of chi-square with one degree of freedom: a likelihood ratio's limit."""
+NATS_95_ONE_SIDED = 1.352772
+"""The same of the 90 % quantile: a limit to one side that holds in 95 of 100 cases."""
+SHARE = 0.01
+"""The rise of a plain cost, as a share of it, up to which a value is as good as the best."""
+FLOOR = 1e-6
+"""Shares are of the value, but of no less than this share of the value where the search began."""
+
+
+class Yardstick(NamedTuple):
+    """What a difference of an objective's values means.
+
+    Attributes:
+        kind: of the objective.
+        unit: a difference of this size counts 1: one nat of the whole record, or all of the value.
+        rise: up to so many units above the best a value cannot be told from it.
+        negligible: a fall of fewer units is not worth going on for.
+    """
+
+    kind: Kind
+    unit: float
+    rise: float
+    negligible: float
+
+    def of(self, difference: float) -> float:
+        """A difference of values in units; infinite where it is not a number."""
+        return difference / self.unit if np.isfinite(difference) else np.inf
+
+
+def yardstick(problem: Problem, z: np.ndarray) -> Yardstick:
+    """How differences are measured at a point ``(n,)`` of a problem.
+
+    A likelihood's are nats of all its numbers, and 1.92 of them bound a 95 % interval. Any other
+    value's are shares of it; where it is next to nothing, as a perfect fit's, of a millionth of
+    the value at the problem's own start.
+    """
+    kind = kind_of(problem.objective)
+    if kind == "likelihood" and problem.filter is not None:
+        return Yardstick(kind, 1 / max(numbers(problem, z), 1.0), NATS_95, 0.01)
+    begun = problem.value(problem.space.start())
+    least = FLOOR * abs(begun) if np.isfinite(begun) else 0.0
+    return Yardstick(kind, max(abs(problem.value(z)), least) or 1.0, SHARE, 1e-3)
+
+
+def told_apart(problem: Problem, yard: Yardstick, best: np.ndarray, other: np.ndarray) -> bool:
+    """Whether the data tell another point from the best one, both ``(n,)``.
+
+    A likelihood by its ratio, a plain cost by a hundredth of it. Two mean squares are compared
+    sample by sample: their difference is told where it exceeds twice its standard error, which
+    blocks of samples give that are longer than the errors are correlated.
+    """
+    rise = yard.of(problem.value(other) - problem.value(best))
+    if yard.kind in ("likelihood", "cost"):
+        return abs(rise) > yard.rise
+    if not np.isfinite(rise):
+        return True
+    from tuner.certificate.sandwich import long_run
+
+    one, two = added(problem, best), added(problem, other)
+    difference = (two.amounts - one.amounts)[..., None]
+    spread = np.sqrt(long_run(difference - difference.mean()).covariance[0, 0])
+    return bool(abs(difference.sum()) > 2 * spread)

@@ -1,0 +1,144 @@
+"""Noise from the covariances of differences: autocovariance least squares, weighted."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tuner.identifiability.noise import Entry
+from tuner.identifiability.windows import Differences
+
+_ROUNDS = 12
+_SETTLED = 1e-3  # a hundredth of what such an estimate is good for
+_HOLD = 1e-9  # weight that keeps what the data leave open where it was
+_OUTLIER = 1e3  # squares this much beyond the median window's largest
+_MEDIAN = 0.4549364231195724  # median of the square of a standard normal number
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """Numbers of the noise, by least squares.
+
+    Attributes:
+        values: not negative, and covariances positive semi-definite, ``(p,)``.
+        deviations: of them, if the noise is normal; infinite where nothing determines one.
+    """
+
+    values: np.ndarray
+    deviations: np.ndarray
+
+
+def alone(differences: Differences) -> tuple[np.ndarray, np.ndarray]:
+    """What each number of the noise would be if it caused all differences by itself.
+
+    Returns:
+        By the median of the differences' squares, which outliers do not move, and by their mean,
+        ``(p,)`` each; NaN where a number leaves no trace, or all differences are 0.
+    """
+    r, M = differences.r, np.diagonal(differences.M[1:], axis1=2, axis2=3)
+    medians, means = np.full(len(M), np.nan), np.full(len(M), np.nan)
+    for i, each in enumerate(M):
+        traced = each > 1e-9 * each.max(initial=0.0)
+        ratios = r[traced] ** 2 / each[traced]
+        if len(ratios) and ratios.any():
+            means[i] = ratios.mean()
+            medians[i] = np.median(ratios) / _MEDIAN or means[i]
+    return medians, means
+
+
+def estimate(differences: Differences, entries: tuple[Entry, ...]) -> Estimate:
+    """The noise whose covariances of differences are those that were measured, weighted.
+
+    The least-squares problem r r' = sum of theta_i M_i is linear in theta. Its weights are those
+    that normal noise of the theta before would have, so that its last round is a step of Fisher's
+    scoring to the most likely theta of the windows. Source: Odelson, Rajamani and Rawlings, A new
+    autocovariance least-squares method for estimating noise covariances, Automatica 42, 2006; the
+    weights by iteration as in Rajamani and Rawlings, Automatica 45, 2009.
+    """
+    sizes, _ = alone(differences)
+    sizes = np.where(np.isfinite(sizes) & (sizes > 0), sizes, 1.0)
+    r, M = _without_outliers(differences, sizes)
+    p = len(M) - 1
+    signed = np.array([len(set(e.place)) > 1 for e in entries])
+    unit = M[1:] * sizes[:, None, None, None]  # theta in multiples of what each would be alone
+    theta = np.where(signed, 0.0, 1.0 / p)
+    for _ in range(_ROUNDS):
+        F, b = _normal_equations(r, M[0], unit, theta)
+        D = np.sqrt(np.where(np.diag(F) > 0, np.diag(F), 1.0))
+        F, b = F / np.outer(D, D) + _HOLD * np.eye(p), b / D + _HOLD * theta * D
+        before, theta = theta, _bounded(F, b, signed) / D
+        theta = _semidefinite(theta, sizes, entries)
+        if np.abs(theta - before).max() <= _SETTLED * np.abs(theta).max():
+            break
+    F, _ = _normal_equations(r, M[0], unit, theta)
+    return Estimate(theta * sizes, sizes * _deviations(F / 2))
+
+
+def _without_outliers(differences: Differences, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The differences of windows in which nothing is far beyond what is usual in the others."""
+    r, M = differences.r, differences.M
+    diagonals = np.diagonal(M, axis1=2, axis2=3)
+    expected = diagonals[0] + np.einsum("p,pkd->kd", sizes, diagonals[1:])
+    surprise = (r**2 / np.where(expected > 0, expected, np.inf)).max(axis=1)
+    kept = surprise <= _OUTLIER * np.median(surprise)
+    return r[kept], M[:, kept]
+
+
+def _normal_equations(
+    r: np.ndarray, known: np.ndarray, M: np.ndarray, theta: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """F theta = b of the weighted problem; F/2 is the Fisher information of theta."""
+    S = known + np.einsum("p,pkij->kij", theta, M)
+    # Where the noise before explains next to nothing, what was measured keeps the weights finite.
+    power = np.mean(r**2) * 1e-12 + np.trace(S, axis1=1, axis2=2).mean() / len(S[0]) * 1e-13
+    W = np.linalg.inv(S + power * np.eye(S.shape[1]))
+    WM = W @ M
+    y = np.einsum("kij,kj->ki", W, r)
+    F = np.einsum("pkij,qkji->pq", WM, WM, optimize=True)
+    squares = np.einsum("ki,pkij,kj->p", y, M, y, optimize=True)
+    rest = np.einsum("pkij,kji->p", WM, W @ known, optimize=True)
+    return F, squares - rest
+
+
+def _bounded(F: np.ndarray, b: np.ndarray, signed: np.ndarray) -> np.ndarray:
+    """The least of x F x / 2 - b x where only the signed x may be negative."""
+    from scipy.optimize import nnls
+
+    values, V = np.linalg.eigh(F)
+    root = np.sqrt(np.maximum(values, 1e-15 * values[-1]))
+    A = (V * root).T
+    both = np.hstack([A, -A[:, signed]])
+    x, _ = nnls(both, (V.T @ b) / root)
+    found: np.ndarray = x[: len(b)]
+    found[signed] -= x[len(b) :]
+    return found
+
+
+def _semidefinite(theta: np.ndarray, sizes: np.ndarray, entries: tuple[Entry, ...]) -> np.ndarray:
+    """The same with each covariance among them replaced by the nearest that is one."""
+    theta = theta.copy()
+    names = dict.fromkeys(e.parameter for e in entries if len(e.place) == 2)
+    for name in names:
+        mine = [i for i, e in enumerate(entries) if e.parameter == name]
+        n = 1 + max(max(entries[i].place) for i in mine)
+        P = np.zeros((n, n))
+        for i in mine:
+            a, b = entries[i].place
+            P[a, b] = P[b, a] = theta[i] * sizes[i]
+        scale = np.sqrt(np.where(np.diag(P) > 0, np.diag(P), 1.0))
+        values, V = np.linalg.eigh(P / np.outer(scale, scale))
+        if values[0] < 0:
+            P = (V * np.maximum(values, 0.0)) @ V.T * np.outer(scale, scale)
+        for i in mine:
+            theta[i] = P[entries[i].place] / sizes[i]
+    return theta
+
+
+def _deviations(information: np.ndarray) -> np.ndarray:
+    D = np.sqrt(np.diag(information))
+    silent = D == 0
+    D = np.where(silent, 1.0, D)
+    values, V = np.linalg.eigh(information / np.outer(D, D))
+    lost = values < 1e-12 * values[-1]
+    spread = (V**2 / np.where(lost, np.inf, values)).sum(axis=1)
+    open_ = silent | ((V[:, lost] ** 2).sum(axis=1) > 1e-9)
+    return np.where(open_, np.inf, np.sqrt(spread) / D)

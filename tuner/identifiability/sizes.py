@@ -1,0 +1,53 @@
+"""How large the noise of a record can be: for the search's defaults and ends."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from tuner.identifiability.least_squares import alone, estimate
+from tuner.identifiability.linear_form import linear_problem
+from tuner.identifiability.windows import differences
+from tuner.problem.problem import Problem
+
+
+@dataclass(frozen=True)
+class NoiseSize:
+    """Of one number of the noise.
+
+    Attributes:
+        alone: what it would be if it caused the smallest differences that do not depend on the
+            state by itself; by their median, which outliers do not move.
+        most: the same by their mean.
+        least: the smallest that this record could tell from 0, by its length.
+        estimate: its least-squares estimate beside the others.
+        deviation: of the estimate.
+    """
+
+    alone: float
+    most: float
+    least: float
+    estimate: float
+    deviation: float
+
+
+def noise_sizes(problem: Problem) -> Mapping[str, NoiseSize]:
+    """The size of every single number of the noise that the record says something of, by name.
+
+    Raises:
+        NoModelError: as :func:`tuner.determined`.
+    """
+    linear = linear_problem(problem)
+    n, m = linear.recordings[0].F.shape[-1], len(linear.recordings[0].H)
+    medians, means = alone(differences(linear.recordings, -(-(n + m) // m) * m))
+    found = estimate(differences(linear.recordings), linear.entries)
+    longest = max(len(model.z) for model in linear.recordings)
+    # White noise on the n-th derivative moves N samples by N^(2n - 1) of its effect on one.
+    least = min(1e-10, float(longest) ** (-2 * n // max(m, 1)))
+    return {
+        entry.parameter: NoiseSize(
+            float(median), float(mean), least * float(median), float(value), float(deviation)
+        )
+        for entry, median, mean, value, deviation in zip(
+            linear.entries, medians, means, found.values, found.deviations, strict=True
+        )
+        if not entry.place and entry.power == 1 and median > 0
+    }

@@ -1,0 +1,186 @@
+"""The observer of least variance among those that settle within a time."""
+
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.scipy.linalg import expm
+from numpy.typing import ArrayLike
+
+from objectives import LinearSystem, require_detectable
+from tuner.observers.gains import Entries, Observer, Variance
+from tuner.observers.prescribed_decay import gain_of_decay
+from tuner.problem.constraint import Constraint
+from tuner.problem.problem import Problem
+from tuner.problem.space import Space
+
+SETTLED = 0.02
+"""An error has settled where this share of its largest, or less, is left for good."""
+_POINTS, _REACH = 48, 4  # it is looked at so often, on the span of so many settling times
+_POWER = 32  # of the mean that stands for the largest, so that it has a gradient
+_STARTS = 3
+_NOTHING = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Settling:
+    """What is left of the error that counts once a time is over, whichever state began it.
+
+    Attributes:
+        system: the system.
+        error: weights of the error that counts, ``(n,)``.
+        within_s: the time.
+    """
+
+    system: LinearSystem
+    error: np.ndarray
+    within_s: float
+
+    def __call__(self, observer: Observer, _: None) -> Array:
+        """The largest share that is left later, ``()``; a little more where several are near it."""
+        later, size = self.left(observer.L)
+        share = later / size / SETTLED
+        largest = jnp.maximum(jnp.max(share), 1e-12)
+        total: Array = jnp.sum((share / largest) ** _POWER) ** (1 / _POWER)
+        return SETTLED * largest * total
+
+    def left(self, L: Array) -> tuple[Array, Array]:
+        """The error after the time, for one in each state, ``(k, n)``; and its largest, ``(n,)``.
+
+        Where a state does not touch the error that counts the largest is infinite.
+        """
+        closed = jnp.asarray(self.system.A) - L @ jnp.asarray(self.system.C)
+        before = _POINTS // _REACH
+        if self.system.dt is None:
+            step = expm(closed * (self.within_s / before))
+            early, _ = _rows(jnp.asarray(self.error), step, before)
+            late, _ = _rows(early[-1], step, _POINTS - before)
+        else:
+            count = self.samples
+            fine = jnp.linalg.matrix_power(closed, max(count // before, 1))
+            early, _ = _rows(jnp.asarray(self.error), fine, before)
+            reached = jnp.asarray(self.error) @ jnp.linalg.matrix_power(closed, count)
+            late, _ = _rows(reached, fine, _POINTS - before)
+        largest = jnp.max(jnp.abs(early), axis=0)
+        nothing = largest <= _NOTHING * jnp.max(largest)
+        return jnp.abs(late), jnp.where(nothing, jnp.inf, largest)
+
+    @property
+    def samples(self) -> int:
+        """Samples within the time, of a discrete system."""
+        return int(np.floor(self.within_s / (self.system.dt or 1.0) * (1 + 1e-9)))
+
+
+def _rows(row: Array, step: Array, count: int) -> tuple[Array, Array]:
+    """A row vector and what repeated multiplication makes of it, ``(count + 1, n)``; the last."""
+
+    def on(row: Array, _: None) -> tuple[Array, Array]:
+        return row @ step, row
+
+    last, found = jax.lax.scan(on, row, None, length=count + 1)
+    return found, last
+
+
+def settled(name: str, system: LinearSystem, error: ArrayLike, within_s: float) -> Problem:
+    """The observer with the least variance of the error among those that settle in time.
+
+    It settles in time where the error that counts, after an error in any one state, stays below
+    2 % of its largest from then on. Its gains are found by a search that begins from Kalman filters
+    of prescribed decay (:mod:`tuner.observers.prescribed_decay`); where the Kalman filter settles
+    in time by itself, it is the one.
+
+    Args:
+        name: of the problem.
+        system: the system.
+        error: weights of the error that counts, ``(n,)``.
+        within_s: the time.
+
+    Raises:
+        ValueError: where no observer was found that settles in time, or none is stable.
+    """
+    variance = Variance.of(system, error)
+    require_detectable(system)
+    settling = Settling(system, variance.error, within_s)
+    gains = _settling_gains(settling)
+    entries = Entries("L", (len(system.A), len(system.C)))
+    size = np.max([np.abs(gain) for gain in gains], axis=0)
+    unit = np.maximum(size, 1e-3 * size.max())
+    space = Space.of(**entries.parameters(gains[0], unit))
+    return Problem(
+        name=name,
+        space=space,
+        filter=None,
+        build=_Gains(system, entries),
+        objective=variance,
+        constraints=(Constraint("settles", settling, SETTLED),),
+        known_starts=tuple(space.unconstrain(entries.named(gain)) for gain in gains[1:]),
+    )
+
+
+def settling_time(system: LinearSystem, L: np.ndarray, error: np.ndarray) -> float:
+    """When the error that counts, after one in any state, is below 2 % of its largest for good, s.
+
+    Infinite if it never is.
+
+    >>> system = LinearSystem([[0.0]], [[1.0]], [[1.0]], [[1.0]])
+    >>> round(settling_time(system, np.array([[2.0]]), np.array([1.0])), 2)
+    1.96
+    """
+    decay = system.decay(L)
+    if not decay > 0:
+        return np.inf
+    closed = system.A - L @ system.C
+    step = system.dt or 15 / decay / 10_000
+    each = jnp.asarray(closed if system.discrete else expm(jnp.asarray(closed * step)))
+    count = int(np.ceil(15 / decay / step)) + 2 * len(closed)
+    found = np.abs(np.asarray(_rows(jnp.asarray(error, float), each, count)[0]))
+    size = found.max(axis=0)
+    touched = size > _NOTHING * size.max()
+    beyond = (found[:, touched] > SETTLED * size[touched]).any(axis=1)
+    return float(step * (np.flatnonzero(beyond)[-1] + 1))
+
+
+def _settling_gains(settling: Settling) -> list[np.ndarray]:
+    """Stable gains that settle in time, the slowest first; and the Kalman filter's, if it does."""
+    system, within = settling.system, settling.within_s
+    found: list[np.ndarray] = []
+    fastest = np.inf
+    if system.discrete and settling.samples < 1:
+        raise ValueError(
+            f"no observer settles within {within:g} s: the measurements come every {system.dt:g} s"
+        )
+    rates = np.append(0.0, np.geomspace(0.03, 300.0, 60) / within)
+    for alpha in rates:
+        try:
+            L = gain_of_decay(system, float(alpha))
+        except ValueError:
+            continue
+        if not system.decay(L) > 0:
+            continue
+        fastest = min(fastest, settling_time(system, L, settling.error))
+        observer = Observer(jnp.ones(()), jnp.asarray(L), jnp.zeros(()))
+        if float(settling(observer, None)) <= SETTLED:
+            found.append(L)
+            if len(found) == _STARTS:
+                break
+    if not found:
+        reached = f"the fastest that was found takes {fastest:.4g} s" * bool(np.isfinite(fastest))
+        raise ValueError(
+            f"no observer settles within {within:g} s: {reached or 'none was found that is stable'}"
+            "; allow more time, or measure faster or more"
+        )
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Gains:
+    """From single gains to a point of the design."""
+
+    system: LinearSystem
+    entries: Entries
+
+    def __call__(self, values: dict[str, Array]) -> Observer:
+        L = self.entries.matrix(values)
+        return Observer(jnp.ones(()), L, self.system.steady(L))

@@ -1,0 +1,82 @@
+"""What the single samples of a record add to a likelihood or a mean square, and its slopes."""
+
+from typing import Any, NamedTuple, cast
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from filters import Batched, Lanes
+from objectives import Data, contributions, is_additive
+from tuner.problem.problem import Problem, Static
+
+
+class Added(NamedTuple):
+    """What samples add, of k records side by side; k = 1 for one alone.
+
+    Attributes:
+        amounts: nats or squares, ``(N, k)``.
+        counts: how many numbers each adds for, ``(N, k)``.
+    """
+
+    amounts: np.ndarray
+    counts: np.ndarray
+
+
+def added(problem: Problem, z: np.ndarray) -> Added:
+    """What each sample adds at z ``(n,)``.
+
+    Raises:
+        ValueError: for an objective that is no sum over samples.
+    """
+    _check(problem)
+    amounts, counts = _added(problem.static, jnp.asarray(z), problem.data)
+    return Added(np.asarray(amounts), np.asarray(counts))
+
+
+def numbers(problem: Problem, z: np.ndarray) -> float:
+    """How many numbers a likelihood or a mean square counts at z ``(n,)``.
+
+    Raises:
+        ValueError: for an objective that is no sum over samples.
+    """
+    return float(added(problem, z).counts.sum())
+
+
+def slopes(problem: Problem, z: np.ndarray) -> np.ndarray:
+    """The derivative of what each sample adds by each coordinate, ``(N, k, n)``.
+
+    Raises:
+        ValueError: for an objective that is no sum over samples.
+    """
+    _check(problem)
+    return np.asarray(_slopes(problem.static, jnp.asarray(z), problem.data))
+
+
+def _check(problem: Problem) -> None:
+    if problem.filter is None or not is_additive(problem.objective):
+        raise ValueError(f"the objective of {problem.name} is no sum over samples")
+
+
+def _by_record(static: Static, z: Array, data: Data) -> tuple[Array, Array]:
+    """What each sample of each record adds, the numbers of a sample together."""
+    filter, objective = cast("tuple[Any, Any]", (static.filter, static.objective))
+    amounts, counts = contributions(filter, objective, static.built(z), data)
+    records = amounts.shape[1] if _side_by_side(filter) else 1
+    shape = (len(amounts), records, -1)
+    counted = counts.astype(amounts.dtype)
+    return amounts.reshape(shape).sum(axis=-1), counted.reshape(shape).sum(axis=-1)
+
+
+def _side_by_side(filter: Any) -> bool:
+    return isinstance(filter, Batched | Lanes)
+
+
+_added = jax.jit(_by_record, static_argnums=0)
+
+
+@jax.jit(static_argnums=0)
+def _slopes(static: Static, z: Array, data: Data) -> Array:
+    found: Array = jax.jacfwd(lambda at: _by_record(static, at, data)[0])(z)
+    return found

@@ -1,0 +1,156 @@
+"""What an objective adds up sample by sample, so that two filters can be paired."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from filters import Lanes
+from objectives import Fold, is_fold
+from tuner.problem.problem import Problem, run_filter
+from tuner.run.blocks import block_mean
+
+
+@dataclass(frozen=True, eq=False)
+class Amounts:
+    """What an objective adds up in each of N samples of k recordings, and how much counts there.
+
+    Attributes:
+        added: sums over what counts, ``(N, k)``.
+        counts: how much counts, ``(N, k)``.
+    """
+
+    added: np.ndarray
+    counts: np.ndarray
+
+    def only(self, judges: np.ndarray) -> "Amounts":
+        """Those of some samples ``(N, 1)`` or recordings ``(1, k)``; nothing counts elsewhere."""
+        return Amounts(np.where(judges, self.added, 0.0), np.where(judges, self.counts, 0.0))
+
+    def finite(self) -> "Amounts":
+        """Those that are finite; nothing counts elsewhere."""
+        return self.only(np.isfinite(self.added))
+
+    def __add__(self, other: "Amounts") -> "Amounts":
+        return Amounts(self.added + other.added, self.counts + other.counts)
+
+    @property
+    def mean(self) -> float:
+        """Over all that counts; NaN where nothing does."""
+        counts = float(self.counts.sum())
+        return float(self.added.sum()) / counts if counts else float("nan")
+
+
+@dataclass(frozen=True)
+class Gain:
+    """By which share of a value another one is lower on the same samples.
+
+    Attributes:
+        share: 0.1 where it is lower by a tenth; negative where it is higher.
+        low, high: its 95 % interval, over blocks of the samples; infinite where there are too few.
+        blocks: of how many blocks it is.
+    """
+
+    share: float
+    low: float
+    high: float
+    blocks: int
+
+    @property
+    def verdict(self) -> str:
+        """``better``, ``worse``, or where the interval holds 0 ``no better``."""
+        if self.low > 0:
+            return "better"
+        return "worse" if self.high < 0 else "no better"
+
+
+def amounts(problem: Problem, values: Mapping[str, Any]) -> Amounts | None:
+    """What the objective adds up with some parameters; None where it is no sum over samples."""
+    if problem.filter is None or not adds_up(problem):
+        return None
+    return amounts_of(problem, run_with(problem, values))
+
+
+def run_with(problem: Problem, values: Mapping[str, Any]) -> Any:
+    """What the filter returns with some parameters, time first."""
+    if problem.filter is None:
+        raise ValueError(f"{problem.name} runs no filter")
+    params = problem.static.build({n: jnp.asarray(v, float) for n, v in values.items()})
+    return run_filter(problem.filter, params, problem.data.inputs)
+
+
+def adds_up(problem: Problem) -> bool:
+    """Whether the objective is a sum over samples, divided by what counts."""
+    if not is_fold(problem.objective):
+        return False
+    total = problem.objective.init()
+    return isinstance(total, tuple) and [np.shape(leaf) for leaf in total] == [(), ()]
+
+
+def amounts_of(problem: Problem, outputs: Any) -> Amounts:
+    """The same of outputs, time first, whoever made them; infinite where one is not a number."""
+    objective: Any = problem.objective
+    found = _each(objective, isinstance(problem.filter, Lanes), outputs, problem.data.truth)
+    added, counts = (np.asarray(each, float).reshape(len(each), -1) for each in found)
+    return Amounts(np.where(np.isfinite(added), added, np.inf), counts)
+
+
+@jax.jit(static_argnums=(0, 1))
+def _each(objective: Fold, lanes: bool, outputs: Any, truth: Any) -> Any:
+    def one(output: Any, true: Any) -> Any:
+        return tuple(objective.update(objective.init(), output, true)[0])
+
+    each = jax.vmap(jax.vmap(one)) if lanes else jax.vmap(one)
+    return each(outputs, truth)
+
+
+def value_of(problem: Problem, mean: float) -> float:
+    """The objective where it adds up to a mean; of a likelihood the equivalent deviation."""
+    return float(_value(problem.objective, jnp.asarray(mean)))
+
+
+def _value(objective: Any, mean: Array) -> Array:
+    total = type(objective.init())(mean, jnp.ones(()))
+    value: Array = objective.value(total, None)
+    return jnp.asarray(objective.deviation(value)) if hasattr(objective, "deviation") else value
+
+
+def gain(problem: Problem, before: Amounts, now: Amounts) -> Gain:
+    """By how much one filter is better than another, where both count the same.
+
+    The interval is that of the difference of both values' logarithms, to first order in what each
+    block adds to both.
+
+    Args:
+        problem: whose objective both have added up.
+        before: what the one adds up.
+        now: the other.
+    """
+    same = (before.counts == now.counts) & (now.counts > 0)
+    pair = before.only(same), now.only(same)
+    values = [value_of(problem, each.mean) for each in pair]
+    if not all(0 < value < np.inf for value in values):
+        return _without_interval(*values)
+    pulls = [_pull(problem.objective, each) for each in pair]
+    apart = block_mean(pulls[1] - pulls[0], pair[0].counts)
+    log = np.log(values[1] / values[0])
+    share, low, high = (float(-np.expm1(log + end)) for end in (0.0, apart.high, apart.low))
+    return Gain(share, low, high, apart.blocks)
+
+
+def _pull(objective: Any, found: Amounts) -> np.ndarray:
+    """How far each sample moves the logarithm of the value, times how much counts."""
+    slope = jax.grad(lambda mean: jnp.log(_value(objective, mean)))(jnp.asarray(found.mean))
+    return np.asarray(float(slope) * (found.added - found.mean * found.counts))
+
+
+def _without_interval(before: float, now: float) -> Gain:
+    """Where one of two values is 0 or infinite, or nothing counts."""
+    if np.isnan([before, now]).any():
+        return Gain(float("nan"), -np.inf, np.inf, 0)
+    share = 0.0 if before == now else 1 - now / before if before else -np.inf
+    return Gain(float(share), float(share), float(share), 0)

@@ -1,0 +1,179 @@
+"""What a fit may add to any filter: a gate, and what its likelihood then is."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from filters import Gated, Lanes, Student, assembled, bare, run
+from filters.gated import PATIENCE
+from filters.measured import Parts, measured
+from objectives import GatedLikelihood, InnovationLikelihood, Objective, StudentLikelihood
+from tuner.problem.space import Space
+
+NAMES = ("gate", "patience", "student")
+"""Options of every fit, beside the fields of the filter's class."""
+
+SAID = ("offered", "foretold", "refused", "weight")
+"""What care adds to a filter's outputs, and is written down with them."""
+
+
+@dataclass(frozen=True)
+class Care:
+    """How a fit guards against measurements that are wrong.
+
+    Attributes:
+        gate: deviations beyond which a measurement is refused; None: none is.
+        patience: refusals in a row after which it is taken all the same.
+        student: degrees of freedom of heavy tails; None: the tails are normal.
+    """
+
+    gate: float | None = None
+    patience: int = PATIENCE
+    student: float | None = None
+
+
+def care_of(cls: type[Any], options: Mapping[str, Any]) -> tuple[Care, dict[str, Any]]:
+    """The care that options ask for, and the options that are the filter's own.
+
+    Raises:
+        ValueError: for a value that is none.
+    """
+    own = {each.name for each in fields(cls)}
+    asked = {name: value for name, value in options.items() if name in NAMES and name not in own}
+    if "gate" in asked:
+        asked["gate"] = _number("gate", asked["gate"], "deviations")
+    if "student" in asked:
+        asked["student"] = _number("student", asked["student"], "degrees of freedom")
+    if "gate" in asked and "student" in asked:
+        raise ValueError("gate and student guard against the same outliers; give one of them")
+    if "patience" in asked:
+        if not {"gate", "student"} & asked.keys():
+            raise ValueError("patience is how long a gate refuses; give --set gate=4 with it")
+        if not isinstance(asked["patience"], int) or isinstance(asked["patience"], bool):
+            raise ValueError(f"patience is {asked['patience']!r}; give a whole number of samples")
+    return Care(**asked), {name: v for name, v in options.items() if name not in asked}
+
+
+def _number(name: str, value: Any, of: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
+        raise ValueError(f"{name} is {value!r}; give a number of {of}, such as {name}=4")
+    return float(value)
+
+
+def guarded(
+    care: Care, filter: Any, objective: Objective, space: Space, inputs: Any
+) -> tuple[Any, Objective]:
+    """The filter with the care that is asked for, and the objective that goes with it.
+
+    Args:
+        care: what is asked for.
+        filter: the filter.
+        objective: what it is judged by; the likelihood of its innovations changes with the care.
+        space: its parameters, whose initial values show how it runs over the record.
+        inputs: the record.
+
+    Raises:
+        ValueError: for a filter that has nothing to refuse.
+    """
+    if care.gate is None and care.student is None:
+        return filter, objective
+    params = assembled(bare(filter), _begun(space))
+    parts = _parts(filter, params, inputs)
+    likely = isinstance(objective, InnovationLikelihood)
+    if care.student is not None:
+        nu = care.student
+        weighed = _inside(filter, lambda f: Student(f, parts, nu, care.patience))
+        return weighed, StudentLikelihood(nu) if likely else objective
+    gate = Gated.gate if care.gate is None else care.gate
+    if likely:
+        objective = GatedLikelihood(_widths(filter, params, inputs))
+    return _inside(filter, lambda f: Gated(f, parts, gate, care.patience)), objective
+
+
+def _begun(space: Space) -> dict[str, Any]:
+    return space.constrain(jnp.asarray(space.start()))
+
+
+def _inside(filter: Any, wrap: Any) -> Any:
+    """A filter wrapped within its lanes."""
+    if isinstance(filter, Lanes):
+        return replace(filter, filter=wrap(filter.filter))
+    return wrap(filter)
+
+
+def _parts(filter: Any, params: Any, inputs: Any) -> Parts:
+    """The numbers that innovations are made of, over all recordings."""
+    if not isinstance(filter, Lanes):
+        return measured(filter, params, inputs)
+    found: Parts = ()
+    for lane in range(filter.count):
+        alone = jax.tree.map(lambda leaf, lane=lane: leaf[:, lane], inputs)
+        more = measured(filter.filter, params, alone)
+        found = tuple(a or b for a, b in zip(found, more, strict=True)) if found else more
+        if all(found):
+            break
+    return found
+
+
+def _widths(filter: Any, params: Any, inputs: Any) -> tuple[float, ...]:
+    """How far apart innovations may lie: as far as without a gate at typical parameters."""
+    out = run(filter, params, inputs)[1]
+    y, s = (np.asarray(part) for part in (out.innovation, out.variance))
+    y, s = (part.reshape(-1, part.shape[-1]) for part in (y, s))
+    far = np.max(np.abs(np.where((s > 0) & np.isfinite(y), y, 0.0)), axis=0)
+    sure = np.sqrt(np.max(np.where(np.isfinite(s), s, 0.0), axis=0))
+    widest = np.where(far > 0, 2 * far, sure)
+    return tuple(float(w) if w > 0 else 1.0 for w in widest)
+
+
+@dataclass(frozen=True)
+class Refused:
+    """What a gate left out, or what was taken at less than half of its weight.
+
+    Attributes:
+        refused: how many numbers that were.
+        outside: how many lay outside the gate, those included that were taken because too many
+            had been refused in a row.
+        numbers: how many numbers were judged.
+        weighed: whether they had weights, and were not refused.
+    """
+
+    refused: int
+    outside: int
+    numbers: int
+    weighed: bool = False
+
+    @property
+    def words(self) -> str:
+        """In a few words."""
+        what = "taken at less than half their weight" if self.weighed else "refused"
+        told = f"{self.refused} of {self.numbers} numbers {what}"
+        taken = self.outside - self.refused
+        return told + (
+            f", {taken} more were taken to recover from as many in a row" if taken else ""
+        )
+
+
+def refused_of(outputs: Any) -> Refused | None:
+    """What was refused in a run; None for a filter without care.
+
+    Raises:
+        ValueError: where more is refused than taken.
+    """
+    if not hasattr(outputs, "refused"):
+        return None
+    numbers = int((np.asarray(outputs.foretold) != 0).sum())
+    weighed = hasattr(outputs, "weight")
+    refused, outside = (int(np.asarray(p).sum()) for p in (outputs.refused, outputs.outside))
+    if 2 * outside >= numbers:
+        what = "have less than half their weight" if weighed else "lie outside the gate"
+        wider = "--set student=10" if weighed else "--set gate=6"
+        raise ValueError(
+            f"{outside} of {numbers} measured numbers {what}, so there is nothing left to tune "
+            f"by; give a wider one, as in {wider}, another --start, or none"
+        )
+    return Refused(refused, outside, numbers, weighed)
