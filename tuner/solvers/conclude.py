@@ -200,6 +200,8 @@ def _status_of_point(problem: Problem, best: Minimum, view: _View) -> Status:
         return Status.SADDLE if flat and falls else _unfinished(best)
     if view.near.rough:
         return Status.STAIRCASE if view.near.steps else Status.KINK
+    if np.isnan(fall):  # no derivative here, and no lower neighbour: the root of a square at 0
+        return Status.KINK
     outward = pushed(problem, best.z, view.held.gradient)
     if still and (np.abs(view.held.gradient[outward]) > view.yard.negligible).any():
         return Status.AT_BOUND
