@@ -106,7 +106,7 @@ def range_in_words(interval: tuple[float | None, float | None], kind: str) -> st
     ('[below 0.0002] (95 %)', '[above 3] (1 % of the cost)')
     """
     low, high = interval
-    short = kind.split(",")[0]
+    short = kind.split(",", maxsplit=1)[0]
     if high is None or high == math.inf:
         told = f"[above {low:.3g}]"
     elif low is None or low in (0.0, -math.inf):
