@@ -70,6 +70,8 @@ def test_values_of_a_run_on_another_recording(cli, here, run):
     assert not found["notes"]
     # The file result.json stands for its folder.
     assert checked(cli, "run/result.json", "--log", other) == found
+    late = checked(cli, "run", "--log", other, "--from", 100)
+    assert late["diagnostics"]["numbers"] == found["diagnostics"]["numbers"] - 100
     # On what it was tuned on, the same as the run says, and it is said.
     own = checked(cli, "run", "--log", here / "level.csv")
     assert "level.csv is what the run was tuned on" in own["notes"]
