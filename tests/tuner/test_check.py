@@ -70,11 +70,27 @@ def test_values_of_a_run_on_another_recording(cli, here, run):
     assert not found["notes"]
     # The file result.json stands for its folder.
     assert checked(cli, "run/result.json", "--log", other) == found
+    late = checked(cli, "run", "--log", other, "--from", 100)
+    assert late["diagnostics"]["numbers"] == found["diagnostics"]["numbers"] - 100
     # On what it was tuned on, the same as the run says, and it is said.
     own = checked(cli, "run", "--log", here / "level.csv")
     assert "level.csv is what the run was tuned on" in own["notes"]
     now = json.loads((run / "result.json").read_text())["fit"]["diagnostics"][1]
     assert own["diagnostics"]["nis"] == now["nis"]
+
+
+def test_a_gate_is_an_option_as_in_a_fit(cli, here):
+    columns = cases.level()
+    columns["z"][[100, 200, 300]] += 40.0
+    log = cases.write(here / "wild.csv", columns)
+    found = checked(cli, *WORDS, *READ, "--log", log)
+    tests = {each["test"]: each for each in found["diagnostics"]["findings"]}
+    assert tests["outliers"]["verdict"] == "failed"
+    assert "--set gate=4" in tests["outliers"]["sentence"]
+    gated = checked(cli, *WORDS, "--set", "gate=4", *READ, "--log", log)
+    assert gated["options"] == {"gate": 4}
+    assert gated["diagnostics"]["numbers"] == found["diagnostics"]["numbers"] - 3
+    assert {f["verdict"] for f in gated["diagnostics"]["findings"]} == {"passed", "not tried"}
 
 
 def test_with_a_truth_the_error(cli, here, log):
@@ -164,9 +180,9 @@ def test_from_python():
     level = cases.level()
     record = tuner.Record.of({"z": level["z"]}, rate_hz=1.0)
     found = tuner.check("local-level", record, {"q": 0.09, "R": 1.0})
-    assert found.value == pytest.approx(
-        cases.deviation(*cases.level_loop(level["z"], 0.09, 1.0, 1.0)), rel=1e-9
-    )
+    y, s = cases.level_loop(level["z"], 0.09, 1.0, 1.0)
+    assert found.shown == pytest.approx(cases.deviation(y, s), rel=1e-9)
+    assert found.value == pytest.approx(cases.nats(y, s), rel=1e-9)
     assert not found.diagnostics.failed
     still = tuner.check("local-level", record, {"q": 0.0, "R": 1.0})  # a level that never moves
     assert still.diagnostics["whiteness"].verdict == "failed"

@@ -25,7 +25,7 @@ class Ways:
     turns: str = "unwrap it before (numpy.unwrap)"
     start: str = "begin where the data begin, or with a larger variance"
     level: str = "give each measurement's own deviation"
-    time: str = "tune the parts apart"
+    time: str = "tune the parts apart (--from, --to)"
     whiteness: str = (
         "the model lacks a motion, or the noise of the measurement is coloured; try a model of one "
         "state more"
