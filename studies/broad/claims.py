@@ -118,7 +118,7 @@ def _lead(case: Case, solutions: Solutions) -> Comparison:
         abs(ours - float(seen.mean())) <= NEAR,
         ours=1e3 * ours,
         unit="ms",
-        note=f"lead {1e3 * lead:.2f}; a step takes the rate at its end for its mean, which is half a "
+        note=f"lead {1e3 * lead:.2f}; a step takes the rate at its end for its mean, half a "
         f"sample early; gyroscopes are {1e3 * seen.mean():.2f} late",
     )
 

@@ -63,7 +63,7 @@ def late(trial: Trial) -> Late:
     if trial.place is None:
         return Late(gyroscopes, np.nan)
     speed = np.gradient(smooth(_joined(trial.place, seen)), step, axis=0)
-    push = np.gradient(speed, step, axis=0) + [0.0, 0.0, GRAVITY]
+    push = np.gradient(speed, step, axis=0) + np.array([0.0, 0.0, GRAVITY])
     force = Rotation.from_quat(turn, scalar_first=True).inv().apply(push)
     columns = _felt(force[at], _arm(rate, step)[at])
     return Late(gyroscopes, _shift(CubicSpline(t, smooth(trial.acceleration)), t[at], columns))

@@ -1,6 +1,6 @@
 """Several flights tuned on together: one after another, each from a start of its own."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -89,9 +89,3 @@ def _in_turn(flight: Flight, measured: tuple[Angle, ...]) -> InTurn:
     begins = np.full((len(flight.t), 4), np.nan)
     begins[0] = quaternion(flight.first)
     return InTurn(sample._replace(angles=jnp.asarray(believed)), jnp.asarray(begins))
-
-
-def start_values(law: Tuned, measured: tuple[Angle, ...]) -> Mapping[str, Array]:
-    """Where a search begins: what a user would try who has not tuned."""
-    known = space(law, measured)
-    return known.constrain(jnp.asarray(known.start()))

@@ -99,6 +99,22 @@ def problem(flight: Flight, law: Tuned, measured: tuple[Angle, ...]) -> Problem:
     )
 
 
+def fold_name(flight: str) -> str:
+    """What the problem is called that leaves a flight out."""
+    return f"without_{flight}"
+
+
+def alone_name(flight: str) -> str:
+    """What the problem is called that is tuned on one flight, which is judged by it as well."""
+    return f"alone_{flight}"
+
+
+def start_values(law: Tuned, measured: tuple[Angle, ...]) -> dict[str, Array]:
+    """Where a search begins: round numbers, of someone who has not tuned."""
+    known = space(law, measured)
+    return known.constrain(jnp.asarray(known.start()))
+
+
 def parameters(flight: Flight, law: Tuned, values: Mapping[str, Array | float]) -> GpsAidedNoise:
     """What the filter takes on a flight, of tuned numbers."""
     return Build(law, tuple(flight.first.tolist()))(values)
