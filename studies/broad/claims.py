@@ -128,8 +128,9 @@ def claims_of(case: Case) -> tuple[Claim, ...]:
     left_out = (fold_name("*"),)
     found = [Claim("inclination_loo_deg", mean_left_out, left_out)] if case.folds else []
     found += claims_held_out(case)
-    found.append(Claim("inclination_vqf_lead*_deg", rivals.of_vqf_ahead, needed(case, "vqf_lead")))
-    found.append(Claim("inclination_vqf*_deg", rivals.of_vqf, needed(case, "vqf")))
+    for state in rivals.VQF:
+        row, held = f"inclination_vqf{state}_deg", needed(case, rivals.vqf_name(state))
+        found.append(Claim(row, partial(rivals.of_vqf, state=state), held))
     for name in case.tuned:
         held = () if name.startswith("room") else needed(case, name)
         default, tuned = (partial(each, name=name) for each in (rivals.default, rivals.tuned))

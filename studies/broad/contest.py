@@ -116,7 +116,7 @@ class Contest:
         # Arrays of NumPy are float64 whatever they were made of, so all share one compilation.
         params = jax.tree.map(lambda *leaves: np.stack(leaves, dtype=float), *rows)
         parts: tuple[Part, ...] = get_args(Part) if takes_field(name) else ("inclination",)
-        key = filter, parts, *(leaf.tobytes() for leaf in params)
+        key = filter, parts, *(leaf.tobytes() for leaf in jax.tree.leaves(params))
         if key not in self._outcomes:
             errors, last = _judged(filter, parts, params, self.data(name))
             found = {part: np.asarray(each) for part, each in zip(parts, errors, strict=True)}

@@ -1,6 +1,5 @@
 """What tuning is worth on trials that were not tuned on, and what a filter is worth at all."""
 
-from collections.abc import Iterator
 from functools import partial
 from typing import NamedTuple
 
@@ -88,27 +87,29 @@ def gap(case: Case, solutions: Solutions) -> Comparison:
     )
 
 
-def nothing(case: Case, solutions: Solutions) -> Iterator[Comparison]:
-    """No filter at all: accelerometers alone, and gyroscopes alone."""
+ALONE = {"accelerometers": accelerometers, "gyroscopes": gyroscopes}
+
+
+def nothing(case: Case, solutions: Solutions, *, name: str) -> Comparison:
+    """No filter at all: accelerometers alone, or gyroscopes alone."""
+    note = "their mean at rest is taken off" if name == "gyroscopes" else "each for itself"
     own = room(case, solutions, "none")
-    for name, found in (
-        ("accelerometers", accelerometers(case.contest)),
-        ("gyroscopes", gyroscopes(case.contest)),
-    ):
-        how = f"no filter, {name} alone"
-        note = "a constant rate at rest is taken off" if name == "gyroscopes" else "at each sample"
-        yield beaten(f"inclination_{name}_deg", how, found, own, note)
+    how = f"no filter, {name} alone"
+    return beaten(f"inclination_{name}_deg", how, ALONE[name](case.contest), own, note)
 
 
 def claims_held_out(case: Case) -> tuple[Claim, ...]:
     """What can be decided."""
-    nothing_is = Claim("inclination_*s_deg", nothing, needed(case, "none"))
+    held = needed(case, "none")
+    nothings = [
+        Claim(f"inclination_{name}_deg", partial(nothing, name=name), held) for name in ALONE
+    ]
     if not case.folds:
-        return (nothing_is,)
+        return tuple(nothings)
     folds = {name: (fold_name("*", name),) for name in ("room", "room_now")}
     gains = (
         Claim(f"inclination_{name}_gain_deg", partial(helps, name=name), needs)
         for name, needs in folds.items()
     )
     gaps = Claim("inclination_gap_deg", gap, (*folds["room"], alone_name("*")))
-    return (*gains, gaps, nothing_is)
+    return (*gains, gaps, *nothings)

@@ -1,6 +1,6 @@
 """Other filters beside the room filter, each held against the one that has the same freedoms."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -102,35 +102,37 @@ def beaten(quantity: str, how: str, errors: np.ndarray, own: Room, note: str) ->
     )
 
 
-def of_vqf(case: Case, solutions: Solutions) -> Iterator[Comparison]:
-    """VQF with its own parameters, and tuned."""
-    found, own = vqf(case.contest), room(case, solutions, "vqf")
+VQF = {
+    "": "its own parameters",
+    "_tuned": "tuned on these trials",
+    "_lead": "tuned on these trials with a lead",
+    "_lead_loo": "tuned with a lead without the trial that is judged",
+    "_lead_alone": "tuned with a lead on the very trial that is judged",
+}
+"""How VQF is tuned, by the end of the row's name."""
+
+
+def of_vqf(case: Case, solutions: Solutions, *, state: str) -> Comparison:
+    """VQF, tuned as a row's name says."""
+    quantity, how = f"inclination_vqf{state}_deg", VQF[state]
+    found = vqf(case.contest)
     if found is None:
-        for quantity in ("inclination_vqf_deg", "inclination_vqf_tuned_deg"):
-            yield undecided(quantity, "the same trials", unit="deg", note=PACKAGE)
-        return
-    yield beaten("inclination_vqf_deg", "its own parameters", found.default, own, "VQF")
-    note = f"VQF, time constant {found.tau:.2g} s"
-    yield beaten("inclination_vqf_tuned_deg", "tuned on these trials", found.tuned, own, note)
+        return undecided(quantity, how, unit="deg", note=PACKAGE)
+    tau, lead = found.ahead_at
+    errors, note = {
+        "": (found.default, ""),
+        "_tuned": (found.tuned, f", time constant {found.tau:.2g} s"),
+        "_lead": (found.ahead, f", time constant {tau:.2g} s, lead {1e3 * lead:.2g} ms"),
+        "_lead_loo": (found.left_out, ""),
+        "_lead_alone": (found.alone, ""),
+    }[state]
+    own = room(case, solutions, vqf_name(state))
+    return beaten(quantity, how, errors, own, f"VQF{note}")
 
 
-def of_vqf_ahead(case: Case, solutions: Solutions) -> Iterator[Comparison]:
-    """VQF with a lead: tuned on all trials, without the one that is judged, and on it alone."""
-    found, own = vqf(case.contest), room(case, solutions, "vqf_lead")
-    hows = {
-        "": "tuned on these trials with a lead",
-        "_loo": "tuned with a lead without the trial that is judged",
-        "_alone": "tuned with a lead on the very trial that is judged",
-    }
-    for state, how in hows.items():
-        quantity = f"inclination_vqf_lead{state}_deg"
-        if found is None:
-            yield undecided(quantity, how, unit="deg", note=PACKAGE)
-            continue
-        errors = {"": found.ahead, "_loo": found.left_out, "_alone": found.alone}[state]
-        tau, lead = found.ahead_at
-        note = "VQF" + ("" if state else f", time constant {tau:.2g} s, lead {1e3 * lead:.2g} ms")
-        yield beaten(quantity, how, errors, own, note)
+def vqf_name(state: str) -> str:
+    """What VQF is called, as far as it has a lead."""
+    return "vqf_lead" if "lead" in state else "vqf"
 
 
 def default(case: Case, solutions: Solutions, *, name: str) -> Comparison:
