@@ -391,6 +391,24 @@ def test_what_is_no_noise_is_refused_and_a_product_of_two():
         determined(kalman(product, positive("q", "R", init=0.5), z))
 
 
+def test_outliers_long_gaps_and_exact_numbers_do_not_decide():
+    draw, N = np.random.default_rng(1), 400
+    t = np.cumsum(0.5 + draw.random(N))
+    t[200:] += 1e6
+    z = level(0.3, 2.0, np.diff(t, prepend=t[0]) % 1e5, 2)
+    z[70] = 1e12
+    data = Data(TimedSample(np.diff(t, prepend=t[0]), LevelSample(z)), np.zeros(N))
+    problem = Problem("level", facts_of(LocalLevel), Timed(LocalLevel(1.0)), None, LIKELY, data)
+    found = determined(problem)
+    assert found.rank == 2
+    assert found.values["q"] + found.values["R"] < 10
+    line = PositionSample(1e3 + 0.1 * np.arange(200.0))
+    still = Data(line, np.zeros(200))
+    space = facts_of(ConstantVelocity)
+    exact = Problem("line", space, ConstantVelocity(0.1), None, LIKELY, still)
+    assert max(determined(exact).values.values()) < 1e-20  # rounding squared
+
+
 def test_records_that_are_hardly_any():
     """Two measurements leave one difference, three leave both numbers."""
     for z, rank in ((np.array([1.0, 2.0]), 1), (np.array([1.0, 2.0, 2.5]), 2), (np.ones(9), 2)):

@@ -101,7 +101,9 @@ def _told(filter: str | None, sets: tuple[str, ...]) -> InUse:
 def _options(cls: type[Any]) -> list[str]:
     from dataclasses import fields
 
-    return [each.name for each in fields(cls) if each.name != "dt"]
+    from tuner.run.careful import NAMES
+
+    return [*(each.name for each in fields(cls) if each.name != "dt"), *NAMES]
 
 
 def _value(name: str, value: Any) -> Any:

@@ -10,7 +10,7 @@ import numpy as np
 from jax import Array
 
 from filters import Lanes
-from objectives import Fold, is_fold
+from objectives import Fold, is_additive, is_fold
 from tuner.problem.problem import Problem, run_filter
 from tuner.run.blocks import block_mean
 
@@ -85,9 +85,10 @@ def run_with(problem: Problem, values: Mapping[str, Any]) -> Any:
 
 def adds_up(problem: Problem) -> bool:
     """Whether the objective is a sum over samples, divided by what counts."""
-    if not is_fold(problem.objective):
+    if not (is_fold(problem.objective) and is_additive(problem.objective)):
         return False
-    total = problem.objective.init()
+    objective: Any = problem.objective
+    total = objective.init()
     return isinstance(total, tuple) and [np.shape(leaf) for leaf in total] == [(), ()]
 
 

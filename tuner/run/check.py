@@ -68,7 +68,8 @@ def check(
     name = filter if isinstance(filter, str) else filter.__name__
     cls = find("tuner.filters", filter) if isinstance(filter, str) else filter
     records = (record,) if isinstance(record, Record) else tuple(record)
-    wishes = Wishes(fix=values, options=options or {}, objective=objective, held=True)
+    held = {n: _plain(v) for n, v in values.items()}
+    wishes = Wishes(fix=held, options=options or {}, objective=objective, held=True)
     posed = pose_on(name, cls, records, wishes)
     return checked(posed)
 
@@ -90,3 +91,9 @@ def checked(posed: Posed) -> Check:
         )
     values = posed.problem.parameters(space.start())
     return Check(posed, values, posed.problem.score(values), diagnosed(posed, values))
+
+
+def _plain(value: Any) -> Any:
+    """A number, or nested tuples of them, which a space can hold."""
+    array = np.asarray(value, float)
+    return float(array) if array.ndim == 0 else tuple(_plain(part) for part in array)

@@ -40,6 +40,7 @@ def conclude(
     *,
     curvature: bool = True,
     descend: Descent | None = None,
+    smooth: bool = False,
 ) -> Solution:
     """The solution that the best of several ends amounts to.
 
@@ -53,10 +54,12 @@ def conclude(
         begun: when, by ``time.perf_counter``.
         curvature: whether second derivatives and neighbours are looked at.
         descend: the method itself; None where there is none that goes on.
+        smooth: whether the method follows gradients alone; then Newton's step ends it.
     """
     view = _look(problem, best_of(ends), curvature=curvature)
     if curvature and descend is not None:
         ends, view = _gone_on(problem, descend, ends, view)
+        ends, view = _sharpened(problem, ends, view) if smooth else (ends, view)
     best = best_of(ends)
     starts = _agreement(ends, best, view.yard)
     undetermined = flat(problem, view.yard, best.z, view.curved)
@@ -101,18 +104,41 @@ def _gone_on(
         if rough and not problem.constraints:
             ends = [_simplex(problem, end) for end in ends]
         view = _look(problem, best_of(ends), curvature=True)
-    found = [_from_afar(problem, descend, end, best_of(ends), view.yard) for end in ends]
-    if best_of(found).value < best_of(ends).value:
+    best = best_of(ends)
+    first = _from_afar(problem, descend, best, view.yard)
+    ends = [first if end is best else end for end in ends]
+    found = [
+        end if _agrees(end, first, view.yard) else _from_afar(problem, descend, end, view.yard)
+        for end in ends
+    ]
+    if best_of(found) is not best:
         view = _look(problem, best_of(found), curvature=True)
     return found, view
 
 
-def _from_afar(
-    problem: Problem, descend: Descent, end: Minimum, best: Minimum, yard: Yardstick
-) -> Minimum:
-    """An end that is worse than the best, gone on with for as long as lower points are seen."""
+def _sharpened(problem: Problem, ends: list[Minimum], view: _View) -> tuple[list[Minimum], _View]:
+    """The best end after a step of Newton's, which leaves what no difference of values shows."""
+    best, hessian = best_of(ends), view.curved.hessian
+    low, high = problem.space.box()
+    inside = not (view.held.limits or view.held.weights.any())
+    if hessian is None or not inside or view.near.rough or not view.curved.curvatures[0] > 0:
+        return ends, view
+    step = np.linalg.solve(hessian, view.held.gradient)
+    z = best.z - step
+    value, gradient = problem.value_and_gradient(z)
+    lies_in = ((low < z) & (z < high)).all() and np.abs(step).max() < 1e-3
+    still = np.abs(gradient).max() < view.yard.unit * np.abs(view.held.gradient).max()
+    end = replace(best, evaluations=best.evaluations + 1)
+    if lies_in and still and value - best.value <= 1e-12 * abs(best.value):
+        end = replace(end, z=z, value=value)
+        view = view._replace(held=view.held._replace(gradient=gradient / view.yard.unit))
+    return [end if each is best else each for each in ends], view
+
+
+def _from_afar(problem: Problem, descend: Descent, end: Minimum, yard: Yardstick) -> Minimum:
+    """An end gone on with for as long as lower points are seen anywhere in the box."""
     for _ in range(ROUNDS):
-        if not end.finished or not np.isfinite(end.value) or _agrees(end, best, yard):
+        if not end.finished or not np.isfinite(end.value) or problem.constraints:
             break
         lower = lower_afar(problem, yard, end.z)
         if lower is None:
@@ -174,6 +200,8 @@ def _status_of_point(problem: Problem, best: Minimum, view: _View) -> Status:
         return Status.SADDLE if flat and falls else _unfinished(best)
     if view.near.rough:
         return Status.STAIRCASE if view.near.steps else Status.KINK
+    if np.isnan(fall):  # no derivative here, and no lower neighbour: the root of a square at 0
+        return Status.KINK
     outward = pushed(problem, best.z, view.held.gradient)
     if still and (np.abs(view.held.gradient[outward]) > view.yard.negligible).any():
         return Status.AT_BOUND
