@@ -117,6 +117,15 @@ def test_readme_commands_run_one_after_another(desk):
     assert Path("gyro.h").read_text().count("gyro_step") >= 1
 
 
+def test_the_check_of_its_page_runs(desk, capfd):
+    text = (ROOT / "docs" / "diagnostics.md").read_text(encoding="utf-8")
+    (line,) = [
+        c for block in re.findall(r"```sh\n(.*?)```", text, re.DOTALL) for c in commands(block)
+    ]
+    assert invoke(line) == 0
+    assert "Diagnostics" in capfd.readouterr().out
+
+
 @pytest.mark.parametrize("page", ["kownacki2010.md", "fit.md", "rest.md"])
 def test_study_page_command_runs(desk, page):
     text = (ROOT / "docs" / page).read_text(encoding="utf-8")

@@ -114,6 +114,28 @@ def test_a_problem_is_answered_by_one_command(name, cli, here):
     check(name, answer(Answer(here / "out")), here)
 
 
+def test_values_in_use_are_checked_by_one_command(cli, here):
+    log = CASES / "nis-check" / "track1d.csv"
+    words = ("--filter", "constant-velocity", "--map", "x=x:m", "--log", log, "--json")
+    code, out, err = cli("check", *words, "--set", "q=4", "--set", "R=25")
+    assert code == 0, err
+    found = json.loads(out)["diagnostics"]
+    check("nis-check", {"nis": found["nis"], "factor": found["factor"]}, here)
+    assert found["factor_low"] < found["factor"] < found["factor_high"]
+    assert [f["test"] for f in found["findings"] if f["verdict"] == "failed"] == ["size"]
+
+
+def test_wrong_echoes_are_counted(cli, here):
+    """Of the sonar's 1200 ranges 51 are wrong."""
+    log = CASES / "outliers-sonar" / "sonar.csv"
+    words = ("--filter", "constant-velocity", "--map", "x=range_m:m", "--log", log, "--json")
+    code, out, err = cli("check", *words, "--set", "q=0.0221", "--set", "R=5.9e-5")
+    assert code == 0, err
+    found = {f["test"]: f for f in json.loads(out)["diagnostics"]["findings"]}
+    assert found["outliers"]["verdict"] == "failed"
+    assert found["outliers"]["statistic"] >= 51
+
+
 def check(name, answer, here):
     (here / "answer.json").write_text(json.dumps(answer, default=float))
     said = subprocess.run(

@@ -82,16 +82,29 @@ def _told(problem: Problem, yard: Yardstick, z: np.ndarray, direction: np.ndarra
 def predicted_fall(problem: Problem, z: np.ndarray, held: Held, curved: Spectrum) -> float:
     """How far the value should fall from a point ``(n,)``, in units, by its derivatives there.
 
-    To where the quadratic model is lowest, within a step of 1 along each axis. What pushes against
-    an end of the box is left out. NaN where a derivative is not a number.
+    To where the quadratic model is lowest, within a step of 1 along each axis and within the box.
+    What pushes against an end of the box is left out. Without curvatures, or where they are not
+    numbers, the slope alone foretells; NaN where that is not a number either.
     """
     slopes = np.where(pushed(problem, z, held.gradient), 0.0, held.gradient)
-    axes = curved.directions if len(curved.curvatures) else held.tangent
-    curvatures = curved.curvatures if len(curved.curvatures) else np.zeros(axes.shape[1])
-    along = np.abs(axes.T @ slopes)
+    known = len(curved.curvatures) > 0 and bool(np.isfinite(curved.curvatures).all())
+    axes = curved.directions if known else held.tangent
+    curvatures = curved.curvatures if known else np.zeros(axes.shape[1])
+    along = np.abs(axes.T @ (slopes * _within(problem, z, slopes, curved.hessian)))
     near = (curvatures >= along) & (curvatures > 0)  # the model's lowest point is within 1
     inside = np.divide(along**2, 2 * curvatures, out=np.zeros_like(along), where=near)
     return float(np.where(near, inside, along - curvatures / 2).sum())
+
+
+def _within(
+    problem: Problem, z: np.ndarray, slopes: np.ndarray, hessian: np.ndarray | None
+) -> np.ndarray:
+    """Shares of the slopes that the box leaves: how far one can go down each, at most 1."""
+    low, high = problem.space.box()
+    left = np.where(slopes > 0, z - low, high - z)
+    bend = np.zeros(len(z)) if hessian is None else np.maximum(np.diag(hessian), 0.0)
+    reached = bend * left >= np.abs(slopes)  # the lowest point lies before the end
+    return np.where(reached, 1.0, np.clip(left, 0.0, 1.0))
 
 
 def flat_in_words(labels: list[str], direction: np.ndarray) -> str:

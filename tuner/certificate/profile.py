@@ -9,8 +9,8 @@ from tuner.certificate.certify import TENFOLD
 from tuner.certificate.yardstick import Yardstick
 from tuner.problem.problem import Problem
 
-INNER = 6
-"""Steps of the other parameters towards their best, at each point of a profile."""
+INNER = {"likelihood": 6}
+"""Steps of the other parameters towards their best, at each point of a profile; of a cost, 2."""
 MANY = 8
 """From so many coordinates on, the others follow along the ridge of the quadratic model alone."""
 APART = 24
@@ -139,7 +139,7 @@ class _Profile:
             deviation=float(np.sqrt(covariance[held, held])),
             ridge=covariance[:, held] / covariance[held, held],
             inverse=np.linalg.inv(model[np.ix_(others, others)]),
-            idle=np.flatnonzero(others & (np.diag(hessian) * TENFOLD**2 / 2 < yard.rise)),
+            idle=_idle(problem, yard, hessian, others),
         )
 
     def at(self, near: _Point, coordinate: float) -> _Point:
@@ -177,7 +177,7 @@ class _Profile:
         """The others moved to their best by quasi-Newton steps (BFGS) from the model's inverse."""
         inverse = self.inverse
         value, slope = self._slope(point)
-        for _ in range(INNER):
+        for _ in range(INNER.get(self.yard.kind, 2)):
             step = -inverse @ slope
             if not np.isfinite(step).all() or -(slope @ step) / 2 < 0.002 * self.yard.rise:
                 break
@@ -205,6 +205,14 @@ class _Profile:
     def _slope(self, point: np.ndarray) -> tuple[float, np.ndarray]:
         value, gradient = self.problem.value_and_gradient(point)
         return value / self.yard.unit, gradient[self.others] / self.yard.unit
+
+
+def _idle(problem: Problem, yard: Yardstick, hessian: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Which of the others hardly matter: a factor ten either way is not told from the best."""
+    if yard.kind != "likelihood":
+        return np.zeros(0, int)
+    slight = np.diag(hessian) * TENFOLD**2 / 2 < yard.rise
+    return np.flatnonzero(others & slight & ~problem.space.thresholds())
 
 
 def _positive(hessian: np.ndarray) -> np.ndarray:

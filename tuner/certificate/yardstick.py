@@ -14,6 +14,8 @@ NATS_95_ONE_SIDED = 1.352772
 """The same of the 90 % quantile: a limit to one side that holds in 95 of 100 cases."""
 SHARE = 0.01
 """The rise of a plain cost, as a share of it, up to which a value is as good as the best."""
+OTHERS = 8
+"""So many points are looked at for a value that is not 0."""
 FLOOR = 1e-6
 """Shares are of the value, but of no less than this share of the value where the search began."""
 
@@ -48,9 +50,17 @@ def yardstick(problem: Problem, z: np.ndarray) -> Yardstick:
     kind = kind_of(problem.objective)
     if kind == "likelihood" and problem.filter is not None:
         return Yardstick(kind, 1 / max(numbers(problem, z), 1.0), NATS_95, 0.01)
-    begun = problem.value(problem.space.start())
-    least = FLOOR * abs(begun) if np.isfinite(begun) else 0.0
-    return Yardstick(kind, max(abs(problem.value(z)), least) or 1.0, SHARE, 1e-3)
+    unit = max(abs(problem.value(z)), FLOOR * _usual(problem))
+    return Yardstick(kind, unit if 0 < unit < np.inf else 1.0, SHARE, 1e-3)
+
+
+def _usual(problem: Problem) -> float:
+    """How large values are: where the search begins, or anywhere where that is 0 or no number."""
+    for z in problem.starts(OTHERS, seed=0):
+        size = abs(problem.value(z))
+        if 0 < size < np.inf:
+            return size
+    return 0.0
 
 
 def told_apart(problem: Problem, yard: Yardstick, best: np.ndarray, other: np.ndarray) -> bool:

@@ -218,6 +218,8 @@ def check(
     rate: Rate = None,
     time: Time = None,
     by: By = None,
+    from_: From = None,
+    to: To = None,
     objective: Annotated[
         str | None, typer.Option(help="Of tuner list objectives; the error or the likelihood.")
     ] = None,
@@ -235,6 +237,8 @@ def check(
         rate=rate,
         time=time,
         by=by,
+        from_s=from_,
+        to_s=to,
         json=json,
     )
     raise typer.Exit(show(run, filter, set or (), request, objective))

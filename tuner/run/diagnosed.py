@@ -17,17 +17,19 @@ TURNS = {"rad": (2 * np.pi,), "deg": (360.0,), "": (2 * np.pi, 360.0)}
 """A full turn by the unit of a measurement; one of which nobody told the unit may be an angle."""
 
 
-def diagnosed(posed: Posed, values: Mapping[str, Any]) -> Diagnostics | None:
+def diagnosed(posed: Posed, values: Mapping[str, Any], *, fitted: int = 0) -> Diagnostics | None:
     """What the innovations of some parameters say; None for a filter without innovations.
 
     Args:
         posed: the problem and its data.
         values: all parameters, by name.
+        fitted: how many of them were tuned on these innovations.
     """
     cls = type(bare(posed.problem.filter))
     if "innovation" not in channel_facts(cls, "outputs"):
         return None
-    return diagnose(innovations_of(posed, values), ways_of(cls, posed.timeline))
+    found, ways = innovations_of(posed, values), ways_of(cls, posed.timeline)
+    return diagnose(found, ways, fitted=fitted)
 
 
 def innovations(problem: Problem, values: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:

@@ -194,7 +194,7 @@ def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wish
     source = _source([part for record in records for part in record.sources])
     line = lines[0] if len(lines) == 1 else stacked(lines)
     posed = pose(name, cls, line, wishes, source)
-    known = known_of(posed.problem)
+    known = None if wishes.held else known_of(posed.problem)
     open_ = () if known is None else known.sentences
     return replace(posed, notes=(*strange, *line.notes, *open_), undetermined=open_)
 

@@ -13,7 +13,7 @@ from tuner.run.careful import Refused, refused_of
 from tuner.run.diagnosed import diagnosed
 from tuner.run.front import Trade
 from tuner.run.held_out import HeldOut
-from tuner.run.posed import Posed
+from tuner.run.posed import NO_TRUTH, Posed
 from tuner.run.rescaled import Rescaled
 
 
@@ -60,7 +60,8 @@ def judge(posed: Posed, solution: Solution, held_out: HeldOut | None) -> Judged:
     found = solution.status is not Status.FAILED
     refused = refused_of(posed.problem.outputs(solution)) if found else None
     begun = posed.problem.parameters(posed.problem.space.start())
-    before, now = diagnosed(posed, begun), diagnosed(posed, _of(solution))
+    fitted = posed.problem.space.size if posed.objective in NO_TRUTH else 0
+    before, now = diagnosed(posed, begun), diagnosed(posed, _of(solution), fitted=fitted)
     return Judged(
         posed.objective,
         posed.unit,

@@ -92,7 +92,11 @@ def _look(problem: Problem, end: Minimum, *, curvature: bool) -> _View:
 def _gone_on(
     problem: Problem, descend: Descent, ends: list[Minimum], view: _View
 ) -> tuple[list[Minimum], _View]:
-    """The ends with the best one followed for as long as a neighbour of it is lower; its view."""
+    """The ends, gone on with while lower points are seen; and the best one's view.
+
+    It may cost as many evaluations as the search itself.
+    """
+    most = 2 * _spent(ends)
     for turn in range(ROUNDS):
         best, lower = best_of(ends), view.near.lower
         # What a second descent did not find either, the derivatives do not show.
@@ -104,16 +108,35 @@ def _gone_on(
         if rough and not problem.constraints:
             ends = [_simplex(problem, end) for end in ends]
         view = _look(problem, best_of(ends), curvature=True)
+        if _spent(ends) > most:
+            return ends, view
     best = best_of(ends)
-    first = _from_afar(problem, descend, best, view.yard)
-    ends = [first if end is best else end for end in ends]
-    found = [
-        end if _agrees(end, first, view.yard) else _from_afar(problem, descend, end, view.yard)
-        for end in ends
-    ]
-    if best_of(found) is not best:
-        view = _look(problem, best_of(found), curvature=True)
-    return found, view
+    for i in sorted(range(len(ends)), key=lambda i: ends[i].value):
+        lowest = best_of(ends)
+        if ends[i] is lowest or not _agrees(ends[i], lowest, view.yard):
+            ends = [*ends[:i], _from_afar(problem, descend, ends, i, most), *ends[i + 1 :]]
+    if best_of(ends) is not best:
+        view = _look(problem, best_of(ends), curvature=True)
+    return ends, view
+
+
+def _spent(ends: list[Minimum]) -> int:
+    return sum(end.evaluations for end in ends)
+
+
+def _from_afar(
+    problem: Problem, descend: Descent, ends: list[Minimum], at: int, most: int
+) -> Minimum:
+    """An end gone on with for as long as lower points are seen anywhere in the box."""
+    end, others = ends[at], _spent(ends) - ends[at].evaluations
+    for _ in range(ROUNDS):
+        if not end.finished or not np.isfinite(end.value) or problem.constraints:
+            break
+        lower = lower_afar(problem, yardstick(problem, end.z), end.z)
+        if lower is None or others + end.evaluations > most:
+            break
+        end = _followed(problem, descend, end, lower)
+    return end
 
 
 def _sharpened(problem: Problem, ends: list[Minimum], view: _View) -> tuple[list[Minimum], _View]:
@@ -133,18 +156,6 @@ def _sharpened(problem: Problem, ends: list[Minimum], view: _View) -> tuple[list
         end = replace(end, z=z, value=value)
         view = view._replace(held=view.held._replace(gradient=gradient / view.yard.unit))
     return [end if each is best else each for each in ends], view
-
-
-def _from_afar(problem: Problem, descend: Descent, end: Minimum, yard: Yardstick) -> Minimum:
-    """An end gone on with for as long as lower points are seen anywhere in the box."""
-    for _ in range(ROUNDS):
-        if not end.finished or not np.isfinite(end.value) or problem.constraints:
-            break
-        lower = lower_afar(problem, yard, end.z)
-        if lower is None:
-            break
-        end = _followed(problem, descend, end, lower)
-    return end
 
 
 def _simplex(problem: Problem, end: Minimum) -> Minimum:
@@ -200,6 +211,8 @@ def _status_of_point(problem: Problem, best: Minimum, view: _View) -> Status:
         return Status.SADDLE if flat and falls else _unfinished(best)
     if view.near.rough:
         return Status.STAIRCASE if view.near.steps else Status.KINK
+    if np.isnan(fall):  # no derivative here, and no lower neighbour: the root of a square at 0
+        return Status.KINK
     outward = pushed(problem, best.z, view.held.gradient)
     if still and (np.abs(view.held.gradient[outward]) > view.yard.negligible).any():
         return Status.AT_BOUND
