@@ -98,15 +98,18 @@ class Column:
     def calm(self) -> np.ndarray:
         """Which numbers are no outliers and follow none; all where less than half would stay.
 
-        What follows ends with two numbers in a row within two deviations.
+        What follows ends with two numbers in a row within two deviations, and not before an outlier
+        that halves each time would be as small as one.
         """
         size = np.abs(self.e)
         small = size <= SMALL * self.scale
         over = small & np.concatenate([[False], small[:-1]])
-        near = follows = size > INSIDE * self.scale
-        for _ in range(AFTERMATH):
-            follows = np.concatenate([[False], follows[:-1]]) & ~over
-            near = near | follows
+        near = size > INSIDE * self.scale
+        loud = np.where(near, size, 0.0)
+        for lag in range(1, AFTERMATH + 1):
+            loud = np.concatenate([[0.0], loud[:-1]])
+            loud[over & (loud < 2.0**lag * self.scale)] = 0.0
+            near = near | (loud > 0)
         return ~near if 2 * near.sum() < len(near) else np.ones_like(near)
 
     def only(self, rows: np.ndarray) -> "Column":

@@ -13,7 +13,7 @@ from tuner.problem.problem import Problem, run_filter
 from tuner.run.posed import Posed
 from tuner.run.searched import DEVIATION, own_unit
 
-TURNS = {"rad": (2 * np.pi,), "deg": (360.0,), "": (2 * np.pi, 360.0)}
+TURNS = {"rad": (2 * np.pi,), "unit": (2 * np.pi, 360.0)}
 """A full turn by the unit of a measurement; one of which nobody told the unit may be an angle."""
 
 
@@ -68,7 +68,7 @@ def innovations_of(posed: Posed, values: Mapping[str, Any]) -> Innovations:
         times=line.times,
         levels=None if measured is None else np.where(s > 0, measured - y, np.nan),
         names=names,
-        unit=unit,
+        unit="" if unit == "unit" else unit,
         turns=TURNS.get(unit, ()),
         foretold="variance" in facts,
     )
