@@ -78,7 +78,7 @@ def motion_noises(flight: Flight) -> dict[str, float]:
 def uses(flight: Flight) -> dict[str, Use]:
     """Who is held against the autopilot; two noises by the motion of a flight."""
     bounded, found = BoundedMotionKalman(flight.dt), motion_noises(flight)
-    told = ", ".join(f"{name} {value:.2g}" for name, value in found.items())
+    told = ", ".join(f"{name} {value:.3g}" for name, value in found.items())
     return {
         "mahony": Use("Mahony, published gains", Mahony(flight.dt), {}),
         "bounded_room": Use("bounded motion, a room's noises", bounded, {}),
