@@ -26,7 +26,7 @@ from tuner.problem.parameters import Fixed, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.space import Space
 from tuner.run.fit import pose_on
-from tuner.run.noise_scale import powers
+from tuner.run.noise_scale import check_powers, powers
 from tuner.run.rescaled import nees_of, rescaled
 from tuner.run.result import read_result
 from tuner.run.searched import Wishes
@@ -101,12 +101,17 @@ def test_a_filter_with_noise_of_its_own_is_not_scaled():
 
 
 def test_a_gate_that_would_decide_otherwise_is_not_scaled():
+    """Of outliers of 30 a gate of 4 deviations of about 1 refuses all, and of about 10 none."""
     z = LEVEL["z"] + 30.0 * (np.arange(400) % 37 == 5)
     record = tuner.Record.of({"z": z}, rate_hz=1.0, truth={"level": LEVEL["level"]})
-    fit = tuner.fit("local-level", record, starts=1, hold_out=False, options={"gate": 4.0})
-    assert fit.judged.rescaled.reason.endswith("noise of its own, or a gate")
-    assert fit.judged.rescaled.factor == 1.0
-    assert "variances_scaled_by" not in fit.solution.derived
+    wishes = Wishes(options={"gate": 4.0})
+    problem = pose_on("local-level", LocalLevel, (record,), wishes).problem
+    values = {"q": np.array(0.1), "R": np.array(1.0)}
+    by = powers(problem, values)
+    assert by == {"q": 1.0, "R": 1.0}
+    check_powers(problem, values, by, 1.5)
+    with pytest.raises(ValueError, match="noise of its own, or a gate"):
+        check_powers(problem, values, by, 100.0)
 
 
 def test_no_noise_tells_no_factor():
