@@ -95,9 +95,9 @@ def _scatter(
     # the best point, where r' = 0; the sum's own scale c N = sum of squares / r^2.
     from tuner.problem.samples import added
 
-    total = float(added(problem, z).amounts.sum())
+    total, value = float(added(problem, z).amounts.sum()), abs(problem.value(z))
     power = 2.0 if yard.kind == "root mean square" else 1.0
-    return sandwich(problem, z, hessian * yard.unit / abs(problem.value(z)) * power * total)
+    return sandwich(problem, z, hessian * yard.unit / value * power * total) if value else None
 
 
 def _intervals(
