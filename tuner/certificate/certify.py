@@ -7,7 +7,7 @@ import numpy as np
 from tuner.certificate.kkt import Held, at_ends, pushed
 from tuner.certificate.solution import Certificate, Starts
 from tuner.certificate.spectrum import Spectrum
-from tuner.certificate.yardstick import Yardstick, told_apart
+from tuner.certificate.yardstick import Best, Yardstick
 from tuner.problem.problem import Problem
 
 TENFOLD = math.log(10)
@@ -56,27 +56,25 @@ def flat(problem: Problem, yard: Yardstick, z: np.ndarray, curved: Spectrum) -> 
     Each is ``(n,)``, of the largest entry 1: those axes of the curvature, or the one coordinate
     that such an axis is nearly, where that is flat by itself.
     """
-    found: list[np.ndarray] = []
+    best, found = Best(problem, yard, z, problem.value(z)), []
     for direction in curved.directions.T[np.isfinite(curved.curvatures)]:
         step = direction / direction[np.argmax(np.abs(direction))]
         alone = np.where(np.abs(step) < HARDLY, 0.0, step)
-        for tried in (alone, step):
-            if not _told(problem, yard, z, tried):
-                found.append(tried)
-                break
+        untold = next((each for each in (alone, step) if not _told(best, each)), None)
+        found += [] if untold is None else [untold]
     return found
 
 
-def _told(problem: Problem, yard: Yardstick, z: np.ndarray, direction: np.ndarray) -> bool:
+def _told(best: Best, direction: np.ndarray) -> bool:
     """Whether a tenfold change along a direction can be told, to one side at least."""
-    limited = problem.space.limited()
-    low, high = problem.space.box()
+    limited = best.problem.space.limited()
+    low, high = best.problem.space.box()
 
     def moved(side: int) -> np.ndarray:
-        point = z + side * TENFOLD * direction
+        point = best.z + side * TENFOLD * direction
         return np.where(limited, np.clip(point, low, high), point)
 
-    return any(told_apart(problem, yard, z, moved(side)) for side in (1, -1))
+    return any(best.is_told_from(moved(side)) for side in (1, -1))
 
 
 def predicted_fall(problem: Problem, z: np.ndarray, held: Held, curved: Spectrum) -> float:

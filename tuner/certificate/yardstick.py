@@ -1,12 +1,14 @@
 """In what a difference of values is measured: in nats, or in shares of the value."""
 
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from objectives import Kind, kind_of
 from tuner.problem.problem import Problem
-from tuner.problem.samples import added, numbers
+from tuner.problem.samples import Added, added, numbers
 
 NATS_95 = 1.920729
 """Half the 95 % quantile of chi-square with one degree of freedom: a likelihood ratio's limit."""
@@ -63,21 +65,44 @@ def _usual(problem: Problem) -> float:
     return 0.0
 
 
-def told_apart(problem: Problem, yard: Yardstick, best: np.ndarray, other: np.ndarray) -> bool:
-    """Whether the data tell another point from the best one, both ``(n,)``.
+PLAIN = 0.5
+"""A mean square that is higher by more than this share is told from the best without a test."""
 
-    A likelihood by its ratio, a plain cost by a hundredth of it. Two mean squares are compared
-    sample by sample: their difference is told where it exceeds twice its standard error, which
-    blocks of samples give that are longer than the errors are correlated.
+
+@dataclass(frozen=True, eq=False)
+class Best:
+    """The best point, for others to be told from.
+
+    Attributes:
+        problem: the problem.
+        yard: how differences of its values are measured.
+        z: the point, ``(n,)``.
+        value: the objective there.
     """
-    rise = yard.of(problem.value(other) - problem.value(best))
-    if yard.kind in ("likelihood", "cost"):
-        return abs(rise) > yard.rise
-    if not np.isfinite(rise):
-        return True
-    from tuner.certificate.sandwich import long_run
 
-    one, two = added(problem, best), added(problem, other)
-    difference = (two.amounts - one.amounts)[..., None]
-    spread = np.sqrt(long_run(difference - difference.mean()).covariance[0, 0])
-    return bool(abs(difference.sum()) > 2 * spread)
+    problem: Problem
+    yard: Yardstick
+    z: np.ndarray
+    value: float
+
+    @cached_property
+    def _added(self) -> Added:
+        return added(self.problem, self.z)
+
+    def is_told_from(self, other: np.ndarray) -> bool:
+        """Whether the data tell another point ``(n,)`` from this one.
+
+        A likelihood by its ratio, a plain cost by a hundredth of it. Two mean squares are compared
+        sample by sample: their difference is told where it exceeds twice its standard error, which
+        blocks of samples give that are longer than the errors are correlated.
+        """
+        rise = self.yard.of(self.problem.value(other) - self.value)
+        if self.yard.kind in ("likelihood", "cost"):
+            return abs(rise) > self.yard.rise
+        if not rise < PLAIN:
+            return True
+        from tuner.certificate.sandwich import long_run
+
+        difference = (added(self.problem, other).amounts - self._added.amounts)[..., None]
+        spread = np.sqrt(long_run(difference - difference.mean()).covariance[0, 0])
+        return bool(abs(difference.sum()) > 2 * spread)

@@ -71,7 +71,8 @@ def with_noise(
         raise ValueError(f"noise is {asked!r}; give {', '.join(NOISES[:-1])} or {NOISES[-1]}")
     made = {"level": level_noise, "sigma": channel_noise}
     for word in (each for each in NOISES if each in words):
-        cls = coloured_noise(cast("Hashable", cls), step) if word == "coloured" else made[word](cls)
+        key = cast("Hashable", cls)
+        cls = coloured_noise(key, step) if word == "coloured" else made[word](key)
     return cls, {name: value for name, value in options.items() if name != "noise"}
 
 

@@ -113,7 +113,8 @@ def _gone_on(
     best = best_of(ends)
     for i in sorted(range(len(ends)), key=lambda i: ends[i].value):
         lowest = best_of(ends)
-        if ends[i] is lowest or not _agrees(ends[i], lowest, view.yard):
+        alone = ends[i] is lowest and not _most_agree(_agreement(ends, lowest, view.yard))
+        if alone or not _agrees(ends[i], lowest, view.yard):
             ends = [*ends[:i], _from_afar(problem, descend, ends, i, most), *ends[i + 1 :]]
     if best_of(ends) is not best:
         view = _look(problem, best_of(ends), curvature=True)
@@ -196,9 +197,14 @@ def _status(problem: Problem, best: Minimum, view: _View, starts: Starts) -> Sta
     if not best.allowed:
         return Status.INFEASIBLE
     alone = _status_of_point(problem, best, view)
-    if alone.trusted and starts.count > 1 and starts.agreeing < max(2, starts.count / 2):
+    if alone.trusted and starts.count > 1 and not _most_agree(starts):
         return Status.STARTS_DIFFER
     return alone
+
+
+def _most_agree(starts: Starts) -> bool:
+    """Whether at least half of the starts, and two, came to the best value."""
+    return starts.agreeing >= max(2, starts.count / 2)
 
 
 def _status_of_point(problem: Problem, best: Minimum, view: _View) -> Status:
