@@ -152,6 +152,8 @@ def _trust(solution: Solution, judged: Judged) -> Iterator[str]:
             )
     now = judged.diagnostics[1]
     said = {"size"} if now.verdict != "consistent" else set()
+    if now["full turns"].verdict == "failed":  # they are the outliers
+        said.add("outliers")
     yield from (found.sentence for found in now.failed if found.test not in said)
 
 
