@@ -15,6 +15,11 @@ from rich.table import Table
 from benchmarks.coverage.counting import HIGH, LOW, Covered, counted, nile, off_profile
 from benchmarks.coverage.settings import SETTINGS
 
+HEADER = (
+    *("record", "number", "truth", "interval holds", "robust holds", "oracle"),
+    *("none", "one-sided", "kinds"),
+)
+
 
 def main(arguments: list[str] | None = None) -> int:
     """Count, print; 1 where an interval that should cover does not."""
@@ -53,9 +58,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _show(rows: list[Covered], said: Console) -> None:
-    table = Table(
-        "record", "number", "truth", "interval holds", "robust holds", "none", "one-sided", "kinds"
-    )
+    table = Table(*HEADER)
     for row in rows:
         mark = "" if row.holds else " !"
         table.add_row(
@@ -64,6 +67,7 @@ def _show(rows: list[Covered], said: Console) -> None:
             f"{row.truth:.4g}",
             f"{row.interval:.1%}",
             f"{row.robust:.1%}{mark}",
+            "" if row.oracle is None else "{:.1%}, {:.1%}".format(*row.oracle),
             str(row.missing or ""),
             str(row.one_sided or ""),
             row.kinds,

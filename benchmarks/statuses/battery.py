@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from benchmarks.statuses import families, likelihoods
+from benchmarks.statuses import families, likelihoods, rough, valleys
 from benchmarks.statuses.case import Case
 from benchmarks.statuses.judge import Verdict, is_threshold_refusal, judge, raised
 from tuner.solvers import make_solver
@@ -18,7 +18,8 @@ SLOW = 3
 
 def cases(seed: int, share: float = 1.0, family: str | None = None) -> Iterator[Case]:
     """The cases, in order; a share below 1 takes the first ones of every kind, at least one."""
-    for kind, (make, count) in enumerate([*families.plan(), *likelihoods.plan()]):
+    plans = [*families.plan(), *rough.plan(), *valleys.plan(), *likelihoods.plan()]
+    for kind, (make, count) in enumerate(plans):
         for number in range(max(1, round(share * count))):
             case = make(np.random.default_rng([seed, kind, number]), number)
             if family not in (None, case.family):

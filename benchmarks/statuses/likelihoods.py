@@ -8,7 +8,7 @@ import numpy as np
 from jax import Array
 
 from benchmarks.statuses.case import Case, lowest
-from benchmarks.statuses.families import Make
+from benchmarks.statuses.drawn import Make
 from filters import LevelSample, LocalLevel
 from objectives import Data, InnovationLikelihood
 from tuner import Limited, Positive, Problem, Space

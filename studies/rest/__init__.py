@@ -28,9 +28,9 @@ def plan(settings: Settings, records: tuple[Record, ...], seed: int, storage: st
     ]
     if settings.requirement:
         for rest in rests:
-            problem, K = filter_problem(rest), rest.gain
-            known = Known("closed form", lambda _, K=K: {"K1": K}, "the least gain that will do")  # type: ignore[misc]
-            tasks += [Task(problem, known), Task(problem, Ipopt(seed=seed, starts=1))]
+            problem = filter_problem(rest)
+            solvers = (_closed_form(rest), Ipopt(seed=seed, starts=1))
+            tasks += [Task(problem, solver) for solver in solvers]
     return Plan(
         source=Source.joined(axes[0].source.name, [axes[0].source]),
         tasks=tuple(tasks),
@@ -41,6 +41,10 @@ def plan(settings: Settings, records: tuple[Record, ...], seed: int, storage: st
         notes=tuple(note for rest in rests for note in _notes(rest)),
         findings=findings,
     )
+
+
+def _closed_form(rest: Rest) -> Known:
+    return Known("closed form", lambda _: {"K1": rest.gain}, "the least gain that will do")
 
 
 def channels(settings: Settings) -> dict[str, Channel]:
@@ -55,9 +59,9 @@ def _notes(rest: Rest) -> Iterator[str]:
         yield f"{name}: no part of the Allan curve is white noise, so N and K mean little"
     elif noise.from_s > 1.5 * dt:
         yield (
-            f"{name} is not white below {noise.from_s:.3g} s (the sensor's own filter, vibration or "
-            f"coarse steps); N is read from {noise.from_s:.3g} s to {noise.to_s:.3g} s, and at "
-            f"{rest.rate_hz:g} Hz a sample differs from its neighbours by less than R says"
+            f"{name} is not white below {noise.from_s:.3g} s (the sensor's own filter, vibration "
+            f"or coarse steps): N is read from {noise.from_s:.3g} s to {noise.to_s:.4g} s on, and "
+            f"R = N^2 rate is that of white noise, not the variance of a sample"
         )
     step = resolution(rest.axis.values)
     if step is not None and step > 0.5 * rest.axis.values.std():

@@ -6,8 +6,9 @@ transform makes the increments independent; what the filter's innovations say on
 LocalLevel, with nothing known at the start) these say at once.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -67,11 +68,10 @@ class Averages:
         m, q = self.factor, walk**2 * self.dt
         return Level(white**2 / self.step - q * (m * m - 1) / (6 * m), q * m)
 
-    def densities(self, level: Level) -> tuple[float, float]:
-        """N and K for R and Q of the means."""
-        m, q = self.factor, level.Q / self.factor
-        square = (level.R + q * (m * m - 1) / (6 * m)) * self.step
-        return float(np.sqrt(square)), float(np.sqrt(q / self.dt))
+    def densities(self, R: Any, Q: Any) -> tuple[Any, Any]:
+        """N and K for R and Q of the means, numbers or arrays of any kind."""
+        m, q = self.factor, Q / self.factor
+        return ((R + q * (m * m - 1) / (6 * m)) * self.step) ** 0.5, (q / self.dt) ** 0.5
 
     def nats(self, white: float, walk: float) -> float:
         """Minus the log-likelihood of N and K, but for its constant."""
@@ -82,20 +82,19 @@ class Averages:
         return float(np.sum(np.log(variances) + self.powers / variances)) / 2
 
 
-def most_likely(averages: Averages, white: float, walk: float) -> tuple[Limited, Limited]:
+def most_likely(averages: Averages) -> tuple[Limited, Limited]:
     """N and K of greatest likelihood with their 95 % profile limits.
 
     A lower limit of 0 says that there may be no walk at all; the estimate itself may then be 0.
 
-    Args:
-        averages: what was measured.
-        white: where the search for N begins.
-        walk: where that for K begins, positive.
+    The time N / K, from which on the walk is more than the noise, is looked for from less than a
+    step of the means to a hundred times the record.
     """
-    ratios = walk / white * np.geomspace(1e-3, 1e3, 25)
+    longest = 100 * averages.step * len(averages.means)
+    ratios = np.geomspace(1 / longest, 3 / averages.step, 60)
     profile = [_scaled(averages, ratio)[0] for ratio in ratios]
-    near = ratios[int(np.argmin(profile))]
-    ratio = _least(lambda x: _scaled(averages, np.exp(x))[0], np.log(near / 3), np.log(near * 3))
+    near = float(ratios[int(np.argmin(profile))])
+    ratio = float(_least(lambda x: _scaled(averages, np.exp(x))[0], near, np.log(3.0)).x)
     best, N = _scaled(averages, np.exp(ratio))
     still, alone = _scaled(averages, 0.0)
     if still <= best + 1e-6:
@@ -116,58 +115,48 @@ def _scaled(averages: Averages, ratio: float) -> tuple[float, float]:
 
 
 def _white_limits(averages: Averages, best: float, N: float, K: float) -> Limited:
-    from scipy.optimize import minimize_scalar
-
     def excess(white: float) -> float:
-        if K == 0:
-            return averages.nats(white, 0.0) - best - _NATS
-        found = minimize_scalar(
-            lambda x: averages.nats(white, np.exp(x)),
-            bracket=(np.log(K), np.log(K) + 0.1),
-            options={"xtol": 1e-5, "maxiter": 60},
-        )
-        return float(min(found.fun, averages.nats(white, 0.0))) - best - _NATS
+        still = averages.nats(white, 0.0)
+        if K > 0:
+            still = min(still, _least(lambda x: averages.nats(white, np.exp(x)), K, 3.0).fun)
+        return still - best - _NATS
 
     spread = 3 / np.sqrt(len(averages.powers))
     return Limited(N, _crossing(excess, N, -spread), _crossing(excess, N, spread))
 
 
 def _walk_limits(averages: Averages, best: float, still: float, N: float, K: float) -> Limited:
-    from scipy.optimize import minimize_scalar
-
     def excess(walk: float) -> float:
-        found = minimize_scalar(
-            lambda x: averages.nats(np.exp(x), walk),
-            bracket=(np.log(N), np.log(N) + 0.1),
-            options={"xtol": 1e-6, "maxiter": 60},
-        )
-        return float(found.fun) - best - _NATS
+        found = _least(lambda x: averages.nats(np.exp(x), walk), N, 1.0).fun
+        return float(found) - best - _NATS
 
     begin = K or N / np.sqrt(averages.step) / len(averages.means)
     low = 0.0 if still - best <= _NATS else _crossing(excess, begin, -0.3)
     return Limited(K, low, _crossing(excess, begin, 0.3))
 
 
-def _least(function: "object", low: float, high: float) -> float:
+def _least(function: Callable[[float], float], around: float, reach: float) -> Any:
+    """The least of a function of a logarithm, around a positive number."""
     from scipy.optimize import minimize_scalar
 
-    found = minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-6})
-    return float(found.x)
+    at = float(np.log(around))
+    bounds = (at - reach, at + reach)
+    return minimize_scalar(function, bounds=bounds, method="bounded", options={"xatol": 1e-7})
 
 
-def _crossing(excess: "object", start: float, step: float) -> float:
+def _crossing(excess: Callable[[float], float], start: float, step: float) -> float:
     """Where a function of a positive number rises above 0, along steps of its logarithm."""
     from scipy.optimize import brentq
 
     at = 0.0
-    inner = excess(start)  # type: ignore[operator]
+    inner = excess(start)
     if inner > 0:  # it begins above: where the estimate is 0, the limit may lie below the start
         step = -step
     for _ in range(60):
-        if (excess(start * np.exp(at + step)) > 0) != (inner > 0):  # type: ignore[operator]
+        if (excess(start * np.exp(at + step)) > 0) != (inner > 0):
             break
         at += step
         step *= 1.5
     low, high = sorted((at, at + step))
-    found = brentq(lambda x: excess(start * np.exp(x)), low, high, xtol=1e-4)  # type: ignore[operator]
+    found = brentq(lambda x: excess(start * np.exp(x)), low, high, xtol=1e-4)
     return float(start * np.exp(found))

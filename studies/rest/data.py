@@ -104,7 +104,9 @@ def _check_whole(told: str, signal: Signal, values: Floats) -> None:
         return
     times, step = signal.times, signal.running.step
     breaks = np.flatnonzero(np.diff(times) > _GAP * step)
-    cuts = np.unique(np.concatenate([[-1], breaks + 0.5, np.flatnonzero(np.isnan(values)), [len(values)]]))
+    cuts = np.unique(
+        np.concatenate([[-1], breaks + 0.5, np.flatnonzero(np.isnan(values)), [len(values)]])
+    )
     at = int(np.argmax(np.diff(cuts)))
     first, last = int(np.floor(cuts[at])) + 1, int(np.ceil(cuts[at + 1])) - 1
     what = f"misses {missing} samples" if missing else "has gaps or an uneven clock"

@@ -54,7 +54,8 @@ def _latency(rest: Rest, K: float | None) -> Chart:
 
     def noise(delay: np.ndarray) -> np.ndarray:
         gain = dt / (delay + dt)
-        return scale * np.sqrt(np.asarray(asked.error_variance(gain, rest.R, rest.Q)))
+        variance = np.asarray(asked.error_variance(gain, rest.R, rest.Q))
+        return np.asarray(scale * np.sqrt(variance))
 
     lines = [Line("noise of the output", delays, noise(delays))]
     at = asked.knee(rest.R, rest.Q, dt)

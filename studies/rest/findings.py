@@ -87,9 +87,8 @@ def _units(rest: Rest) -> Iterator[tuple[tuple[float, float], tuple[str, str], s
 def _sampled(rest: Rest) -> Iterator[Finding]:
     axis, at = rest.axis, f"a sample at {rest.rate_hz:g} Hz"
     square, unit = axis.scale**2, f"({axis.written})^2" if axis.written else ""
-    R, Q = ([value**2 for value in each] for each in (rest.white, rest.walk))
-    R = Limited(*R).times(square * rest.rate_hz)
-    Q = Limited(*Q).times(square / rest.rate_hz)
+    N2, K2 = (Limited(*(value**2 for value in each)) for each in (rest.white, rest.walk))
+    R, Q = N2.times(square * rest.rate_hz), K2.times(square / rest.rate_hz)
     yield _of(axis.name, "R", R, unit, f"measurement variance of {at}: N^2 rate")
     yield _of(axis.name, "Q", Q, unit, f"variance the bias gains in {at}: K^2 / rate")
 
@@ -104,7 +103,8 @@ def _filtered(rest: Rest, K: float) -> Iterator[Finding]:
     lag = float(asked.latency(K, dt))
     yield Finding(f"{axis.name}.latency_s", lag, "s", "lag behind a steady change")
     noise = float(np.sqrt(asked.error_variance(K, rest.R, rest.Q)))
-    meaning = f"deviation of the output at rest, by N and K; {np.sqrt(rest.R) * axis.scale:.4g} before"
+    before = np.sqrt(rest.R) * axis.scale
+    meaning = f"deviation of the output at rest, by N and K; {before:.4g} before"
     yield Finding(f"{axis.name}.output", noise * axis.scale, axis.written, meaning)
     if rest.rate_hz == axis.rate_hz:
         seen = output_on(axis.values, K) * axis.scale

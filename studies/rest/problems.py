@@ -1,6 +1,7 @@
 """What is solved for an axis: its noise, and the filter that is asked for."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import partial
 
 import jax.numpy as jnp
@@ -13,7 +14,7 @@ from studies.rest import requirement as asked
 from studies.rest.averages import Averages, most_likely
 from studies.rest.curve import Limited, Noise, read_noise
 from studies.rest.data import Axis
-from studies.rest.requirement import Requirement
+from studies.rest.requirement import Asked, Requirement
 from tuner.data.allan import allan_curve
 from tuner.export.tuned import Quantity
 from tuner.problem.constraint import Constraint
@@ -70,15 +71,14 @@ class Rest:
         return own if self.requirement is None else max(self.requirement.gain, own)
 
 
-def rest_of(axis: Axis, rate_hz: float | None, demand: dict[str, float]) -> Rest:
+def rest_of(axis: Axis, rate_hz: float | None, demand: Mapping[Asked, float]) -> Rest:
     """Read an axis' noise.
 
     Raises:
         ValueError: for a requirement that no filter meets, and a record that is too short for it.
     """
     rate = axis.rate_hz if rate_hz is None else rate_hz
-    wanted = [Requirement(name, value, 1 / rate) for name, value in demand.items()]  # type: ignore[arg-type]
-    requirement = wanted[0] if wanted else None
+    requirement = next((Requirement(name, x, 1 / rate) for name, x in demand.items()), None)
     if requirement is not None and 3 * requirement.span_s > axis.seconds:
         raise ValueError(
             f"{axis.source.name} lasts {axis.seconds:.4g} s, and a filter that "
@@ -88,8 +88,7 @@ def rest_of(axis: Axis, rate_hz: float | None, demand: dict[str, float]) -> Rest
     noise = read_noise(allan_curve(axis.values, axis.rate_hz))
     dt = 1 / axis.rate_hz
     averages = Averages.of(axis.values, dt, max(round(noise.from_s / dt), 1))
-    begin = max(noise.walk.value, 1e-3 * noise.white.value / axis.seconds)
-    white, walk = most_likely(averages, noise.white.value, begin)
+    white, walk = most_likely(averages)
     return Rest(axis, noise, averages, white, walk, rate, requirement)
 
 
@@ -115,16 +114,13 @@ def noise_problem(rest: Rest) -> Problem:
         data=Data(LevelSample(jnp.asarray(averages.means)), np.zeros((len(averages.means), 1))),
         source=rest.axis.source,
         derive=partial(_derived, averages),
-        exported=Exported(
-            **{**exported_of(filter, unit).__dict__, "derived": partial(_noise_told, rest)}
-        ),
+        exported=replace(exported_of(filter, unit), derived=partial(_noise_told, rest)),
     )
 
 
 def _derived(averages: Averages, values: dict[str, Array]) -> dict[str, Array]:
-    m, q = averages.factor, values["q"] * averages.dt
-    square = (values["R"] + q * (m * m - 1) / 6) * averages.step
-    return {"N": jnp.sqrt(square), "K": jnp.sqrt(values["q"])}
+    white, walk = averages.densities(values["R"], values["q"] * averages.step)
+    return {"N": jnp.asarray(white), "K": jnp.asarray(walk)}
 
 
 def filter_problem(rest: Rest) -> Problem:

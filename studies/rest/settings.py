@@ -1,10 +1,13 @@
 """What can be set."""
 
+from typing import get_args
+
 from pydantic import Field, model_validator
 
+from studies.rest.requirement import Asked
 from tuner.run.settings import StudySettings
 
-REQUIREMENTS = ("settles_s", "bandwidth_hz", "latency_s")
+REQUIREMENTS: tuple[Asked, ...] = get_args(Asked)
 
 
 class Settings(StudySettings):
@@ -28,7 +31,7 @@ class Settings(StudySettings):
         return self
 
     @property
-    def requirement(self) -> dict[str, float]:
+    def requirement(self) -> dict[Asked, float]:
         """What is asked of the filter, by name; nothing or one."""
-        asked = {name: getattr(self, name) for name in REQUIREMENTS}
-        return {name: value for name, value in asked.items() if value is not None}
+        given = {name: getattr(self, name) for name in REQUIREMENTS}
+        return {name: value for name, value in given.items() if value is not None}

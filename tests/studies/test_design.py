@@ -6,7 +6,7 @@ import tomllib
 import numpy as np
 import pytest
 import tomli_w
-from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov, solve_discrete_are
+from scipy.linalg import expm, solve_continuous_are, solve_continuous_lyapunov, solve_discrete_are
 
 from objectives import LinearSystem
 from studies.design.settings import Settings, error_of, system_of
@@ -19,6 +19,8 @@ from tuner.observers import (
     least_variance,
     minimum_variance,
     riccati,
+    settled,
+    settling_time,
 )
 from tuner.solvers import Ipopt
 
@@ -327,3 +329,108 @@ def test_the_resolved_recipe_runs_again(noisy, tmp_path_factory):
     recipe = tomllib.loads((folder / "study.toml").read_text())
     assert recipe["settings"]["A"] == NOISY["A"]
     assert Settings(**recipe["settings"]) == Settings(**NOISY)
+
+
+TRACK = {
+    "states": ["position", "velocity"],
+    "A": [[1, 2.0], [0, 1]],
+    "G": [[2.0], [2.0]],
+    "C": [[1, 0]],
+    "Q": [[3.0]],
+    "R": [[100.0]],
+    "dt": 2.0,
+    "error": "position",
+}
+
+
+def findings(result):
+    return {row["name"]: row["value"] for row in result["findings"]}
+
+
+def test_trackers_gains_stand_on_the_screen(tmp_path, capfd):
+    """Kalata's tracking index in closed form."""
+    path = written(tmp_path / "design.toml", **TRACK)
+    assert invoke(["run", str(path), "--out", str(tmp_path / "run")]) == 0
+    out = capfd.readouterr().out
+    index = np.sqrt(3.0) * 4 / 10
+    r = (4 + index - np.sqrt(8 * index + index**2)) / 4
+    alpha, beta = 1 - r**2, 2 * (1 + r**2) - 4 * r
+    found = findings(json.loads((tmp_path / "run/result.json").read_bytes()))
+    assert found["alpha"] == found["K1"] == pytest.approx(alpha, rel=1e-9)
+    assert found["beta"] == pytest.approx(beta, rel=1e-9)
+    assert found["K2"] == pytest.approx(beta / 2.0, rel=1e-9)
+    assert [found[name] for name in ("Q11", "Q12", "Q22")] == pytest.approx([12.0] * 3)
+    assert f"{alpha:.6g}" in out
+    assert "alpha-beta filter" in out
+
+
+def test_no_tracker_is_named_where_the_model_is_another(noisy):
+    names = findings(noisy)
+    assert "alpha" not in names
+    assert "L1" in names
+    assert "K1" not in names  # continuous: there are no samples
+
+
+PLANT = {**NOISY, "A": [[0.0, 1.0], [0.0, 0.0]], "error": "x1"}
+
+
+def settles(A, C, L, error, dt, within):
+    """The error that counts at the time and later, over its largest, for an error in each state."""
+    step = dt or within / 100
+    each = A - L @ C if dt else expm((A - L @ C) * step)
+    row, rows = np.array(error), []
+    for _ in range(int(8 * within / step)):
+        rows.append(row)
+        row = row @ each
+    rows = np.abs(rows)
+    late = rows[int(np.floor(within / step + 1e-9)) :]
+    return (late.max(axis=0) / rows.max(axis=0)).max()
+
+
+@pytest.mark.parametrize("dt", [None, 0.1])
+def test_nobody_is_quieter_among_those_that_settle_in_time(dt):
+    """Against all gains on a grid around the found one, and coinciding poles."""
+    settings = Settings(**PLANT | {"settles_s": 2.0} | ({"sample_time": dt} if dt else {}))
+    system = system_of(settings)
+    problem = settled("settled", system, [1.0, 0.0], 2.0)
+    solution = Ipopt(seed=0, starts=2)(problem)
+    L = gain_of(problem, solution.z)
+    A, C = np.asarray(system.A), np.asarray(system.C)
+    assert settles(A, C, L, [1.0, 0.0], dt, 2.0) <= 0.02 * (1 + 1e-3)
+    assert settling_time(system, L, np.array([1.0, 0.0])) <= 2.0 + 1e-9
+    assert least_variance(system, [1.0, 0.0]) <= solution.value * (1 + 1e-9)
+    quietest = np.inf
+    for f1, f2 in np.random.default_rng(0).uniform(0.6, 1.4, (400, 2)):
+        other = L * [[f1], [f2]]
+        if system.decay(other) > 0:
+            variance = system.covariance(other)[0, 0]
+            if variance < quietest and settles(A, C, other, [1.0, 0.0], dt, 2.0) <= 0.02:
+                quietest = variance
+    assert solution.value <= quietest * (1 + 2e-3)  # the smooth largest gives a little away
+
+
+def test_a_kalman_filter_that_settles_in_time_stays():
+    system = system_of(Settings(**PLANT))
+    problem = settled("settled", system, [1.0, 0.0], 60.0)
+    solution = Ipopt(seed=0, starts=1)(problem)
+    assert solution.value == pytest.approx(least_variance(system, [1.0, 0.0]), rel=1e-6)
+
+
+def test_a_settling_time_by_command_line(tmp_path):
+    found = ran(tmp_path, **PLANT, settles_s=2.0, starts=1)
+    assert findings(found)["settles_s"] <= 2.0 + 1e-3
+    assert {e["format"] for e in found["exports"]} == {"json", "toml", "npz", "csv", "mat", "c"}
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"settles_s": 0.05, "sample_time": 0.1}, "no observer settles within 0.05 s: the measure"),
+        ({"settles_s": 0.1, "sample_time": 0.1}, "the fastest that was found takes 0.2 s"),
+        ({"settles_s": 1.0, "bound": 1.0}, "give one"),
+    ],
+)
+def test_settling_times_that_no_observer_meets(change, words, tmp_path, capfd):
+    path = written(tmp_path / "design.toml", **PLANT | change)
+    assert invoke(["run", str(path), "--out", str(tmp_path / "run")]) == 2
+    assert words in capfd.readouterr().err

@@ -114,6 +114,28 @@ def test_a_problem_is_answered_by_one_command(name, cli, here):
     check(name, answer(Answer(here / "out")), here)
 
 
+def test_values_in_use_are_checked_by_one_command(cli, here):
+    log = CASES / "nis-check" / "track1d.csv"
+    words = ("--filter", "constant-velocity", "--map", "x=x:m", "--log", log, "--json")
+    code, out, err = cli("check", *words, "--set", "q=4", "--set", "R=25")
+    assert code == 0, err
+    found = json.loads(out)["diagnostics"]
+    check("nis-check", {"nis": found["nis"], "factor": found["factor"]}, here)
+    assert found["factor_low"] < found["factor"] < found["factor_high"]
+    assert [f["test"] for f in found["findings"] if f["verdict"] == "failed"] == ["size"]
+
+
+def test_wrong_echoes_are_counted(cli, here):
+    """Of the sonar's 1200 ranges 51 are wrong."""
+    log = CASES / "outliers-sonar" / "sonar.csv"
+    words = ("--filter", "constant-velocity", "--map", "x=range_m:m", "--log", log, "--json")
+    code, out, err = cli("check", *words, "--set", "q=0.0221", "--set", "R=5.9e-5")
+    assert code == 0, err
+    found = {f["test"]: f for f in json.loads(out)["diagnostics"]["findings"]}
+    assert found["outliers"]["verdict"] == "failed"
+    assert found["outliers"]["statistic"] >= 51
+
+
 def check(name, answer, here):
     (here / "answer.json").write_text(json.dumps(answer, default=float))
     said = subprocess.run(
@@ -145,3 +167,47 @@ def test_a_model_of_ones_own_is_tuned_by_one_call(here, monkeypatch):
         "sigma_gps": found["R"] ** 0.5,
     }
     check("robot-2d", answer, here)
+
+
+def found_in(folder):
+    """What a run found besides its solutions, by name."""
+    return {row.name: row for row in read_result(folder).findings}
+
+
+def test_a_gyroscope_at_rest_for_hours(cli, here):
+    log = CASES / "allan-static" / "gyro_rest.csv.gz"
+    words = ["--map", f"z=gyro_z_raw*{1 / 1310.72!r}:deg/s", "--rate", 1, "--set", "rate_hz=100"]
+    code, out, err = cli("run", "rest", "--log", log, *words, "--out", "out")
+    assert code == 0, (out, err)
+    rows = found_in(here / "out")
+    for how in ("curve", "likelihood"):
+        answer = {
+            "N": rows[f"z.N.{how}"].value,
+            "K": rows[f"z.K.{how}"].value,
+            "kalibr_noise_density": rows[f"z.gyroscope_noise_density.{how}"].value,
+            "kalibr_random_walk": rows[f"z.gyroscope_random_walk.{how}"].value,
+            "arw_deg_sqrt_h": rows[f"z.ARW.{how}"].value,
+            "R_100Hz": rows["z.R"].value,
+            "Q_100Hz": rows["z.Q"].value,
+        }
+        check("allan-static", answer, here)
+    assert rows["z.K.likelihood"].low == pytest.approx(1.53e-4, rel=0.02)
+    assert rows["z.K.likelihood"].high == pytest.approx(2.07e-4, rel=0.02)
+
+
+@pytest.mark.parametrize(("study", "channel"), [("rest", "z"), ("kownacki2010", "a")])
+def test_a_board_that_is_waved_about_is_not_at_rest(study, channel, cli, here):
+    log = CASES / "moving-record" / "acc_x.csv"
+    words = ["--log", log, "--map", f"{channel}=AccX_mg:mg", "--time", "time_ms:ms"]
+    code, _, err = cli("run", study, *words, "--out", "out")
+    assert code == 2
+    refused = "acc_x.csv" in err and "is not at rest" in err
+    check("moving-record", {"refused_or_warned": int(refused)}, here)
+
+
+def test_trackers_gains_without_a_recording(cli, here):
+    code, out, err = cli("run", CASES / "one-number-cv" / "one.toml", "--out", "out")
+    assert code == 0, (out, err)
+    rows = found_in(here / "out")
+    names = ("Q11", "Q12", "Q22", "K1", "K2", "alpha", "beta")
+    check("one-number-cv", {name: rows[name].value for name in names}, here)

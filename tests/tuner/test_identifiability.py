@@ -1,4 +1,6 @@
-"""What differences of measurements say of noise: against spectra, Riccati's equation, simulation."""
+"""What differences of measurements say of noise: against spectra, Riccati and simulation."""
+
+from dataclasses import replace
 
 import jax.numpy as jnp
 import numpy as np
@@ -15,6 +17,7 @@ from filters import (
     LinearKalman,
     LinearModel,
     LocalLevel,
+    Madgwick,
     PositionSample,
     Sample,
     Timed,
@@ -24,10 +27,10 @@ from filters import (
     VerticalSample,
 )
 from filters.declared import assembled
-from objectives import Data, InnovationLikelihood
+from objectives import ChannelRmse, Data, InnovationLikelihood
 from tests.strategies import seeds
 from tuner import Covariance, Fixed, Positive, Problem, Space
-from tuner.identifiability.determined import determined
+from tuner.identifiability.determined import determined, with_known_start
 from tuner.identifiability.linear_form import NoiseModel
 from tuner.identifiability.rank import rank_of, said
 from tuner.identifiability.windows import differences
@@ -306,3 +309,112 @@ def test_a_covariance_and_a_deviation():
         [[found.values["Q11"], found.values["Q12"]], [found.values["Q12"], found.values["Q22"]]]
     )
     assert np.linalg.eigvalsh(P)[0] >= -1e-12 * np.trace(P)
+
+
+def test_units_of_measurements_states_and_time_do_not_matter():
+    draw, N = np.random.default_rng(4), 400
+    z = np.cumsum(np.cumsum(draw.normal(size=N))) + 3.0 * draw.normal(size=N)
+    F, Q = np.array([[1.0, 1.0], [0.0, 1.0]]), np.diag([0.0, 1.0])
+
+    def found(size, clock, state):
+        S = np.diag([size, state / clock])  # the second state in a unit of its own
+
+        def build(v):
+            noise = S @ Q @ S.T * v["q"]
+            model = Transition(jnp.asarray(S @ F @ np.linalg.inv(S)), jnp.eye(2), noise)
+            H = jnp.asarray(size * np.eye(1, 2) @ np.linalg.inv(S))
+            return LinearModel(model, H, v["R"][None], jnp.eye(2), jnp.zeros(2))
+
+        space = Space.of(q=Positive(1.0, 1e-9, 1e9), R=Positive(size**2, 1e-30, 1e30))
+        return determined(kalman(build, space, size * z[:, None]))
+
+    plain = found(1.0, 1.0, 1.0)
+    others = ((1e-9, 1.0, 1.0), (1e9, 1e-9, 1.0), (1.0, 1.0, 1e9), (1.0, 1e9, 1.0))
+    for size, clock, state in others:
+        other = found(size, clock, state)
+        assert other.values["q"] == pytest.approx(plain.values["q"], rel=1e-7)
+        assert other.values["R"] / size**2 == pytest.approx(plain.values["R"], rel=1e-7)
+        assert other.rank == 2
+
+
+def test_it_is_a_start_of_the_search():
+    z = level(0.01, 1.0, np.ones(600), 7)
+    data = Data(LevelSample(z), np.zeros(600))
+    space = facts_of(LocalLevel, q=1e9, R=1e-9)
+    problem = Problem("level", space, LocalLevel(1.0), None, LIKELY, data)
+    started = with_known_start(problem)
+    first, known = started.starts(2, seed=0)
+    assert first == pytest.approx(problem.space.start())
+    values = problem.parameters(known)
+    assert values["R"] == pytest.approx(1.0, rel=0.3)
+    assert 1e-3 < values["q"] < 0.1
+
+
+def test_where_nothing_of_noise_is_left_it_begins_at_the_deviation():
+    """A straight line: no noise moves it, and 0 is no start on a logarithmic axis."""
+    z = 3.0 + np.random.default_rng(1).normal(size=300)
+    data = Data(LevelSample(z), np.zeros(300))
+    found = determined(Problem("still", facts_of(LocalLevel), LocalLevel(1.0), None, LIKELY, data))
+    assert found.values["q"] < 1e-3
+    assert 1e-6 < np.exp(found.start[0]) < 0.1
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"filter": Madgwick(0.1)}, "has no linear model that is known"),
+        ({"objective": ChannelRmse("level")}, "not judged by the likelihood"),
+        ({"data": Data(LevelSample(np.ones(1)), np.zeros(1))}, "too few for a model of 1 states"),
+        ({"data": Data(LevelSample(np.full(9, np.nan)), np.zeros(9))}, "too few for a model"),
+    ],
+)
+def test_refusals(change, words):
+    data = Data(LevelSample(np.arange(9.0)), np.zeros(9))
+    problem = Problem("level", Space.of_filter(LocalLevel), LocalLevel(1.0), None, LIKELY, data)
+    with pytest.raises(ValueError, match=words):
+        determined(replace(problem, **change))
+
+
+def test_what_is_no_noise_is_refused_and_a_product_of_two():
+    def turning(v):
+        model = Transition(v["a"] * jnp.eye(1), jnp.eye(1), v["q"] * jnp.eye(1))
+        return LinearModel(model, jnp.eye(1), v["R"][None], jnp.eye(1), jnp.zeros(1))
+
+    def product(v):
+        model = Transition(jnp.eye(1), jnp.eye(1), v["q"] * v["R"] * jnp.eye(1))
+        return LinearModel(model, jnp.eye(1), v["R"][None], jnp.eye(1), jnp.zeros(1))
+
+    z = np.arange(20.0)[:, None]
+    with pytest.raises(ValueError, match="a changes how the state moves or is measured"):
+        determined(kalman(turning, positive("a", "q", "R", init=0.5), z))
+    with pytest.raises(ValueError, match="linear neither in q nor in its square"):
+        determined(kalman(product, positive("q", "R", init=0.5), z))
+
+
+def test_outliers_long_gaps_and_exact_numbers_do_not_decide():
+    draw, N = np.random.default_rng(1), 400
+    t = np.cumsum(0.5 + draw.random(N))
+    t[200:] += 1e6
+    z = level(0.3, 2.0, np.diff(t, prepend=t[0]) % 1e5, 2)
+    z[70] = 1e12
+    data = Data(TimedSample(np.diff(t, prepend=t[0]), LevelSample(z)), np.zeros(N))
+    problem = Problem("level", facts_of(LocalLevel), Timed(LocalLevel(1.0)), None, LIKELY, data)
+    found = determined(problem)
+    assert found.rank == 2
+    assert found.values["q"] + found.values["R"] < 10
+    line = PositionSample(1e3 + 0.1 * np.arange(200.0))
+    still = Data(line, np.zeros(200))
+    space = facts_of(ConstantVelocity)
+    exact = Problem("line", space, ConstantVelocity(0.1), None, LIKELY, still)
+    assert max(determined(exact).values.values()) < 1e-20  # rounding squared
+
+
+def test_records_that_are_hardly_any():
+    """Two measurements leave one difference, three leave both numbers."""
+    for z, rank in ((np.array([1.0, 2.0]), 1), (np.array([1.0, 2.0, 2.5]), 2), (np.ones(9), 2)):
+        data = Data(LevelSample(z), np.zeros(len(z)))
+        problem = Problem("few", facts_of(LocalLevel), LocalLevel(1.0), None, LIKELY, data)
+        found = determined(problem)
+        assert found.rank == rank
+        assert np.isfinite(found.start).all()
+        assert np.isfinite(list(found.values.values())).all()

@@ -102,11 +102,13 @@ def range_in_words(interval: tuple[float | None, float | None], kind: str) -> st
 
     >>> range_in_words((1.0, 2.5), "95 %, likelihood ratio")
     '[1, 2.5] (95 %)'
-    >>> range_in_words((0.0, 2e-4), "95 %, sandwich"), range_in_words((3.0, None), "1 % of the cost")
-    ('[below 0.0002] (95 %)', '[above 3] (1 % of the cost)')
+    >>> range_in_words((0.0, 2e-4), "95 %, sandwich")
+    '[below 0.0002] (95 %)'
+    >>> range_in_words((3.0, None), "1 % of the cost")
+    '[above 3] (1 % of the cost)'
     """
     low, high = interval
-    short = kind.split(",", maxsplit=1)[0]
+    short = kind.partition(",")[0]
     if high is None or high == math.inf:
         told = f"[above {low:.3g}]"
     elif low is None or low in (0.0, -math.inf):

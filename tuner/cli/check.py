@@ -8,6 +8,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
+from objectives.kinds import kind_of
 from tuner.certificate.solution import Status
 from tuner.cli.pairs import words
 from tuner.cli.recipe import LogEntries, read_recipe
@@ -21,6 +22,7 @@ from tuner.run.check import Check
 from tuner.run.fit_study import STUDY, FitSettings
 from tuner.run.result import DiagnosticsRecord, read_result
 from tuner.run.study import best
+from tuner.run.summary import WORDS
 
 
 @dataclass(frozen=True)
@@ -101,7 +103,9 @@ def _told(filter: str | None, sets: tuple[str, ...]) -> InUse:
 def _options(cls: type[Any]) -> list[str]:
     from dataclasses import fields
 
-    return [each.name for each in fields(cls) if each.name != "dt"]
+    from tuner.run.careful import NAMES
+
+    return [*(each.name for each in fields(cls) if each.name != "dt"), *NAMES]
 
 
 def _value(name: str, value: Any) -> Any:
@@ -200,7 +204,8 @@ def _document(used: InUse, found: Check, notes: list[str]) -> dict[str, Any]:
         },
         "objective": found.posed.objective,
         "unit": found.posed.unit,
-        "value": found.value,
+        "value": found.shown,
+        "nats": found.value if kind_of(found.posed.problem.objective) == "likelihood" else None,
         "diagnostics": None if record is None else json_.loads(record.model_dump_json()),
         "notes": notes,
     }
@@ -211,7 +216,8 @@ def _print(used: InUse, found: Check) -> None:
     told = [f"{n} = {_text(found.values[n])} {k.unit}".rstrip() for n, k in space.parameters]
     out.print(f"{used.filter} with {', '.join(told)}", soft_wrap=True, highlight=False)
     unit = f" {found.posed.unit}" if found.posed.unit else ""
-    out.print(f"{found.posed.objective}: {found.value:.5g}{unit}", highlight=False)
+    words = WORDS.get(found.posed.objective, found.posed.objective)
+    out.print(f"{words} {found.shown:.5g}{unit}", highlight=False)
     judged = found.diagnostics
     if judged is None:
         return

@@ -93,13 +93,14 @@ def degrees_of_freedom(samples: int, factors: np.ndarray, slopes: Floats) -> Flo
             a random walk.
 
     >>> degrees_of_freedom(1000, np.array([1, 10]), np.array([-1.0, -1.0])).round(1).tolist()
-    [667.3, 145.8]
+    [665.8, 146.2]
     """
     n, m = samples + 1.0, factors.astype(float)
     white = (3 * (n - 1) / (2 * m) - 2 * (n - 2) / n) * 4 * m**2 / (4 * m**2 + 5)
     flicker = np.where(m == 1, 2 * (n - 2) ** 2 / (2.3 * n - 4.9), 5 * n**2 / (4 * m * (n + 3 * m)))
     walk = (n - 2) / m * ((n - 1) ** 2 - 3 * m * (n - 1) + 4 * m**2) / (n - 3) ** 2
-    return np.maximum(np.select([slopes < -0.5, slopes < 0.5], [white, flicker], walk), 1.0)
+    found = np.select([slopes < -0.5, slopes < 0.5], [white, flicker], walk)
+    return np.asarray(np.maximum(found, 1.0))
 
 
 def chi_square_limits(freedom: Floats) -> tuple[Floats, Floats]:

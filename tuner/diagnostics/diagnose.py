@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from tuner.diagnostics.beginning import of_start
+from tuner.diagnostics.column import PARTS, Varying
 from tuner.diagnostics.finding import Finding
 from tuner.diagnostics.innovations import Innovations
 from tuner.diagnostics.outliers import of_outliers
@@ -24,7 +25,7 @@ class Ways:
     turns: str = "unwrap it before (numpy.unwrap)"
     start: str = "begin where the data begin, or with a larger variance"
     level: str = "give each measurement's own deviation"
-    time: str = "tune the parts apart"
+    time: str = "tune the parts apart (--from, --to)"
     whiteness: str = (
         "the model lacks a motion, or the noise of the measurement is coloured; try a model of one "
         "state more"
@@ -76,8 +77,16 @@ class Diagnostics:
         return f"noise variances {words} by a factor {max(self.nis, 1 / self.nis):.3g}"
 
 
-def diagnose(innovations: Innovations, ways: Ways | None = None) -> Diagnostics:
+def diagnose(innovations: Innovations, ways: Ways | None = None, *, fitted: int = 0) -> Diagnostics:
     """Test the innovations of a run.
+
+    Where the noise changes with time or level, the other tests are made on what is left without
+    this change, so that they do not fail for the same reason.
+
+    Args:
+        innovations: they.
+        ways: the way out of each failure, in words.
+        fitted: how many parameters were tuned on these innovations.
 
     >>> import numpy as np
     >>> e = np.random.default_rng(1).standard_normal(500)
@@ -87,20 +96,40 @@ def diagnose(innovations: Innovations, ways: Ways | None = None) -> Diagnostics:
     >>> [each.test for each in found.failed], round(found.factor)
     (['size'], 9)
     """
-    ways = Ways() if ways is None else ways
+    ways, lag = Ways() if ways is None else ways, lag_one(innovations.normalised)
+    level, time, varying = _changes(innovations, ways)
+    columns = tuple(column.evened(varying) for column in innovations.columns)
+    turns = of_turns(innovations, columns, ways.turns)
+    refused = ways.turns if turns.verdict == "failed" else ways.outliers
     findings = (
-        of_turns(innovations, ways.turns),
-        of_outliers(innovations, ways.outliers),
-        of_start(innovations, ways.start),
-        over_level(innovations, ways.level),
-        over_time(innovations, ways.time),
-        of_whiteness(innovations, ways.whiteness),
+        turns,
+        of_outliers(innovations, columns, PARTS if varying else 1, refused),
+        of_start(columns, ways.start),
+        level,
+        time,
+        of_whiteness(columns, lag, fitted, ways.whiteness),
         of_size(innovations),
     )
-    numbers = sum(map(len, innovations.columns))
-    return Diagnostics(
-        *(size(innovations.columns) if innovations.foretold else NOTHING),
-        lag_one(innovations.normalised),
-        numbers,
-        findings,
-    )
+    whole = size(innovations.columns) if innovations.foretold else NOTHING
+    return Diagnostics(*whole, lag, sum(map(len, columns)), findings)
+
+
+def _changes(innovations: Innovations, ways: Ways) -> tuple[Finding, Finding, Varying]:
+    """Whether the noise changes with the level and with time, and with which of them rather.
+
+    Where one change explains the other, and not the other way round, it is told alone.
+    """
+    calm = tuple(column.only(column.calm) for column in innovations.columns)
+    level, time = over_level(calm, innovations.unit, ways.level), over_time(calm, ways.time)
+    if level.verdict != "failed" or time.verdict != "failed":
+        failed: Varying = "time" if time.verdict == "failed" else ""
+        return level, time, "level" if level.verdict == "failed" else failed
+    by_level = tuple(column.evened("level") for column in calm)
+    by_time = tuple(column.evened("time") for column in calm)
+    time_left = over_time(by_level, ways.time)
+    level_left = over_level(by_time, innovations.unit, ways.level)
+    if time_left.verdict != level_left.verdict:
+        if time_left.verdict == "failed":
+            return level_left, time, "time"
+        return level, time_left, "level"
+    return level, time, "level" if level.p < time.p else "time"

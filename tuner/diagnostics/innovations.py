@@ -1,4 +1,4 @@
-"""The innovations of a run, and the numbers of each measurement among them."""
+"""The innovations of a run."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,76 +7,7 @@ from typing import Any
 
 import numpy as np
 
-INSIDE = 4.0
-"""Beyond so many deviations a normalised innovation is an outlier: 1 in 15,800 of normal ones."""
-
-
-@dataclass(frozen=True, eq=False)
-class Column:
-    """The numbers of one measurement that count, recording after recording, each in time.
-
-    Attributes:
-        name: of the measurement; "" where there is one alone.
-        e: innovations over their deviations, ``(n,)``; independent and standard normal for a right
-            filter, as are all below in the same order.
-        y: innovations.
-        times: s.
-        recording: which recording each is of.
-        levels: what was foretold, in the unit of the measurement; None where nobody knows.
-    """
-
-    name: str
-    e: np.ndarray
-    y: np.ndarray
-    times: np.ndarray
-    recording: np.ndarray
-    levels: np.ndarray | None
-
-    def __len__(self) -> int:
-        return len(self.e)
-
-    @cached_property
-    def scale(self) -> float:
-        """Deviation of ``e`` without its outliers: of those that lie within four of it.
-
-        Begins with the median and goes on with the numbers inside until they stay the same.
-        """
-        size = np.abs(self.e)
-        scale = float(np.median(size)) / 0.6745
-        inside = size <= INSIDE * scale
-        for _ in range(50):
-            if not scale > 0:
-                break
-            before, scale = inside, float(np.sqrt(np.mean(size[inside] ** 2)))
-            inside = size <= INSIDE * scale
-            if (inside == before).all():
-                break
-        return scale if scale > 0 else float(np.sqrt(np.mean(size**2)))
-
-    def correlation(self, lag: int) -> float:
-        """Of each number with that so many before in the same recording, in units of the square."""
-        pairs = self.e[lag:] * self.e[:-lag]
-        same = self.recording[lag:] == self.recording[:-lag]
-        return float((pairs * same).sum() / (self.e @ self.e))
-
-    def pairs(self, lag: int) -> int:
-        """How many there are."""
-        return int((self.recording[lag:] == self.recording[:-lag]).sum())
-
-    @cached_property
-    def spread(self) -> float:
-        """By which factor correlation widens the variance of a mean of squares; 1 if white.
-
-        1 + 2 sum r_k^2 (Bartlett, for normal numbers), up to two lags in a row that say nothing.
-        """
-        bound, total, quiet = 4 / max(len(self), 1), 1.0, 0
-        for lag in range(1, len(self) // 5 + 1):
-            square = self.correlation(lag) ** 2
-            quiet = quiet + 1 if square < bound else 0
-            if quiet == 2:
-                break
-            total += 2 * square if square >= bound else 0.0
-        return total
+from tuner.diagnostics.column import Column
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +78,7 @@ class Innovations:
     @cached_property
     def counted(self) -> np.ndarray:
         """Which numbers count."""
-        with np.errstate(invalid="ignore"):
+        with np.errstate(invalid="ignore", divide="ignore"):
             return np.asarray((self.variance > 0) & np.isfinite(self.value / self.variance))
 
     @cached_property

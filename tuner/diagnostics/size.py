@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tuner.diagnostics.column import Column
 from tuner.diagnostics.finding import Finding, judged, not_tried
-from tuner.diagnostics.innovations import Column, Innovations
+from tuner.diagnostics.innovations import Innovations
 
 NAME, WHAT = "size", "NIS, the mean of the innovations' squares over their variances"
 

@@ -4,14 +4,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tuner.diagnostics.column import PARTS, Column
 from tuner.diagnostics.finding import Finding, judged, not_tried
-from tuner.diagnostics.innovations import Column, Innovations
 
 TIME, TIME_WHAT = "over time", "largest distance of the sum of scores from its straight course"
 LEVEL, LEVEL_WHAT = "over level", "correlation of scores with the level's rank, over its deviation"
 FEW = 40
 """Of fewer numbers nothing is said."""
-PARTS = 10
+NEIGHBOURS = 10
 
 
 class Scores(NamedTuple):
@@ -30,7 +30,8 @@ def scores(column: Column) -> Scores:
     """Klotz's scores of the sizes: squares of normal quantiles.
 
     Outliers and heavy tails have no say beyond their rank, and of normal numbers nothing is lost
-    (Klotz, Annals of Mathematical Statistics 33, 1962). Correlation widens the sum.
+    (Klotz, Annals of Mathematical Statistics 33, 1962). Correlation of the numbers widens the sum,
+    and so does that of their sizes over ten neighbours, as an outlier's aftermath has it.
     """
     from scipy.special import ndtri
     from scipy.stats import rankdata
@@ -38,10 +39,27 @@ def scores(column: Column) -> Scores:
     shares = rankdata(np.abs(column.e)) / (len(column) + 1)
     values = ndtri((1 + shares) / 2) ** 2
     values = values - values.mean()
-    return Scores(values, float(np.sqrt(np.mean(values**2) * column.spread)))
+    wider = max(column.spread, _wider(values, _bounds(column)))
+    return Scores(values, float(np.sqrt(np.mean(values**2) * wider)))
 
 
-def over_time(innovations: Innovations, way: str) -> Finding:
+def _wider(values: np.ndarray, bounds: np.ndarray) -> float:
+    """By which factor the correlation of neighbours widens the variance of a sum of scores.
+
+    Each less its part's mean, for slow changes are what is looked for.
+    """
+    means = np.add.reduceat(values, bounds[:-1]) / np.diff(bounds)
+    rest = values - np.repeat(means, np.diff(bounds))
+    power, bound, total = rest @ rest, 2 / np.sqrt(len(rest)), 1.0
+    for lag in range(1, min(NEIGHBOURS, len(rest) // 5) + 1):
+        correlation = float(rest[lag:] @ rest[:-lag] / power) if power > 0 else 0.0
+        if correlation < bound:
+            break
+        total += 2 * correlation
+    return total
+
+
+def over_time(columns: tuple[Column, ...], way: str) -> Finding:
     """Test whether the noise changes with time, or from recording to recording.
 
     Two looks: the largest distance of the sum of scores from its straight course (sum of squares
@@ -49,19 +67,19 @@ def over_time(innovations: Innovations, way: str) -> Finding:
     the spread of ten parts' means, which finds what comes and goes.
 
     Args:
-        innovations: they.
+        columns: the measurements.
         way: the way out, in words.
     """
     from scipy.stats import chi2, kstwobign
 
     found = []
-    columns = [c for c in innovations.columns if len(c) >= FEW and c.e.any()]
+    columns = tuple(c for c in columns if len(c) >= FEW and c.e.any())
     for column in columns:
         values, deviation = scores(column)
         if not deviation > 0:
             continue
         course = float(np.abs(np.cumsum(values)).max() / deviation / np.sqrt(len(column)))
-        bounds = _bounds(len(column))
+        bounds = _bounds(column)
         means = np.add.reduceat(values, bounds[:-1]) / np.diff(bounds)
         parts = float(np.diff(bounds) @ means**2 / deviation**2)
         chances = kstwobign.sf(course), chi2.sf(parts, len(means) - 1)
@@ -69,39 +87,40 @@ def over_time(innovations: Innovations, way: str) -> Finding:
     if not found:
         return not_tried(TIME, TIME_WHAT, f"it takes {FEW} innovations of a measurement")
     p, course, column = min(found, key=lambda each: each[0])
-    bounds = _bounds(len(column))
+    bounds = _bounds(column)
     sizes = np.add.reduceat(column.e**2, bounds[:-1]) / np.diff(bounds)
     least, most = int(np.argmin(sizes)), int(np.argmax(sizes))
-    words = [_span(innovations, column, sizes, bounds, i) for i in (least, most)]
+    words = [_span(column, sizes, bounds, i) for i in (least, most)]
     details = {"lowest": float(sizes[least]), "highest": float(sizes[most])}
     sentence = f"the noise{_of(column)} changes with time (NIS {words[0]}, {words[1]}); {way}"
     return judged(TIME, TIME_WHAT, course, p, sentence, details)
 
 
-def over_level(innovations: Innovations, way: str) -> Finding:
+def over_level(columns: tuple[Column, ...], unit: str, way: str) -> Finding:
     """Test whether the noise grows or falls with the level, or with its size if it has both signs.
 
     The level is what was foretold, for that knows nothing of the number's own noise.
 
     Args:
-        innovations: they.
+        columns: the measurements.
+        unit: of the levels.
         way: the way out, in words.
     """
     from scipy.stats import norm
 
-    known = [c for c in innovations.columns if c.levels is not None and len(c) >= FEW]
-    looks = [(c, at) for c in known if c.e.any() for at in _levels(c) if np.ptp(at) > 0]
+    known = [c for c in columns if c.levels is not None and len(c) >= FEW]
+    given = [(c, scores(c)) for c in known if c.e.any()]
+    looks = [(c, at, own) for c, own in given for at in _levels(c) if np.ptp(at) > 0]
     if not looks:
         why = "nothing is known of the level" if not known else "the level stands still"
         return not_tried(LEVEL, LEVEL_WHAT, why)
-    statistics = [_with(column, at) for column, at in looks]
+    statistics = [_with(own, at) for _, at, own in looks]
     worst = int(np.argmax(np.abs(statistics)))
-    column, at = looks[worst]
+    column, at, _ = looks[worst]
     order = np.argsort(at, kind="stable")
     thirds = [order[: len(order) // 3], order[-(len(order) // 3) :]]
     sizes = [float(np.mean(column.e[rows] ** 2)) for rows in thirds]
-    unit = f" {innovations.unit}" if innovations.unit else ""
-    told = [f"{at[rows].min():.3g} to {at[rows].max():.3g}{unit}" for rows in thirds]
+    told = [f"{at[rows].min():.3g} to {at[rows].max():.3g} {unit}".rstrip() for rows in thirds]
     sentence = (
         f"the noise{_of(column)} {'grows' if statistics[worst] > 0 else 'falls'} with the level "
         f"(NIS {sizes[0]:.3g} at {told[0]}, {sizes[1]:.3g} at {told[1]}); {way}"
@@ -111,11 +130,11 @@ def over_level(innovations: Innovations, way: str) -> Finding:
     return judged(LEVEL, LEVEL_WHAT, statistics[worst], p, sentence, details)
 
 
-def _with(column: Column, level: np.ndarray) -> float:
+def _with(found: Scores, level: np.ndarray) -> float:
     """Correlation of the scores with the ranks of levels, over its deviation."""
     from scipy.stats import rankdata
 
-    values, deviation = scores(column)
+    values, deviation = found
     ranks = rankdata(level)
     ranks = ranks - ranks.mean()
     size = deviation * np.sqrt(ranks @ ranks)
@@ -128,23 +147,26 @@ def _levels(column: Column) -> list[np.ndarray]:
     return [level, np.abs(level)] if level.min() < 0 < level.max() else [level]
 
 
-def _bounds(count: int) -> np.ndarray:
-    parts = min(PARTS, max(count // 20, 2))
-    return np.linspace(0, count, parts + 1).astype(int)
+def _bounds(column: Column) -> np.ndarray:
+    """Where ten parts begin and end, or several recordings where there are enough."""
+    count = len(column)
+    starts = np.flatnonzero(np.diff(column.recording, prepend=-1))
+    if len(starts) > 2 and count >= FEW // 2 * len(starts):
+        return np.append(starts, count)
+    return np.linspace(0, count, min(PARTS, max(count // 20, 2)) + 1).astype(int)
 
 
-def _span(
-    innovations: Innovations, column: Column, sizes: np.ndarray, bounds: np.ndarray, i: int
-) -> str:
+def _span(column: Column, sizes: np.ndarray, bounds: np.ndarray, i: int) -> str:
     first, last = bounds[i], bounds[i + 1] - 1
-    return f"{sizes[i]:.3g} from {_when(innovations, column, first)} to " + _when(
-        innovations, column, last
-    )
+    number = column.recording[first]
+    if column.recording[-1] > 0 and (column.recording == number).sum() == last - first + 1:
+        return f"{sizes[i]:.3g} in recording {number + 1}"
+    return f"{sizes[i]:.3g} from {_when(column, first)} to {_when(column, last)}"
 
 
-def _when(innovations: Innovations, column: Column, index: int) -> str:
+def _when(column: Column, index: int) -> str:
     words = f"{column.times[index]:.5g} s"
-    if innovations.value.shape[1] > 1:
+    if column.recording[-1] > 0:
         words += f" of recording {column.recording[index] + 1}"
     return words
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from tuner.diagnostics.column import Column
 from tuner.diagnostics.finding import Finding, judged, not_tried
 from tuner.diagnostics.innovations import Innovations
 from tuner.diagnostics.outliers import outlying
@@ -16,22 +17,24 @@ APART = 8.0
 """Deviations in a turn from which on noise is not taken for one."""
 
 
-def of_turns(innovations: Innovations, way: str) -> Finding:
+def of_turns(innovations: Innovations, columns: tuple[Column, ...], way: str) -> Finding:
     """Test whether the first innovation of each disturbance is a multiple of a full turn.
 
     The chance is that of outliers of any size to be as near to one.
 
     Args:
         innovations: they.
+        columns: their measurements.
         way: the way out, in words.
     """
     from scipy.stats import binom
 
     looks = []
     for turn in innovations.turns:
-        for column in innovations.columns:
+        for column in columns:
             deviation = np.abs(column.y / np.where(column.e == 0, 1.0, column.e)) * column.scale
-            begun = np.flatnonzero(outlying(column) & (APART * deviation < turn))
+            far = (np.abs(column.y) > turn / 2) & (APART * deviation < turn)
+            begun = np.flatnonzero(outlying(column) & far)
             typical = float(np.median(deviation))
             if not 0 < APART * typical < turn:
                 continue

@@ -2,54 +2,64 @@
 
 import numpy as np
 
-from tuner.diagnostics.finding import Finding, judged, not_tried
-from tuner.diagnostics.innovations import Column, Innovations
+from tuner.diagnostics.column import FEW, Column
+from tuner.diagnostics.finding import LEVEL, Finding, judged, not_tried
 
 NAME, WHAT = "whiteness", "Ljung and Box's Q over the correlations of neighbours"
-LAGS = 10
-FEW = 20
-"""Of fewer numbers nothing is said."""
+SHORT, LONG = 5, 10
+"""Lags. What few parameters leave of coloured noise lies in the first; ten find what lasts."""
 
 
-def of_whiteness(innovations: Innovations, way: str) -> Finding:
-    """Test the correlation of neighbours, of all lags together, and the mean.
+def of_whiteness(columns: tuple[Column, ...], lag: float, fitted: int, way: str) -> Finding:
+    """Test the correlation of neighbours over five and ten lags, and the mean.
 
     Args:
-        innovations: they.
+        columns: the measurements.
+        lag: their correlation at lag one, to be told.
+        fitted: how many parameters were tuned on these innovations, each of which takes a degree
+            of freedom.
         way: the way out, in words.
 
     Source: Ljung and Box, Biometrika 65, 1978. The mean is known to be 0, so none is taken off.
     """
     from scipy.stats import chi2, norm
 
-    columns = tuple(c for c in innovations.columns if len(c) >= FEW and c.e.any())
+    columns = tuple(c for c in columns if len(c) >= FEW and c.e.any())
     if not columns:
         return not_tried(NAME, WHAT, f"it takes {FEW} innovations of a measurement")
-    lags = min(LAGS, min(map(len, columns)) // 5)
-    squares = np.array([[_square(c, lag) for lag in range(1, lags + 1)] for c in columns])
+    lags = min(LONG, min(map(len, columns)) // 4)
+    squares = np.array([[_square(c, each) for each in range(1, lags + 1)] for c in columns])
+    short = squares[:, :SHORT]
     Q = float(squares.sum())
-    first = lag_one(innovations.normalised)
-    pairs = sum(column.pairs(1) for column in columns)
-    means = [float(c.e.mean() / np.sqrt(np.mean(c.e**2)) * np.sqrt(len(c))) for c in columns]
     chances = {
-        "all": float(chi2.sf(Q, squares.size)),
-        "one": 2 * float(norm.sf(abs(first) * np.sqrt(pairs))),
-        "mean": 2 * len(columns) * float(norm.sf(max(map(abs, means)))),
+        "p_short": float(chi2.sf(short.sum(), _degrees(short.size, fitted))),
+        "p_ljung_box": float(chi2.sf(Q, _degrees(squares.size, fitted))),
     }
-    worst = min(chances, key=lambda name: chances[name])
+    means = [float(c.e.mean() / np.sqrt(np.mean(c.e**2) / len(c))) for c in columns]
     at = int(np.argmax(np.abs(means)))
-    words = f"innovations are correlated (lag one {first:+.2f}, Ljung-Box {Q:.3g} over {lags} lags)"
-    if chances["mean"] < LEVEL_OF_EACH:
+    chances["p_mean"] = min(2 * len(columns) * float(norm.sf(abs(means[at]))), 1.0)
+    p = min(2 * chances["p_short"], 4 * chances["p_ljung_box"], 4 * chances["p_mean"])
+    words = (
+        f"innovations are correlated (lag one {lag:+.2f}, {_largest(columns, squares)}, "
+        f"Ljung-Box {Q:.3g} over {lags} lags)"
+    )
+    if 4 * chances["p_mean"] < LEVEL:
         offset = columns[at].e.mean()
         name = f" of {columns[at].name}" if columns[at].name else ""
         words += f", and their mean{name} is {offset:+.2g} deviations: an offset"
-    details = {"lag_one": first, "p_lag_one": chances["one"], "lags": float(lags)}
-    details |= {"p_ljung_box": chances["all"], "p_mean": min(chances["mean"], 1.0)}
-    return judged(NAME, WHAT, Q, 3 * chances[worst], f"{words}; {way}", details)
+    details = {"lag_one": lag, "lags": float(lags), **chances}
+    return judged(NAME, WHAT, Q, p, f"{words}; {way}", details)
 
 
-LEVEL_OF_EACH = 0.01 / 3
-"""Of three looks at the same numbers."""
+def _degrees(count: int, fitted: int) -> int:
+    """Of freedom; tuning takes at most half of them."""
+    return count - min(fitted, count // 2)
+
+
+def _largest(columns: tuple[Column, ...], squares: np.ndarray) -> str:
+    row, at = np.unravel_index(np.argmax(squares), squares.shape)
+    column, lag = columns[int(row)], int(at) + 1
+    return f"at most {column.correlation(lag):+.2f} at lag {lag}"
 
 
 def _square(column: Column, lag: int) -> float:
@@ -64,7 +74,7 @@ def lag_one(normalised: np.ndarray) -> float:
     >>> round(lag_one(np.array([[1.0], [-1.0], [1.0], [-1.0], [np.nan], [1.0]])), 6)
     -1.0
     """
-    columns = normalised.reshape(len(normalised), -1).T
+    columns = normalised.reshape(len(normalised), int(np.prod(normalised.shape[1:]))).T
     pairs = [column[np.isfinite(column)] for column in columns]
     products = sum(float(c[1:] @ c[:-1]) for c in pairs)
     squares = sum(float(c[1:] @ c[1:]) + float(c[:-1] @ c[:-1]) for c in pairs) / 2

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from objectives import InnovationLikelihood
+from objectives import kind_of
 from tuner.identifiability.least_squares import Estimate, estimate
 from tuner.identifiability.linear_form import linear_problem
 from tuner.identifiability.noise import Entry, NoModelError
@@ -67,7 +67,7 @@ def determined(problem: Problem) -> Determined:
     >>> all(abs(found.values[k] - v) < 3 * found.deviations[k] for k, v in {"q": 1, "R": 4}.items())
     True
     """
-    if not isinstance(problem.objective, InnovationLikelihood):
+    if kind_of(problem.objective) != "likelihood":
         raise NoModelError(
             f"{problem.name} is not judged by the likelihood of its innovations, and what else its "
             "objective tells of the noise is not known before it is tried"

@@ -10,6 +10,7 @@ from tuner.identifiability.windows import Differences
 _ROUNDS = 12
 _SETTLED = 1e-3  # a hundredth of what such an estimate is good for
 _HOLD = 1e-9  # weight that keeps what the data leave open where it was
+_OUTLIER = 1e3  # squares this much beyond the median window's largest
 _MEDIAN = 0.4549364231195724  # median of the square of a standard normal number
 
 
@@ -53,10 +54,10 @@ def estimate(differences: Differences, entries: tuple[Entry, ...]) -> Estimate:
     autocovariance least-squares method for estimating noise covariances, Automatica 42, 2006; the
     weights by iteration as in Rajamani and Rawlings, Automatica 45, 2009.
     """
-    r, M = differences.r, differences.M
-    p = len(M) - 1
     sizes, _ = alone(differences)
     sizes = np.where(np.isfinite(sizes) & (sizes > 0), sizes, 1.0)
+    r, M = _without_outliers(differences, sizes)
+    p = len(M) - 1
     signed = np.array([len(set(e.place)) > 1 for e in entries])
     unit = M[1:] * sizes[:, None, None, None]  # theta in multiples of what each would be alone
     theta = np.where(signed, 0.0, 1.0 / p)
@@ -70,6 +71,16 @@ def estimate(differences: Differences, entries: tuple[Entry, ...]) -> Estimate:
             break
     F, _ = _normal_equations(r, M[0], unit, theta)
     return Estimate(theta * sizes, sizes * _deviations(F / 2))
+
+
+def _without_outliers(differences: Differences, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The differences of windows in which nothing is far beyond what is usual in the others."""
+    r, M = differences.r, differences.M
+    diagonals = np.diagonal(M, axis1=2, axis2=3)
+    expected = diagonals[0] + np.einsum("p,pkd->kd", sizes, diagonals[1:])
+    surprise = (r**2 / np.where(expected > 0, expected, np.inf)).max(axis=1)
+    kept = surprise <= _OUTLIER * np.median(surprise)
+    return r[kept], M[:, kept]
 
 
 def _normal_equations(

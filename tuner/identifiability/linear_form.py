@@ -9,9 +9,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import LinearKalman, Timed, Transition, bare
+from filters import Lanes, LinearKalman, Timed, Transition, bare
 from filters.linear import LinearForm, Measured
-from objectives import InnovationLikelihood
+from objectives import kind_of
 from tuner.identifiability.noise import Entry, Matrices, NoModelError, parts_of
 from tuner.problem.parameters import Fixed
 from tuner.problem.problem import Problem
@@ -73,7 +73,7 @@ def linear_problem(problem: Problem) -> LinearProblem:
             f"{problem.name} has no linear model that is known: its filter is no LinearKalman and "
             "has no methods linear and measured"
         )
-    timed = _is_timed(problem.filter)
+    timed = _wrapper(problem.filter, Timed) is not None
     dt = np.asarray(data.dt) if timed else None
     inputs = data.inputs if timed else data
     steps = np.unique(dt) if dt is not None else np.ones(1)
@@ -84,7 +84,7 @@ def linear_problem(problem: Problem) -> LinearProblem:
         if not isinstance(parameter, Fixed)
     }
     if isinstance(own, LinearKalman) and inputs.transition is not None:
-        if getattr(problem.filter, "count", None) is not None:
+        if _wrapper(problem.filter, Lanes) is not None:
             raise NoModelError(f"{problem.name} has recordings whose samples bring their own steps")
         tables = _of_samples(inputs.transition)
     else:
@@ -98,12 +98,13 @@ def linear_problem(problem: Problem) -> LinearProblem:
     return LinearProblem(parts.entries, _recordings(problem, parts.matrices, inputs, steps, dt))
 
 
-def _is_timed(filter: Any) -> bool:
+def _wrapper(filter: Any, cls: type[Any]) -> Any:
+    """The filter of a class among those that a filter is wrapped in; None where there is none."""
     while getattr(filter, "same_params", False):
-        if isinstance(filter, Timed):
-            return True
+        if isinstance(filter, cls):
+            return filter
         filter = filter.filter
-    return False
+    return None
 
 
 def _of_samples(transition: Transition) -> Matrices:
@@ -135,7 +136,8 @@ def _recordings(
     problem: Problem, matrices: Matrices, inputs: Any, steps: np.ndarray, dt: np.ndarray | None
 ) -> tuple[NoiseModel, ...]:
     """One for each lane, and for each of the signals that pass through the same gains."""
-    lanes = getattr(problem.filter, "count", None)
+    several = _wrapper(problem.filter, Lanes)
+    lanes = None if several is None else several.count
     found = []
     for lane in range(lanes or 1):
         inputs_, truth, clock = jax.tree.map(
@@ -144,7 +146,7 @@ def _recordings(
         )
         measured = _measured(bare(problem.filter), inputs_)
         z = np.array(measured.z, float)
-        if isinstance(problem.objective, InnovationLikelihood):
+        if kind_of(problem.objective) == "likelihood":
             z = _counted(z, truth)
         which = np.zeros(len(z), int) if clock is None else np.searchsorted(steps, clock)
         if len(matrices.F) > 1 and clock is None:

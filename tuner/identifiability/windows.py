@@ -25,6 +25,9 @@ _MOST = 8000
 """Measurements in all windows together."""
 _GAP = 2000
 """Longest gap, in samples, that a window may span."""
+_LONGER = 1e8
+"""By so much more than usual may a window's noise be: of a gap of some tens of steps."""
+_ROUNDING = 4e-16
 _NONE = 1e-9  # of the largest singular value
 _GROWTH = 1e3  # of what a window's differences leave of a state that grows
 
@@ -58,7 +61,7 @@ def differences(recordings: tuple[NoiseModel, ...], rows: int | None = None) -> 
     n, m = recordings[0].F.shape[-1], len(recordings[0].H)
     scale = _scales(recordings)
     seen = [np.argwhere(np.isfinite(model.z)) for model in recordings]
-    most = max(map(len, seen))
+    most = max(1, *map(len, seen))
     if rows is None:
         wanted = max(_ROWS, min(_MOST_ROWS, m * (2 * n + 1)))
         rows = min(-(-wanted // m) * m, most)
@@ -140,21 +143,31 @@ def _taken(
     if not A.shape[1]:
         return None
     r = np.einsum("kda,ka->kd", A, z - s)
+    # What rounding leaves of numbers that cancel is 0, or a straight line would have a noise.
+    r = np.where(np.abs(r) > _ROUNDING * np.abs(z - s).max(axis=1, keepdims=True), r, 0.0)
     M = A @ C @ np.swapaxes(A, 1, 2)
-    whole = np.isfinite(r).all(axis=1)
-    if not whole.any():
+    kept = np.isfinite(r).all(axis=1) & _alike(C)
+    if not kept.any():
         return None
-    return Differences(r[whole], M[:, whole], _sizes(models, scale))
+    return Differences(r[kept], M[:, kept], _sizes(models, scale))
+
+
+def _alike(C: np.ndarray) -> np.ndarray:
+    """Which windows are as long as most, ``(K,)``: noise over a long gap would hide all others."""
+    sizes = np.abs(C).max(axis=(2, 3))
+    usual = np.median(sizes, axis=1, keepdims=True)
+    return np.asarray((sizes <= _LONGER * np.where(usual > 0, usual, np.inf)).all(axis=0))
 
 
 def _sizes(models: list[NoiseModel], scale: np.ndarray) -> np.ndarray:
     """What each unknown at 1 adds to the measurements in n steps, if nothing cancels, ``(p,)``."""
     first = models[0]
-    H, F = np.abs(first.H) / scale[:, None], np.abs(first.F).max(axis=0)
+    H = np.abs(first.H) / scale[:, None]
+    F = np.median(np.abs(first.F[first.which]), axis=0)
     reach, power = np.zeros_like(H), H
     for _ in range(len(F)):
         reach, power = reach + power, power @ F
-    Q = np.max([np.abs(model.Q).max(axis=0) for model in models], axis=0)
+    Q = np.median(np.abs(first.Q[first.which]), axis=0)
     R = np.abs(first.R) / np.outer(scale, scale)
     whole = reach @ Q @ reach.T + R
     return np.asarray(whole[1:].max(axis=(1, 2)))

@@ -1,8 +1,8 @@
 """What a fit may add to any filter: a gate, and what its likelihood then is."""
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, cast
 
 import jax
 import jax.numpy as jnp
@@ -71,7 +71,8 @@ def with_noise(
         raise ValueError(f"noise is {asked!r}; give {', '.join(NOISES[:-1])} or {NOISES[-1]}")
     made = {"level": level_noise, "sigma": channel_noise}
     for word in (each for each in NOISES if each in words):
-        cls = coloured_noise(cls, step) if word == "coloured" else made[word](cls)
+        key = cast("Hashable", cls)
+        cls = coloured_noise(key, step) if word == "coloured" else made[word](key)
     return cls, {name: value for name, value in options.items() if name != "noise"}
 
 

@@ -13,6 +13,7 @@ from tuner.diagnostics import Diagnostics
 from tuner.problem.parameters import Fixed
 from tuner.run.diagnosed import diagnosed
 from tuner.run.fit import pose_on
+from tuner.run.judged import shown
 from tuner.run.posed import Posed
 from tuner.run.searched import Wishes
 
@@ -24,13 +25,15 @@ class Check:
     Attributes:
         posed: the problem and its data.
         values: all parameters, by name.
-        value: the objective.
+        value: the objective; of a likelihood in nats a number.
+        shown: the same as people read it: of a likelihood the equivalent deviation.
         diagnostics: what the innovations say; None for a filter without any.
     """
 
     posed: Posed
     values: Mapping[str, np.ndarray]
     value: float
+    shown: float
     diagnostics: Diagnostics | None
 
 
@@ -68,7 +71,8 @@ def check(
     name = filter if isinstance(filter, str) else filter.__name__
     cls = find("tuner.filters", filter) if isinstance(filter, str) else filter
     records = (record,) if isinstance(record, Record) else tuple(record)
-    wishes = Wishes(fix=values, options=options or {}, objective=objective, held=True)
+    held = {n: _plain(v) for n, v in values.items()}
+    wishes = Wishes(fix=held, options=options or {}, objective=objective, held=True)
     posed = pose_on(name, cls, records, wishes)
     return checked(posed)
 
@@ -89,4 +93,12 @@ def checked(posed: Posed) -> Check:
             + " ".join(f"--set {name}=..." for name in open_)
         )
     values = posed.problem.parameters(space.start())
-    return Check(posed, values, posed.problem.score(values), diagnosed(posed, values))
+    value = posed.problem.score(values)
+    read = shown(posed.problem, value)
+    return Check(posed, values, value, read, diagnosed(posed, values))
+
+
+def _plain(value: Any) -> Any:
+    """A number, or nested tuples of them, which a space can hold."""
+    array = np.asarray(value, float)
+    return float(array) if array.ndim == 0 else tuple(_plain(part) for part in array)

@@ -13,21 +13,23 @@ from tuner.problem.problem import Problem, run_filter
 from tuner.run.posed import Posed
 from tuner.run.searched import DEVIATION, own_unit
 
-TURNS = {"rad": (2 * np.pi,), "deg": (360.0,), "": (2 * np.pi, 360.0)}
+TURNS = {"rad": (2 * np.pi,), "unit": (2 * np.pi, 360.0)}
 """A full turn by the unit of a measurement; one of which nobody told the unit may be an angle."""
 
 
-def diagnosed(posed: Posed, values: Mapping[str, Any]) -> Diagnostics | None:
+def diagnosed(posed: Posed, values: Mapping[str, Any], *, fitted: int = 0) -> Diagnostics | None:
     """What the innovations of some parameters say; None for a filter without innovations.
 
     Args:
         posed: the problem and its data.
         values: all parameters, by name.
+        fitted: how many of them were tuned on these innovations.
     """
     cls = type(bare(posed.problem.filter))
     if "innovation" not in channel_facts(cls, "outputs"):
         return None
-    return diagnose(innovations_of(posed, values), ways_of(cls, posed.timeline))
+    found, ways = innovations_of(posed, values), ways_of(cls, posed.timeline)
+    return diagnose(found, ways, fitted=fitted)
 
 
 def innovations(problem: Problem, values: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
@@ -66,7 +68,7 @@ def innovations_of(posed: Posed, values: Mapping[str, Any]) -> Innovations:
         times=line.times,
         levels=None if measured is None else np.where(s > 0, measured - y, np.nan),
         names=names,
-        unit=unit,
+        unit="" if unit == "unit" else unit,
         turns=TURNS.get(unit, ()),
         foretold="variance" in facts,
     )

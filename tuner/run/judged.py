@@ -11,8 +11,10 @@ from tuner.diagnostics import Diagnostics
 from tuner.problem.problem import Problem
 from tuner.run.careful import Refused, refused_of
 from tuner.run.diagnosed import diagnosed
+from tuner.run.front import Trade
 from tuner.run.held_out import HeldOut
-from tuner.run.posed import Posed
+from tuner.run.posed import NO_TRUTH, Posed
+from tuner.run.rescaled import Rescaled
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,9 @@ class Judged:
         diagnostics: what the innovations say of the start and of the solution; None for a filter
             without any.
         refused: what a gate left out at the solution; None without one.
+        trade: what a second objective costs; None without one.
+        rescaled: what became of all variances after a fit against a truth; None where the filter
+            has none.
     """
 
     objective: str
@@ -37,6 +42,8 @@ class Judged:
     held_out: HeldOut | None
     diagnostics: tuple[Diagnostics, Diagnostics] | None
     refused: Refused | None = None
+    rescaled: Rescaled | None = None
+    trade: Trade | None = None
 
 
 def judge(posed: Posed, solution: Solution, held_out: HeldOut | None) -> Judged:
@@ -53,7 +60,8 @@ def judge(posed: Posed, solution: Solution, held_out: HeldOut | None) -> Judged:
     found = solution.status is not Status.FAILED
     refused = refused_of(posed.problem.outputs(solution)) if found else None
     begun = posed.problem.parameters(posed.problem.space.start())
-    before, now = diagnosed(posed, begun), diagnosed(posed, _of(solution))
+    fitted = posed.problem.space.size if posed.objective in NO_TRUTH else 0
+    before, now = diagnosed(posed, begun), diagnosed(posed, _of(solution), fitted=fitted)
     return Judged(
         posed.objective,
         posed.unit,

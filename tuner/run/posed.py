@@ -38,6 +38,7 @@ class Posed:
         timeline: the data.
         source: where they come from.
         notes: what looks strange in them, and what was left out, a sentence each.
+        undetermined: what of the noise no such measurements tell, a sentence each.
     """
 
     problem: Problem
@@ -47,6 +48,7 @@ class Posed:
     timeline: Timeline
     source: Source
     notes: tuple[str, ...] = ()
+    undetermined: tuple[str, ...] = ()
 
 
 def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: Source) -> Posed:

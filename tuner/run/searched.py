@@ -210,7 +210,8 @@ def _parameter(name: str, fact: Param, wishes: Wishes) -> Parameter:
     ends = _ends(name, fact, wishes)
     if ends is None:
         held = wishes.start.get(name, fact.typical)
-        return Fixed(_finite(f"the start of {name}", held), fact.unit, meaning=fact.meaning)
+        value = _finite(f"the start of {name}", held)
+        return Fixed(value, fact.unit, meaning=fact.meaning, nominal=name not in wishes.start)
     low, high = ends
     kind = Positive if low > 0 else Bounded
     init = wishes.start.get(name)

@@ -1,0 +1,358 @@
+"""False alarms and found faults of the diagnostics: ``python -m benchmarks.diagnostics``.
+
+Records of three models are simulated with and without a fault, every record is tuned by itself by
+the likelihood of its innovations, and the innovations are diagnosed. A fault is shown at the size
+from which on half of the records give a parameter that is wrong by a factor of two.
+"""
+
+import argparse
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache, partial
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from filters import (
+    ConstantVelocity,
+    ConstantVelocityNoise,
+    ExtendedKalman,
+    ExtendedModel,
+    ExtendedSample,
+    LevelSample,
+    LocalLevel,
+    LocalLevelNoise,
+    PositionSample,
+    run,
+)
+from tuner.diagnostics import Diagnostics, Innovations, diagnose
+
+SAMPLES = 1000
+FEWER, MOVED = 50, 1.8
+"""So many records tell first whether a size comes into question."""
+DRAG, DRIVE, STEP = 0.2, 0.8, 0.1
+TURN = 2 * np.pi
+
+
+@dataclass(frozen=True)
+class Model:
+    """A filter with the process that it is right for.
+
+    Attributes:
+        filter: it.
+        params: from q and R to what it takes.
+        samples: from measurements ``(N,)`` to its inputs.
+        states: from a generator to what is measured without noise, ``(N, k)``.
+        q, R: the true ones.
+    """
+
+    filter: Any
+    params: Callable[[Any, Any], Any]
+    samples: Callable[[Any], Any]
+    states: Callable[[np.random.Generator, int], np.ndarray]
+    q: float
+    R: float
+
+
+def walk(draw: np.random.Generator, count: int, q: float = 0.09) -> np.ndarray:
+    return np.cumsum(np.sqrt(q) * draw.standard_normal((SAMPLES, count)), axis=0)
+
+
+def track(draw: np.random.Generator, count: int, q: float = 0.5, dt: float = 0.5) -> np.ndarray:
+    root = np.linalg.cholesky(q * np.array([[dt**3 / 3, dt**2 / 2], [dt**2 / 2, dt]]))
+    place, speed, found = np.zeros(count), np.zeros(count), []
+    for _ in range(SAMPLES):
+        noise = root @ draw.standard_normal((2, count))
+        place, speed = place + dt * speed + noise[0], speed + noise[1]
+        found.append(place)
+    return np.array(found)
+
+
+def rotor(draw: np.random.Generator, count: int, q: float = 0.05) -> np.ndarray:
+    """The angle of a driven rotor with quadratic drag, whose torque is a white noise."""
+    angle = 0.1 * draw.standard_normal(count)
+    speed = 1.0 + 0.3 * draw.standard_normal(count)
+    found = []
+    for _ in range(SAMPLES):
+        angle = angle + STEP * speed
+        speed = speed + STEP * (DRIVE - DRAG * speed * np.abs(speed))
+        speed = speed + np.sqrt(q * STEP) * draw.standard_normal(count)
+        found.append(angle)
+    return np.array(found)
+
+
+def turned(model: Any, x: jax.Array, u: Any) -> jax.Array:
+    return jnp.stack([x[0] + STEP * x[1], x[1] + STEP * (DRIVE - DRAG * x[1] * jnp.abs(x[1]))])
+
+
+def pushed(model: Any, x: jax.Array, u: Any) -> jax.Array:
+    return jnp.zeros((2, 2)).at[1, 1].set(model * STEP)
+
+
+def first(model: Any, x: jax.Array, u: Any) -> jax.Array:
+    return x[:1]
+
+
+def kept(model: Any, x: jax.Array, u: Any) -> jax.Array:
+    return x
+
+
+def wandered(model: Any, x: jax.Array, u: Any) -> jax.Array:
+    return model * jnp.eye(1)
+
+
+def extended(q: Any, R: Any, x0: Any = (0.0, 1.0), P0: Any = (0.01, 0.09)) -> ExtendedModel:
+    return ExtendedModel(q, R * jnp.ones(1), jnp.array(x0), jnp.diag(jnp.array(P0)))
+
+
+def column(z: Any) -> ExtendedSample:
+    return ExtendedSample(z[:, None])
+
+
+MODELS = {
+    "local level": Model(LocalLevel(1.0), LocalLevelNoise, LevelSample, walk, 0.09, 1.0),
+    "constant velocity": Model(
+        ConstantVelocity(0.5), ConstantVelocityNoise, PositionSample, track, 0.5, 4.0
+    ),
+    "extended (rotor)": Model(
+        ExtendedKalman(turned, pushed, first), extended, column, rotor, 0.05, 0.01
+    ),
+}
+BEGUN = Model(
+    ExtendedKalman(kept, wandered, first),
+    partial(extended, x0=(0.0,), P0=(0.09,)),
+    column,
+    walk,
+    0.09,
+    1.0,
+)
+"""A local level that begins at 0."""
+
+
+# Faults: from a generator, what is measured without noise (N, k), the noise's deviation and a size
+# to measurements (N, k).
+
+
+def none(draw: np.random.Generator, x: np.ndarray, sd: float, size: float) -> np.ndarray:
+    return x + sd * draw.standard_normal(x.shape)
+
+
+def outliers(
+    draw: np.random.Generator, x: np.ndarray, sd: float, size: float, share: float
+) -> np.ndarray:
+    """A share of the measurements is off by so many deviations, on either side."""
+    wrong = draw.random(x.shape) < share
+    return none(draw, x, sd, 0) + wrong * size * sd * draw.choice([-1.0, 1.0], x.shape)
+
+
+def coloured(draw: np.random.Generator, x: np.ndarray, sd: float, size: float) -> np.ndarray:
+    """Noise of the same variance, with a correlation of ``size`` from sample to sample."""
+    noise = [draw.standard_normal(x.shape[1])]
+    for _ in range(SAMPLES - 1):
+        new = draw.standard_normal(x.shape[1])
+        noise.append(size * noise[-1] + np.sqrt(1 - size**2) * new)
+    return x + sd * np.array(noise)
+
+
+def wrapped(draw: np.random.Generator, x: np.ndarray, sd: float, size: float) -> np.ndarray:
+    """Jumps ``size`` times by a full turn, at random places, and stays there."""
+    z = none(draw, x, sd, 0)
+    for _ in range(int(size)):
+        at = draw.integers(SAMPLES // 10, SAMPLES, x.shape[1])
+        z = z - TURN * sd / 0.1 * (np.arange(SAMPLES)[:, None] >= at)
+    return z
+
+
+def growing(draw: np.random.Generator, x: np.ndarray, sd: float, size: float) -> np.ndarray:
+    """The variance grows exponentially with the rank of the level, by exp(size) to both ends."""
+    rank = 2 * np.argsort(np.argsort(x, axis=0), axis=0) / (SAMPLES - 1) - 1
+    return x + sd * np.exp(size * rank / 2) * draw.standard_normal(x.shape)
+
+
+def ageing(draw: np.random.Generator, x: np.ndarray, sd: float, size: float) -> np.ndarray:
+    """The variance grows exponentially with time, by exp(size) to both ends."""
+    rank = np.linspace(-1, 1, SAMPLES)[:, None]
+    return x + sd * np.exp(size * rank / 2) * draw.standard_normal(x.shape)
+
+
+def displaced(draw: np.random.Generator, x: np.ndarray, sd: float, size: float) -> np.ndarray:
+    """The truth begins so many deviations from where the filter does."""
+    return none(draw, x, sd, 0) + size * sd
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A fault of several sizes, and the test that is there for it."""
+
+    make: Callable[..., np.ndarray]
+    sizes: tuple[float, ...]
+    test: str
+
+
+FAULTS = {
+    "1 % outliers, deviations": Fault(
+        partial(outliers, share=0.01), (4, 5, 6, 8, 10, 15, 20, 40), "outliers"
+    ),
+    "10 % outliers, deviations": Fault(
+        partial(outliers, share=0.1), (2, 3, 4, 5, 6, 8, 10, 20), "outliers"
+    ),
+    "coloured noise, correlation": Fault(
+        coloured, (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95), "whiteness"
+    ),
+    "full turns, number": Fault(wrapped, (1, 2, 4), "full turns"),
+    "noise with the level, ln": Fault(growing, (np.log(2), 1.0, 1.5, 2.0, 2.5, 3.0), "over level"),
+    "noise with time, ln": Fault(ageing, (np.log(2), 1.0, 1.5, 2.0, 2.5, 3.0), "over time"),
+}
+STARTS = Fault(displaced, (2, 4, 6, 8, 10, 14, 20, 30, 50, 100), "start")
+
+
+# Tuning: Newton's method on all records at once, in the logarithms of q and R.
+
+
+class Compiled(NamedTuple):
+    """Of many records side by side: the likelihood in nats a number, its slopes and curves in ln q
+    and ln R, and the innovations with their variances.
+    """
+
+    value: Any
+    slopes: Any
+    curves: Any
+    innovations: Any
+
+
+@cache
+def compiled(model: Model) -> Compiled:
+    def one(at: jax.Array, z: jax.Array) -> jax.Array:
+        y, s = innovations(at, z)
+        seen = s > 0
+        s = jnp.where(seen, s, 1.0)
+        return jnp.where(seen, y**2 / s + jnp.log(s), 0.0).sum() / 2 / seen.sum()
+
+    def innovations(at: jax.Array, z: jax.Array) -> tuple[jax.Array, jax.Array]:
+        outputs = run(model.filter, model.params(*jnp.exp(at)), model.samples(z))[1]
+        return outputs.innovation, outputs.variance
+
+    each = partial(jax.vmap, in_axes=(0, 1))
+    slopes = jax.jacfwd(one)
+    return Compiled(*(jax.jit(each(f)) for f in (one, slopes, jax.jacfwd(slopes), innovations)))
+
+
+def tuned(model: Model, z: np.ndarray) -> np.ndarray:
+    """ln q and ln R of each record ``(k, 2)``."""
+    value, slopes, curves, _ = compiled(model)
+    at = np.tile(np.log([model.q, model.R]), (z.shape[1], 1))
+    best, damping = np.asarray(value(at, z)), np.full(len(at), 1e-3)
+    for _ in range(60):
+        g, H = np.asarray(slopes(at, z)), np.asarray(curves(at, z))
+        eigen, basis = np.linalg.eigh(H)
+        inside = np.einsum("kji,kj->ki", basis, g) / (np.abs(eigen) + damping[:, None])
+        step = np.clip(-np.einsum("kij,kj->ki", basis, inside), -1.5, 1.5)
+        there = np.clip(at + step, -25, 25)
+        found = np.asarray(value(there, z))
+        better = found < best
+        at, best = np.where(better[:, None], there, at), np.where(better, found, best)
+        damping = np.where(better, damping / 5, damping * 5).clip(1e-9, 1e6)
+        if np.quantile(np.abs(step).max(axis=1), 0.99) < 1e-4:
+            break
+    return at
+
+
+def diagnoses(model: Model, z: np.ndarray, at: np.ndarray, fitted: int) -> list[Diagnostics]:
+    """What each record's innovations say with its own ln q and ln R."""
+
+    y, s = map(np.asarray, compiled(model).innovations(at, z))
+    turn = TURN * np.sqrt(model.R) / 0.1
+    return [
+        diagnose(
+            Innovations.of(
+                y[i],
+                s[i],
+                levels=np.where(s[i] > 0, z[:, i : i + 1] - y[i], np.nan),
+                turns=(turn,),
+            ),
+            fitted=fitted,
+        )
+        for i in range(len(y))
+    ]
+
+
+def rates(found: list[Diagnostics]) -> dict[str, float]:
+    """In which share of the records each test failed, and any."""
+    tests = [each.test for each in found[0].findings]
+    failed = [{each.test for each in one.failed} for one in found]
+    shares = {test: float(np.mean([test in each for each in failed])) for test in tests}
+    return shares | {"any": float(np.mean([bool(each) for each in failed]))}
+
+
+def moved(model: Model, at: np.ndarray) -> float:
+    """By which factor the worse of q and R is wrong, in the median record."""
+    off = np.abs(at - np.log([model.q, model.R])).max(axis=1)
+    return float(np.exp(np.median(off)))
+
+
+def at_size(
+    model: Model, fault: Fault, size: float, count: int, seed: int
+) -> tuple[float, dict[str, float]]:
+    """How far a fault moves the parameters, and which tests fail."""
+    draw = np.random.default_rng(seed)
+    z = fault.make(draw, model.states(draw, count), np.sqrt(model.R), size)
+    at = tuned(model, z)
+    return moved(model, at), rates(diagnoses(model, z, at, 2))
+
+
+def nominal(model: Model, count: int, seed: int) -> dict[str, dict[str, float]]:
+    """False alarms at the true values and at each record's tuned ones, and wrong variances."""
+    draw = np.random.default_rng(seed)
+    z = none(draw, model.states(draw, count), np.sqrt(model.R), 0)
+    true = np.tile(np.log([model.q, model.R]), (count, 1))
+    return {
+        "true values": rates(diagnoses(model, z, true, 0)),
+        "tuned values": rates(diagnoses(model, z, tuned(model, z), 2)),
+        "variances x 2": rates(diagnoses(model, z, true + np.log(2), 0)),
+        "variances / 2": rates(diagnoses(model, z, true - np.log(2), 0)),
+    }
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Simulate, tune, diagnose, and print the tables' rows as they come."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--records", type=int, default=500)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--all", action="store_true", help="every size, not the first that moves")
+    asked = parser.parse_args(arguments)
+    print("| nominal data | values | tests that fail, % |\n|---|---|---|")
+    for name, model in {**MODELS, "level begun at 0": BEGUN}.items():
+        for what, shares in nominal(model, asked.records, asked.seed).items():
+            print(f"| {name} | {what} | {_shares(shares)} |", flush=True)
+    print("\n| model | fault | size | moves by | its test, % | any, % | others, % |")
+    print("|---|---|---|---|---|---|---|")
+    cases = [(m, f) for m in MODELS for f in FAULTS]
+    for name, what in [*cases, ("level begun at 0", "start"), ("extended (rotor)", "start")]:
+        model = MODELS.get(name, BEGUN)
+        fault = FAULTS.get(what, STARTS)
+        for line in _rows(model, fault, asked.records, asked.seed, every=asked.all):
+            print(f"| {name} | {what} | {line} |", flush=True)
+
+
+def _rows(model: Model, fault: Fault, records: int, seed: int, *, every: bool) -> Iterator[str]:
+    for size in fault.sizes:
+        last = every or size == fault.sizes[-1]
+        if not last and at_size(model, fault, size, FEWER, seed)[0] < MOVED:
+            continue
+        factor, shares = at_size(model, fault, size, records, seed)
+        if last or factor >= 2:
+            rest = {k: v for k, v in shares.items() if k not in (fault.test, "any")}
+            own = f"{100 * shares[fault.test]:.1f} | {100 * shares['any']:.1f}"
+            yield f"{size:.3g} | {factor:.3g} | {own} | {_shares(rest)}"
+        if factor >= 2 and not every:
+            return
+
+
+def _shares(shares: Mapping[str, float]) -> str:
+    return ", ".join(f"{test} {100 * share:.1f}" for test, share in shares.items() if share)
+
+
+if __name__ == "__main__":
+    main()
