@@ -121,7 +121,7 @@ def test_a_filter_without_a_variance_has_no_gate():
         tuner.fit("alpha-beta", record, options={"gate": 4})
 
 
-def simulated(noise, seed=3, n=800):
+def simulated(noise, seed=3, n=1500):
     """A level that wanders from 5 to far, measured with a noise of one's own making."""
     draw = np.random.default_rng(seed)
     level = 40 + np.cumsum(0.5 * draw.standard_normal(n))
@@ -149,7 +149,7 @@ def test_coloured_noise_is_found():
             v.append(phi * v[-1] + e)
         return np.array(v)
 
-    columns = simulated(markov)
+    columns = simulated(markov, n=800)
     fit = fitted(columns, options={"noise": "coloured"}, fix={"q": 0.25})
     found = {name: float(p.value) for name, p in fit.solution.parameters.items()}
     assert found["tau"] == pytest.approx(8.0, rel=0.5)
@@ -161,7 +161,7 @@ def test_coloured_noise_is_found():
 
 def test_noise_by_a_channel_keeps_its_unit_and_a_gate_goes_around_it():
     draw = np.random.default_rng(4)
-    sigma = draw.uniform(0.5, 4.0, 800)
+    sigma = draw.uniform(0.5, 4.0, 1500)
     columns = simulated(lambda draw, x: np.sqrt(4 + 0.5 * sigma**2) * draw.standard_normal(len(x)))
     columns["z"][10::50] += 300.0
     record = tuner.Record.of(
@@ -175,7 +175,7 @@ def test_noise_by_a_channel_keeps_its_unit_and_a_gate_goes_around_it():
     # What a measurement's variance is on the average.
     mean = found["R"] + found["share"] * np.mean(sigma**2)
     assert mean == pytest.approx(4 + 0.5 * np.mean(sigma**2), rel=0.1)
-    assert fit.judged.refused.refused == 16
+    assert fit.judged.refused.refused == 30
 
 
 def test_the_command_line_takes_a_list_of_noises(cli, here):
