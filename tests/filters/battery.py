@@ -41,6 +41,7 @@ from filters import (
     GainCovariance,
     GainedSample,
     GainTable,
+    Gated,
     GpsAidedKalman,
     GpsAidedNoise,
     GpsAidedSample,
@@ -70,6 +71,7 @@ from filters import (
     RiccatiCovariance,
     Sample,
     StoredGains,
+    Student,
     TableCovariance,
     TiltKalman,
     TiltNoise,
@@ -82,6 +84,7 @@ from filters import (
     VerticalNoise,
     VerticalSample,
     loop_step,
+    measured,
     riccati_flow,
     shared,
     transitions,
@@ -373,6 +376,18 @@ _TURNED = jnp.array([0.9, 0.3, -0.3, 0.1])
 _TILTED = np.log([1.0, 0.05, 1.0, 0.4, 10.0, 5.0])
 _TURNING = np.log([1e-3, 1e-4, 1e-2, 0.5, 2.0, 9.81])
 
+
+def _level(point):
+    return LocalLevelNoise(*jnp.exp(point))
+
+
+def _level_sample(z):
+    return LevelSample(jnp.asarray(z), _DEVIATIONS)
+
+
+_LEVEL_PARTS = measured(LocalLevel(0.1), _level(_POINT[:2]), _level_sample(_ONE))
+
+
 CASES = [
     Case("accelerometer", AccelerometerFilter(0.1), _noise, _POINT, _ONE),
     Case("gyroscope", GyroscopeFilter(0.1), _noise, _POINT, _ONE),
@@ -501,13 +516,15 @@ CASES = [
         _ONE,
         lambda z: TimedSample(jnp.asarray(_DT), jnp.asarray(z)),
     ),
+    Case("local level, deviations", LocalLevel(0.1), _level, _POINT[:2], _ONE, _level_sample),
+    Case("a gate", Gated(LocalLevel(0.1), _LEVEL_PARTS), _level, _POINT[:2], _ONE, _level_sample),
     Case(
-        "local level, deviations",
-        LocalLevel(0.1),
-        lambda point: LocalLevelNoise(*jnp.exp(point)),
+        "heavy tails",
+        Student(LocalLevel(0.1), _LEVEL_PARTS),
+        _level,
         _POINT[:2],
         _ONE,
-        lambda z: LevelSample(jnp.asarray(z), _DEVIATIONS),
+        _level_sample,
     ),
     Case(
         "constant velocity, two axes",

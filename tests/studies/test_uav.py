@@ -535,7 +535,9 @@ def solutions():
     found = {}
     for law in LAWS:
         parameters = {
-            name: SimpleNamespace(value=value, unit="u", interval=(value / 2, 2 * value))
+            name: SimpleNamespace(
+                value=value, unit="u", interval=(value / 2, 2 * value), interval_kind="95 %"
+            )
             for name, value in start(law).items()
         }
         found[law, "x"] = SimpleNamespace(

@@ -123,7 +123,7 @@ class Starts:
     """Whether several starts came to the same end.
 
     Attributes:
-        count: how many starts there were.
+        count: how many starts led to a point that keeps every constraint.
         agreeing: how many ended as low as the best, itself included: within 0.1 % of its value, or
             within 0.05 nats of a likelihood.
         worst: by how much the worst end lies above the best, as a share of its value or in nats; 0

@@ -139,7 +139,7 @@ class Run:
         facts = channel_facts(bare(problem.filter), "outputs")
         found = {name: output(problem.filter, outputs, name) for name in facts}
         found |= {name: getattr(outputs, name) for name in SAID if hasattr(outputs, name)}
-        arrays = {name: np.asarray(each) for name, each in found.items()}
+        arrays = {name: np.asarray(each) for name, each in found.items() if each is not None}
         stream = io.BytesIO()
         np.savez_compressed(stream, allow_pickle=False, **arrays)
         return self.folder.write("outputs.npz", stream.getvalue())

@@ -186,9 +186,10 @@ def _agrees(end: Minimum, best: Minimum, yard: Yardstick) -> bool:
 
 
 def _agreement(ends: list[Minimum], best: Minimum, yard: Yardstick) -> Starts:
-    excess = [yard.of(end.value - best.value) if end.allowed else np.inf for end in ends]
-    agreeing = sum(_agrees(end, best, yard) for end in ends)
-    return Starts(len(ends), agreeing, max(excess))
+    """How the ends agree; those that keep no constraint found nothing that could."""
+    rivals = [end for end in ends if end.allowed] or [best]
+    excess = [yard.of(end.value - best.value) for end in rivals]
+    return Starts(len(rivals), sum(_agrees(end, best, yard) for end in rivals), max(excess))
 
 
 def _status(problem: Problem, best: Minimum, view: _View, starts: Starts) -> Status:
