@@ -26,6 +26,7 @@ from filters.bounded_motion import (  # noqa: E402
     BoundedMotionState,
     blocks,
 )
+from filters.coloured import coloured, coloured_noise  # noqa: E402
 from filters.complementary import (  # noqa: E402
     AngleSample,
     Complementary,
@@ -148,6 +149,7 @@ from filters.tilt_euler import (  # noqa: E402
     tilt_transition,
 )
 from filters.timed import Timed, TimedSample  # noqa: E402
+from filters.varying_noise import channel_noise, level_noise  # noqa: E402
 from filters.vertical import (  # noqa: E402
     Vertical,
     VerticalNoise,
@@ -267,12 +269,16 @@ __all__ = [
     "bare",
     "blocks",
     "channel_facts",
+    "channel_noise",
+    "coloured",
+    "coloured_noise",
     "components",
     "constructed_attitude",
     "decorrelate",
     "euler_rates",
     "gyroscope_steady",
     "inputs_of",
+    "level_noise",
     "line",
     "linearised",
     "loop_error",

@@ -46,3 +46,5 @@ from tuner.solvers import Ipopt as Ipopt
 from tuner.solvers import Known as Known
 from tuner.solvers import NelderMead as NelderMead
 from tuner.solvers import Sampler as Sampler
+from tuner.solvers.pareto import Front as Front
+from tuner.solvers.pareto import pareto as pareto

@@ -4,18 +4,17 @@ from typing import Literal, get_args
 
 import numpy as np
 
-Noise = Literal["white", "coloured", "student"]
+Noise = Literal["white", "coloured", "student 6", "student 4"]
 NOISES: tuple[Noise, ...] = get_args(Noise)
 COLOUR = 0.6
 """Correlation from sample to sample of coloured noise."""
-FREEDOM = 4
-"""Degrees of freedom of Student's distribution."""
 
 
 def noise(rng: np.random.Generator, shape: tuple[int, int], kind: Noise) -> np.ndarray:
-    """Noise of variance 1, ``(records, N)``."""
-    if kind == "student":
-        heavy: np.ndarray = rng.standard_t(FREEDOM, shape) * np.sqrt((FREEDOM - 2) / FREEDOM)
+    """Noise of variance 1, ``(records, N)``; Student's of 6 or of 4 degrees of freedom."""
+    if kind in ("student 6", "student 4"):
+        freedom = int(kind[-1])
+        heavy: np.ndarray = rng.standard_t(freedom, shape) * np.sqrt((freedom - 2) / freedom)
         return heavy
     drawn = rng.standard_normal(shape)
     if kind == "coloured":

@@ -91,7 +91,7 @@ def confused(xp: ModuleType, z: Any, p: Any) -> Any:
     """The share of samples that a threshold puts on the wrong side, and a smooth share."""
     c, k, n, x = p[0], p[1], p[2], p[3:]
     true = np.arange(len(p) - 3) % 2 == 0
-    wrong = ((x > xp.exp(z[..., :1])) != true).mean(axis=-1)
+    wrong = ((x > xp.exp(z[..., :1])) != true).astype(float).mean(axis=-1)
     return c + wrong + k * (z[..., 1] - n) ** 2
 
 

@@ -132,7 +132,8 @@ def _untrue(case: Case, z: np.ndarray, value: float, sentence: str) -> bool:
     moved = np.where(limited, np.clip(z + step, low, high), z + step)
     changed = abs(float(case.values(moved[None])[0]) - value)
     # Half as much again: the sentence gives the step to three digits.
-    return changed > 1.5 * max(case.felt, 1e-2 * abs(value) if case.count is None else 0.0)
+    felt = max(case.felt, 1e-2 * abs(value) if case.count is None else 0.0)
+    return bool(changed > 1.5 * felt)
 
 
 def is_threshold_refusal(case: Case, solver: str) -> bool:

@@ -1,145 +1,30 @@
-"""What was reached, beside the field's best filter and what others publish: by claims."""
+"""What was reached, beside other filters and what others publish: by claims."""
 
 from collections.abc import Iterator
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
-from studies.broad import paper
-from studies.broad.contest import Contest, Outcome
-from studies.broad.contestants import LABELS, SPACES, start, takes_field
-from studies.broad.peers import vqf
+from studies.broad import paper, rivals
+from studies.broad.contest import Contest
+from studies.broad.contestants import start
+from studies.broad.held_out import claims_held_out, mean_left_out
+from studies.broad.lateness import late
 from studies.broad.problems import Case, fold_name
+from studies.broad.rivals import REACH, judged_at, needed
 from tuner.run.comparison import Comparison, claim, number, undecided
 from tuner.run.study import Claim, Solutions, best, tuned_values
 
-REACH = 0.70
-"""What a filter of this project has to reach on trials that it was not tuned on, deg."""
 CLOSE = 0.02
 """How closely a filter has to repeat what is published of it, relative."""
+NEAR = 3e-4
+"""How near the tuned lead has to be to what gyroscopes are late, s."""
 PUBLISHED = {
     "madgwick": "their code takes the reference field at half its length, and the length of its "
     "gradient depends on which earth axis is north",
     "mahony": "their code begins some degrees off, which the integral remembers",
 }
 """Why the authors' implementations differ from ours."""
-
-
-WITHOUT = fold_name("*")
-"""The problems that leave a trial out."""
-
-
-class Room(NamedTuple):
-    """The room filter's errors that others are held against.
-
-    Attributes:
-        at: the trials, by index.
-        errors: their errors, deg.
-        how: how it was tuned.
-    """
-
-    at: list[int]
-    errors: np.ndarray
-    how: str
-
-
-def left_out(case: Case, solutions: Solutions) -> np.ndarray:
-    """The errors on trials with the parameters tuned on all others, deg."""
-    contest, folds = case.contest, case.folds
-    names = [fold_name(contest.trials[at].name) for at in folds]
-    found = dict(zip(folds, (tuned_values(best(n, solutions)) for n in names), strict=True))
-    some = found[folds[0]]  # for trials that were never left out, and are not asked for
-    each = [found.get(at, some) for at in range(len(contest.trials))]
-    return contest.judged_each("room", each).inclination[list(folds)]
-
-
-def judged_at(name: str, contest: Contest, solutions: Solutions) -> Outcome:
-    """How a filter does with the parameters tuned on all trials."""
-    return contest.judged(name, tuned_values(best(name, solutions)))
-
-
-def _left_out(case: Case, solutions: Solutions) -> Comparison:
-    """The error on trials that the filter was not tuned on."""
-    contest, own = case.contest, _room(case, solutions)
-    each = ", ".join(
-        f"{contest.trials[at].name[:2]} {error:.3f}"
-        for at, error in zip(own.at, own.errors, strict=True)
-    )
-    return claim(
-        "inclination_loo_deg",
-        "leave one trial out, mean of the trials' RMSE in motion",
-        float(own.errors.mean()) <= REACH,
-        ours=float(own.errors.mean()),
-        unit="deg",
-        note=f"{LABELS['room']}, {SPACES['room'].size} parameters; aim {REACH}; by trial {each}",
-    )
-
-
-def _room(case: Case, solutions: Solutions) -> Room:
-    if case.folds:
-        errors = left_out(case, solutions)
-        return Room(list(case.folds), errors, "tuned without the trial")
-    errors = judged_at("room", case.contest, solutions).inclination
-    return Room(list(range(len(errors))), errors, "tuned on them all")
-
-
-def _beaten(quantity: str, how: str, errors: np.ndarray, own: Room, note: str) -> Comparison:
-    """The claim that the room filter is better than another on the same trials."""
-    other, room = float(errors[own.at].mean()), float(own.errors.mean())
-    return claim(
-        quantity,
-        f"{how}; the room filter, {own.how}, is better",
-        room < other,
-        ours=float(errors.mean()),
-        unit="deg",
-        note=f"{note}; {other:.3f} against the room filter's {room:.3f} on {len(own.at)} trials",
-    )
-
-
-def _vqf(case: Case, solutions: Solutions) -> Iterator[Comparison]:
-    """VQF with its own parameters, and tuned."""
-    found, own = vqf(case.contest), _room(case, solutions)
-    if found is None:
-        for quantity in ("inclination_vqf_deg", "inclination_vqf_tuned_deg"):
-            yield undecided(
-                quantity,
-                "the same trials",
-                unit="deg",
-                note="the package vqf is not installed: it comes with the extra 'peers'",
-            )
-        return
-    yield _beaten("inclination_vqf_deg", "its own parameters", found.default, own, "VQF")
-    note = f"VQF, time constant {found.tau:.2g} s"
-    yield _beaten("inclination_vqf_tuned_deg", "tuned on these trials", found.tuned, own, note)
-
-
-def _default(case: Case, solutions: Solutions, *, name: str) -> Comparison:
-    """A filter where its search began."""
-    gains = "published gains" if name.startswith(("mahony", "madgwick")) else "start values"
-    found = case.contest.judged(name, start(name))
-    return _state(f"inclination_{name}_default_deg", name, gains, found, case, solutions)
-
-
-def _tuned(case: Case, solutions: Solutions, *, name: str) -> Comparison:
-    """A filter tuned on all trials."""
-    how = "tuned by the total error" if takes_field(name) else "tuned by this error"
-    found = judged_at(name, case.contest, solutions)
-    return _state(f"inclination_{name}_deg", name, how, found, case, solutions)
-
-
-def _state(
-    quantity: str, name: str, how: str, found: Outcome, case: Case, solutions: Solutions
-) -> Comparison:
-    note = f"{LABELS[name]}, {SPACES[name].size} parameters"
-    if takes_field(name):
-        total, heading = (found.errors[part].mean() for part in ("total", "heading"))
-        note += f"; total {total:.3f}, heading {heading:.3f}"
-    if name.startswith("room"):
-        error = float(found.inclination.mean())
-        where = f"{how}; the aim of {REACH} is reached"
-        return claim(quantity, where, error <= REACH, ours=error, unit="deg", note=note)
-    return _beaten(quantity, how, found.inclination, _room(case, solutions), note)
 
 
 def _published(case: Case, solutions: Solutions, *, name: str) -> Iterator[Comparison]:
@@ -193,16 +78,65 @@ def _transferred(case: Case, solutions: Solutions) -> Comparison:
     )
 
 
+def _sensor(case: Case, solutions: Solutions) -> Comparison:
+    """Which part of the delay is the sensor's."""
+    quantity, where = "delay_sensor_ms", "gyroscopes are later than accelerometers on every trial"
+    found = 1e3 * np.array([late(trial) for trial in case.contest.trials])
+    found = found[~np.isnan(found).any(axis=1)]
+    if not len(found):
+        note = "no trial has places (opt_pos) long enough in one piece"
+        return undecided(quantity, where, unit="ms", note=note)
+    own = found[:, 0] - found[:, 1]
+    ranges = ", ".join(
+        f"{name} {column.min():.2f} to {column.max():.2f}"
+        for name, column in zip(("gyroscopes", "accelerometers"), found.T, strict=True)
+    )
+    return claim(
+        quantity,
+        where,
+        bool((own > 0).all()),
+        ours=float(own.mean()),
+        unit="ms",
+        note=f"late against the truth, by trial: {ranges} ms; the difference, {own.min():.2f} to "
+        f"{own.max():.2f}, is the sensor's; what both are late may be the truth's clock",
+    )
+
+
+def _lead(case: Case, solutions: Solutions) -> Comparison:
+    """Whether the tuned lead is what the gyroscopes are late."""
+    quantity = "delay_lead_ms"
+    where = f"the tuned lead and half a sample are the gyroscopes' delay, within {1e3 * NEAR:g} ms"
+    found = np.array([late(trial).gyroscopes for trial in case.contest.trials])
+    lead = float(tuned_values(best("room", solutions))["lead"])
+    ours, seen = lead + 0.5 / case.contest.rate_hz, found[~np.isnan(found)]
+    if not len(seen):
+        note = "no trial has a truth that is long enough in one piece"
+        return undecided(quantity, where, ours=1e3 * ours, unit="ms", note=note)
+    return claim(
+        quantity,
+        where,
+        abs(ours - float(seen.mean())) <= NEAR,
+        ours=1e3 * ours,
+        unit="ms",
+        note=f"lead {1e3 * lead:.2f}; a step takes the rate at its end for its mean, half a "
+        f"sample early; gyroscopes are {1e3 * seen.mean():.2f} late",
+    )
+
+
 def claims_of(case: Case) -> tuple[Claim, ...]:
     """What these trials can decide."""
-    found = [Claim("inclination_loo_deg", _left_out, (WITHOUT,))] if case.folds else []
-    own = (WITHOUT,) if case.folds else ("room",)
-    found.append(Claim("inclination_vqf*_deg", _vqf, own))
+    left_out = (fold_name("*"),)
+    found = [Claim("inclination_loo_deg", mean_left_out, left_out)] if case.folds else []
+    found += claims_held_out(case)
+    for state in rivals.VQF:
+        row, held = f"inclination_vqf{state}_deg", needed(case, rivals.vqf_name(state))
+        found.append(Claim(row, partial(rivals.of_vqf, state=state), held))
     for name in case.tuned:
-        held = () if name.startswith("room") else own
-        default, tuned = partial(_default, name=name), partial(_tuned, name=name)
+        held = () if name.startswith("room") else needed(case, name)
+        default, tuned = (partial(each, name=name) for each in (rivals.default, rivals.tuned))
         found.append(Claim(f"inclination_{name}_default_deg", default, held))
         found.append(Claim(f"inclination_{name}_deg", tuned, (name, *held)))
+    found += [Claim("delay_sensor_ms", _sensor), Claim("delay_lead_ms", _lead, ("room",))]
     for name in ("madgwick", "mahony"):
         found.append(Claim(f"{name}_published_*_deg", partial(_published, name=name)))
     if len({trial.disturbed for trial in case.contest.trials}) == 2:

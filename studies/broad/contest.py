@@ -60,15 +60,17 @@ class Contest:
     Attributes:
         trials: at least one.
         whole: whether they are complete, so that published errors are those of the same samples.
+        samples: they are filled up to so many at least: contests of one length share a compilation.
     """
 
     trials: tuple[Trial, ...]
     whole: bool = True
+    samples: int = 0
     _outcomes: dict[Any, Outcome] = field(default_factory=dict, init=False, repr=False)
 
-    def of(self, trials: Sequence[Trial]) -> "Contest":
-        """The contest on some of the trials."""
-        return Contest(tuple(trials), self.whole)
+    def of(self, trials: Sequence[Trial], samples: int = 0) -> "Contest":
+        """The contest on some of the trials, filled up to so many samples at least."""
+        return Contest(tuple(trials), self.whole, samples)
 
     @property
     def rate_hz(self) -> float:
@@ -109,12 +111,12 @@ class Contest:
     def judged_each(self, name: str, values: Sequence[dict[str, Array]]) -> Outcome:
         """How a filter does with parameters for every trial: one time loop for all."""
         filter = filter_of(name, self.rate_hz)
-        rows = [assembled(filter, each) for each in values]
+        starts = [np.array(q) for q in self._starts(name)]
+        rows = [assembled(filter, v | {"q0": q}) for v, q in zip(values, starts, strict=True)]
         # Arrays of NumPy are float64 whatever they were made of, so all share one compilation.
         params = jax.tree.map(lambda *leaves: np.stack(leaves, dtype=float), *rows)
-        params = params._replace(q0=np.array(self._starts(name)))
         parts: tuple[Part, ...] = get_args(Part) if takes_field(name) else ("inclination",)
-        key = filter, parts, *(leaf.tobytes() for leaf in params)
+        key = filter, parts, *(leaf.tobytes() for leaf in jax.tree.leaves(params))
         if key not in self._outcomes:
             errors, last = _judged(filter, parts, params, self.data(name))
             found = {part: np.asarray(each) for part, each in zip(parts, errors, strict=True)}
@@ -128,15 +130,15 @@ class Contest:
 
     @cached_property
     def _blocks(self) -> Data:
-        return side_by_side("room", self.trials)
+        return side_by_side("room", self.trials, self.samples)
 
     @cached_property
     def _groups(self) -> Data:
-        return side_by_side("gravity", self.trials)
+        return side_by_side("gravity", self.trials, self.samples)
 
     @cached_property
     def _samples(self) -> Data:
-        return side_by_side("mahony", self.trials)
+        return side_by_side("mahony", self.trials, self.samples)
 
     @cached_property
     def _with_field(self) -> Data:
@@ -146,25 +148,25 @@ class Contest:
         return Data(plain.inputs._replace(mag=seen), plain.truth)
 
 
-def side_by_side(name: str, trials: Sequence[Trial]) -> Data:
-    """Trials as a filter takes them, up to the last sample that counts in any of them.
+def side_by_side(name: str, trials: Sequence[Trial], samples: int = 0) -> Data:
+    """Trials as a filter takes them, up to the last sample that counts in any, or to ``samples``.
 
     Shorter ones are filled up with their last sample at rest.
     For the room filter samples are in blocks, for the gravity filters averaged in groups, whose
     truth is that of their last sample.
     """
     length = group(name, trials[0].rate_hz)
-    count = -(-max(_end(trial) for trial in trials) // length)
+    count = -(-max(samples, *(end(trial) for trial in trials)) // length)
     acceleration = _cut([trial.acceleration for trial in trials], count, length, "edge")
     rate = _cut([trial.rate for trial in trials], count, length, "zero")
     truth = _cut([trial.truth for trial in trials], count, length, "nan")
     if name.startswith("room"):
         return Data(ImuSample(acceleration, rate), truth)
-    samples = ImuSample(acceleration.mean(axis=2), rate.mean(axis=2))
-    return Data(samples, truth[:, :, -1])
+    means = ImuSample(acceleration.mean(axis=2), rate.mean(axis=2))
+    return Data(means, truth[:, :, -1])
 
 
-def _end(trial: Trial) -> int:
+def end(trial: Trial) -> int:
     """How many samples there are up to the last that counts."""
     return int(np.flatnonzero(~np.isnan(trial.truth).any(axis=1))[-1]) + 1
 

@@ -1,8 +1,9 @@
 """The filters that compete: their parameters, where a search begins, and by what it is judged."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+import jax
 import jax.numpy as jnp
 from jax import Array
 
@@ -13,8 +14,8 @@ from filters import (
     Madgwick,
     Mahony,
     assembled,
-    shared,
 )
+from studies.broad.ahead import Ahead
 from tuner.problem.parameters import Limited, Parameter, Positive
 from tuner.problem.space import Space
 
@@ -38,8 +39,14 @@ Contestant = Literal[
     "madgwick",
     "mahony_field",
     "madgwick_field",
+    "gravity_lead",
+    "two_step_lead",
+    "mahony_lead",
+    "madgwick_lead",
+    "mahony_field_lead",
+    "madgwick_field_lead",
 ]
-LABELS: dict[str, str] = {
+_LABELS: dict[str, str] = {
     "room": "strapdown navigation in a room",
     "room_now": "the same without a lead",
     "gravity": "gravity and bias, constant r",
@@ -49,9 +56,18 @@ LABELS: dict[str, str] = {
     "mahony_field": "Mahony with a magnetometer",
     "madgwick_field": "Madgwick with a magnetometer",
 }
+_OTHERS = tuple(name for name in _LABELS if not name.startswith("room"))
+LABELS = _LABELS | {f"{name}_lead": f"{_LABELS[name]}, with a lead" for name in _OTHERS}
 
-
-LEAD = Limited(0.0, -0.02, 0.02, scale=2e-3, limited=False)
+LEAD = Limited(
+    0.0,
+    -0.02,
+    0.02,
+    scale=2e-3,
+    limited=False,
+    meaning="how far ahead of the last sample the attitude is wanted: what this sensor's "
+    "gyroscopes are late against this truth, less half a sample; 0 for another sensor",
+)
 ROOM: dict[str, Parameter | float | tuple[float, ...]] = {
     "speed": SPEED,
     "gyroscope": 0.0,
@@ -78,10 +94,15 @@ _SPACES: dict[str, Space] = {
     "mahony": Space.of_filter(Mahony, q0=LEVEL),
     "madgwick": Space.of_filter(Madgwick, q0=LEVEL),
 }
-SPACES = _SPACES | {f"{name}_field": _SPACES[name] for name in ("mahony", "madgwick")}
+_PLAIN = _SPACES | {f"{name}_field": _SPACES[name] for name in ("mahony", "madgwick")}
+SPACES = _PLAIN | {
+    f"{name}_lead": Space((*_PLAIN[name].parameters, ("lead", replace(LEAD, unit="s"))))
+    for name in _OTHERS
+}
 """What is tuned, and where it begins: round numbers, or the gains published for the benchmark.
 
-room_now has no lead: it gives the attitude of the last sample, whatever the sensor's delay.
+room and those that end in _lead are given the sensor's delay back; the others, room_now among
+them, give the attitude of the last sample, whatever that delay.
 """
 
 
@@ -93,7 +114,12 @@ def start(name: str) -> dict[str, Array]:
 
 def takes_field(name: str) -> bool:
     """Whether a filter takes the magnetometer too."""
-    return name.endswith("_field")
+    return "_field" in name
+
+
+def has_lead(name: str) -> bool:
+    """Whether a filter's attitude is turned on by a lead, which is tuned."""
+    return name == "room" or name.endswith("_lead")
 
 
 @dataclass(frozen=True)
@@ -110,8 +136,8 @@ class Build:
 
     def __call__(self, values: dict[str, Array]) -> Any:
         """The same for every trial but for where it begins."""
-        params = shared(assembled(self.filter, values), len(self.starts))
-        return params._replace(q0=jnp.asarray(self.starts))
+        each = [assembled(self.filter, values | {"q0": jnp.asarray(q)}) for q in self.starts]
+        return jax.tree.map(lambda *leaves: jnp.stack(leaves), *each)
 
 
 def filter_of(name: str, rate_hz: float) -> AnyFilter:
@@ -126,11 +152,17 @@ def filter_of(name: str, rate_hz: float) -> AnyFilter:
         "mahony": Mahony(dt),
         "madgwick": Madgwick(dt),
     }
-    return filters[name.removesuffix("_field")]
+    filter = filters[_kind(name)]
+    return Ahead(filter) if name.endswith("_lead") else filter
 
 
 def group(name: str, rate_hz: float) -> int:
     """How many samples a step of a filter takes."""
     if name.startswith("room"):
         return max(round(BLOCK * rate_hz), 1)
-    return max(round(rate_hz / THINNED), 1) if name in ("gravity", "two_step") else 1
+    return max(round(rate_hz / THINNED), 1) if _kind(name) in ("gravity", "two_step") else 1
+
+
+def _kind(name: str) -> str:
+    """The filter's, whatever it takes and however its attitude is turned on."""
+    return name.removesuffix("_lead").removesuffix("_field")

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from studies.broad.claims import judged_at, left_out
 from studies.broad.contest import Contest
 from studies.broad.problems import Case
+from studies.broad.rivals import judged_at, left_out
 from tuner.run.figure import Chart, Figure, Line
 from tuner.run.study import Solutions
 

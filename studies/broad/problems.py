@@ -1,17 +1,20 @@
 """What is tuned on which trials, and by which solver."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import get_args
 
-from studies.broad.contest import Contest
+from studies.broad.contest import Contest, end
 from studies.broad.contestants import Contestant, takes_field
 from studies.broad.settings import Settings
 from studies.broad.trials import Trial, halved, read
+from tuner.problem.problem import Problem
 from tuner.run.study import Task
 from tuner.solvers import Alternating, Gradient
 from tuner.solvers.solver import Solver
 
+ROOMS = ("room", "room_now")
+"""With a lead and without: others are held against the one that has the same freedom."""
 ENOUGH = 3e-4
 """Slope of ln error at which a search may end: a tenth of a factor e more changes nothing."""
 
@@ -56,13 +59,13 @@ def _contestants(settings: Settings, trials: Sequence[Trial]) -> tuple[str, ...]
             f"{' and '.join(asked)} need a magnetic field (imu_mag) before the movement, and "
             f"{', '.join(silent)} has none; leave them out of contestants"
         )
-    return tuple(dict.fromkeys(("room", *settings.contestants)))
+    return tuple(dict.fromkeys((*ROOMS, *settings.contestants)))
 
 
 def tasks(case: Case, seed: int) -> tuple[Task, ...]:
-    """Every filter tuned on all trials; the room filter also without each of them in turn.
+    """Every filter tuned on all trials; the room filters also without each, and one on each alone.
 
-    Those folds are tuned at half the sample rate, in half the time, and judged at the whole one.
+    Those are tuned at half the sample rate, in half the time, and judged at the whole one.
     """
     contest = case.contest
     gradient = Gradient("l-bfgs-b", seed=seed, starts=1, gradient=ENOUGH, iterations=40)
@@ -70,18 +73,35 @@ def tasks(case: Case, seed: int) -> tuple[Task, ...]:
     alternating = Alternating(
         seed=seed, starts=1, rounds=2, progress=1e-3, gradient=ENOUGH, iterations=40
     )
-    solvers: dict[str, Solver] = {"two_step": alternating, "room": gradient}
+    solvers: dict[str, Solver] = {
+        "two_step": alternating,
+        "two_step_lead": alternating,
+        "room": gradient,
+    }
     found = [Task(contest.problem(name, name), solvers.get(name, quick)) for name in case.tuned]
-    for left_out in (contest.trials[at] for at in case.folds):
-        others = [halved(trial) for trial in contest.trials if trial is not left_out]
-        posed = contest.of(others).problem(fold_name(left_out.name), "room")
-        found.append(Task(posed, quick))
+    found += [Task(posed, quick) for posed in _folds(case)]
     return (*found, *_transfer(contest, quick))
 
 
-def fold_name(trial: str) -> str:
+def fold_name(trial: str, name: str = "room") -> str:
     """What the problem is called that leaves a trial out."""
-    return f"without_{trial}"
+    return f"without_{trial}" if name == "room" else f"{name}_without_{trial}"
+
+
+def alone_name(trial: str) -> str:
+    """What the problem is called that is tuned on one trial, which is judged by it as well."""
+    return f"alone_{trial}"
+
+
+def _folds(case: Case) -> Iterator[Problem]:
+    slow = [halved(trial) for trial in case.contest.trials]
+    for name in ROOMS:
+        for at in case.folds:
+            others = [trial for i, trial in enumerate(slow) if i != at]
+            yield case.contest.of(others).problem(fold_name(slow[at].name, name), name)
+    samples = max(end(trial) for trial in slow)
+    for at in case.folds:
+        yield case.contest.of([slow[at]], samples).problem(alone_name(slow[at].name), "room")
 
 
 def _transfer(contest: Contest, gradient: Gradient) -> list[Task]:

@@ -17,6 +17,7 @@ from tuner.data.source import Source
 GRAVITY = 9.81
 NEEDED = ("imu_acc", "imu_gyr", "opt_quat", "movement", "sampling_rate")
 MOVES = Channel("", "whether the sensor moves, so that the sample counts")
+PLACE = Channel("m", "optical, in earth axes", ("x", "y", "z"))
 SHORTEST = 1.0
 """A rest phase before the movement has to last this long, s, so that a filter can begin."""
 APART = 5.0
@@ -39,6 +40,8 @@ class Trial:
             at the first sample that has both; None where no field is known before the movement.
         truth: optical attitude, sensor to earth, ``(N, 4)``; NaN where it is missing or the sensor
             rests, so that it does not count.
+        place: optical, of the sensor in earth axes, m, ``(N, 3)``; NaN where it is missing; None
+            without any.
         rate_hz: sample rate.
         source: the file.
     """
@@ -49,6 +52,7 @@ class Trial:
     field: np.ndarray | None
     start: np.ndarray | None
     truth: np.ndarray
+    place: np.ndarray | None
     rate_hz: float
     source: Source
 
@@ -68,6 +72,7 @@ def halved(trial: Trial) -> Trial:
         rate=mean(trial.rate),
         truth=trial.truth[1 : 2 * pairs : 2],
         field=None if trial.field is None else mean(trial.field),
+        place=None if trial.place is None else trial.place[1 : 2 * pairs : 2],
         rate_hz=trial.rate_hz / 2,
     )
 
@@ -109,22 +114,24 @@ def _read(path: Path, acc_unit: AccUnit, gyr_unit: GyrUnit, seconds: float | Non
             f"{path.name} has no {', '.join(missing)}; a trial has {', '.join(NEEDED)}"
         )
     rate_hz = _rate(path.name, np.ravel(table.load(("sampling_rate",))["sampling_rate"]))
-    fields = ["mag=imu_mag"] if _has_field(table) else []
+    fields = ["mag=imu_mag"] if _holds(table, "imu_mag") else []
+    places = ["place=opt_pos:m"] if _holds(table, "opt_pos") else []
     record = read_record(
         path,
-        [f"gyr=imu_gyr:{gyr_unit}", f"acc=imu_acc:{acc_unit}", "moves=movement", *fields],
+        [f"gyr=imu_gyr:{gyr_unit}", f"acc=imu_acc:{acc_unit}", "moves=movement", *fields, *places],
         truth=["att=opt_quat"],
-        inputs=channel_facts(Mahony, "inputs") | {"moves": MOVES},
+        inputs=channel_facts(Mahony, "inputs") | {"moves": MOVES, "place": PLACE},
         outputs={"att": channel_facts(Mahony, "outputs")["att"]},
         rate_hz=rate_hz,
     )
     return _checked(path.stem, record, seconds)
 
 
-def _has_field(table: Table) -> bool:
-    if "imu_mag" not in table.names:
+def _holds(table: Table, name: str) -> bool:
+    """Whether a table has an array with any number in it."""
+    if name not in table.names:
         return False
-    raw = table.load(("imu_mag",))["imu_mag"]
+    raw = table.load((name,))[name]
     return raw.dtype.kind != "f" or bool(np.isfinite(raw).any())
 
 
@@ -169,7 +176,8 @@ def _checked(name: str, record: Record, seconds: float | None) -> Trial:
     masked = np.where(moving[:, None], truth, np.nan)
     field = parts.get("mag")
     start = None if field is None else _start(acc[:begins], field)
-    return Trial(name, acc, gyr, field, start, masked, rate_hz, replace(source, samples=len(acc)))
+    source = replace(source, samples=len(acc))
+    return Trial(name, acc, gyr, field, start, masked, parts.get("place"), rate_hz, source)
 
 
 def _start(acc: np.ndarray, field: np.ndarray) -> np.ndarray | None:

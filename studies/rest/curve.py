@@ -18,6 +18,7 @@ FLICKER = 2 * np.log(2) / np.pi
 ROOM = 0.02
 """By so much an Allan variance may miss the model at short times; its density then is 1 % off."""
 _FITTED = 2  # every second point: neighbours say nearly the same
+_LATER = 3  # half a decade
 _SPANS = 5  # the fit's last point averages a fifth of the record
 _SURE = 3.84
 """A term that lowers chi-square by less does not belong to the model."""
@@ -77,35 +78,42 @@ def read_noise(curve: AllanCurve) -> Noise:
 
     A sensor's own filter, and coarse steps, bend the curve at short times. So the fit begins at
     the first point from which on, over a decade, the model holds within ``ROOM`` and chance, and
-    from where half a decade later would give no other density.
+    from where half a decade later would give no other density. Where there is a bend before that
+    point, some of it is left that chance hides, more in a short record. It fades as 1 / tau, so
+    the fit then begins half a decade later, if white noise is still the most there.
     """
     last = max(int(np.searchsorted(curve.taus, curve.taus[-1] * 3 / _SPANS, "right")), 4)
-    fits = False
-    found = None
-    for first in range(max(last - 3, 1)):
-        tried = _fit(curve, first, last)
-        if _holds(curve, tried, first, last) and _stays(curve, tried, first, last):
-            found, fits = tried, True
-            break
-    if found is None:
-        first = 0
-        found = _fit(curve, 0, last)
-    # Where it is least for sure: far out a few means may differ little by chance.
+    white = _white_from(curve, last)
+    first = _beyond_the_bend(curve, white, last) if white else 0
+    # The floor is where the curve is least for sure: far out a few means differ little by chance.
     lowest = int(np.argmin(curve.highs[first:last])) + first
-    scale = 1 / np.sqrt(FLICKER)
-    instability = Limited(
-        float(scale * curve.deviations[lowest]),
-        float(scale * curve.lows[lowest]),
-        float(scale * curve.highs[lowest]),
-    )
+    floor = Limited(*(float(c[lowest]) for c in (curve.deviations, curve.lows, curve.highs)))
     return replace(
-        found,
-        instability=instability,
+        _fit(curve, first, last),
+        instability=floor.times(float(1 / np.sqrt(FLICKER))),
         floor_s=float(curve.taus[lowest]),
         from_s=float(curve.taus[first]),
         to_s=float(curve.taus[last - 1]),
-        fits=fits,
+        fits=white is not None,
     )
+
+
+def _white_from(curve: AllanCurve, last: int) -> int | None:
+    """The first point from which on the curve shows no bend; None where there is none."""
+    for first in range(max(last - 3, 1)):
+        tried = _fit(curve, first, last)
+        if _holds(curve, tried, first, last) and _stays(curve, tried, first, last):
+            return first
+    return None
+
+
+def _beyond_the_bend(curve: AllanCurve, white: int, last: int) -> int:
+    later = min(int(np.searchsorted(curve.taus, _LATER * curve.taus[white])), last - 4)
+    if later <= white:
+        return white
+    noise, there = _fit(curve, white, last), curve.taus[later : later + 1]
+    share = noise.white.value**2 / there / noise.model(there) ** 2
+    return later if share.item() > 0.5 else white
 
 
 def _columns(taus: Floats) -> Floats:
@@ -121,7 +129,7 @@ def _holds(curve: AllanCurve, noise: Noise, first: int, last: int) -> bool:
 
 def _stays(curve: AllanCurve, noise: Noise, first: int, last: int) -> bool:
     """Whether a fit that begins half a decade later finds the same density, but for chance."""
-    later = int(np.searchsorted(curve.taus[:last], 3 * curve.taus[first]))
+    later = int(np.searchsorted(curve.taus[:last], _LATER * curve.taus[first]))
     if last - later < 4:
         return True
     other = _fit(curve, later, last).white

@@ -141,7 +141,7 @@ def error_variance(gain: ArrayLike | Array, R: float, Q: float) -> Array:
 def kalman_gain(R: float, Q: float) -> float:
     """The gain of least error variance: that of the steady Kalman filter, K^2 / (1 - K) = Q / R.
 
-    >>> kalman_gain(1.0, 0.5)
+    >>> round(kalman_gain(1.0, 0.5), 12)
     0.5
     """
     root = np.sqrt(Q / R)

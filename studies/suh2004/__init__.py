@@ -10,22 +10,21 @@ from studies.suh2004.figures import figures
 from studies.suh2004.settings import Settings
 from tuner.data.record import Record
 from tuner.run.study import Plan, Study, Task
-from tuner.solvers import Alternating, Gradient, NelderMead
+from tuner.solvers import Gradient, NelderMead
 
 
 def plan(settings: Settings, records: tuple[Record, ...], seed: int, storage: str) -> Plan:
     """All three filters tuned on the same records by the same means, judged on others."""
     made = bench(settings, seed)
     posed = problems.posed(made.tuned_on)
-    alternating = Alternating(seed=seed, starts=settings.starts)
     smooth = Gradient("l-bfgs-b", seed=seed, starts=settings.starts)
     simplex = NelderMead(seed=seed, starts=1, tolerance=1e-4)
     return Plan(
         source=made.source,
         tasks=(
             Task(posed["standard"], smooth),
-            Task(posed["simple"], alternating),
-            Task(posed["two_step"], alternating),
+            Task(posed["simple"], smooth),
+            Task(posed["two_step"], smooth),
             Task(posed["two_step"], simplex),
         ),
         exports=("two_step",),

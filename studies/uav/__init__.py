@@ -4,13 +4,21 @@ The filter is that of Chauhan, Patil, Sinha and Halder 2009; the flights' files 
 has them. docs/uav.md tells what was found.
 """
 
+from collections.abc import Iterator
+from dataclasses import replace
+
 from studies.uav import problems
 from studies.uav.claims import CLAIMS
 from studies.uav.figures import figures
 from studies.uav.flights import flown
+from studies.uav.held_out import claims_held_out
+from studies.uav.joint import joint
 from studies.uav.judging import Field
+from studies.uav.problems import alone_name, fold_name
 from studies.uav.settings import Settings
+from studies.uav.six_axes import CLAIM as SIX_AXES
 from tuner.data.record import Record
+from tuner.problem.problem import Problem
 from tuner.run.study import Plan, Study, Task
 from tuner.solvers import Gradient
 
@@ -22,18 +30,46 @@ STARTS = 2
 
 def plan(settings: Settings, records: tuple[Record, ...], seed: int, storage: str) -> Plan:
     """Both laws tuned on one flight by the same means, judged on the others."""
-    tuned, *judged = flown(settings)
-    field = Field(tuned, tuple(judged), settings.angles)
+    field = _field(settings)
+    tuned = field.tuned
     posed = [problems.problem(tuned, law, settings.angles) for law in problems.LAWS]
     solver = Gradient("l-bfgs-b", seed=seed, starts=STARTS, gradient=ENOUGH, iterations=40)
     return Plan(
         source=field.source,
-        tasks=tuple(Task(problem, solver) for problem in posed),
+        tasks=tuple(Task(problem, solver) for problem in (*posed, *_left_out(field))),
         exports=problems.LAWS,
         case=field,
-        claims=CLAIMS,
+        claims=(*CLAIMS, *claims_held_out(field), SIX_AXES),
         figures=figures,
     )
+
+
+def _field(settings: Settings) -> Field:
+    """The flights, and which of them are left out in turn.
+
+    Raises:
+        ValueError: where leaving out is asked for and leaves nothing to tune on.
+    """
+    tuned, *judged = flown(settings)
+    field = Field(tuned, tuple(judged), settings.angles)
+    if settings.left_out == "never":
+        return field
+    possible = tuple(flight for flight in field.flights if field.others(flight))
+    if settings.left_out == "always" and not possible:
+        raise ValueError(
+            f"left_out needs another flight without a glitch beside {tuned.name}, and none is "
+            "judged on; name one, --set judged=NAME, or do without, --set left_out=never"
+        )
+    return replace(field, left_out=possible)
+
+
+def _left_out(field: Field) -> Iterator[Problem]:
+    """The constant law without each flight in turn, and on each alone: its own optimum."""
+    for flight in field.left_out:
+        yield joint(fold_name(flight.name), field.others(flight), "constant", field.measured)
+    for flight in field.left_out:
+        if flight is not field.tuned:
+            yield joint(alone_name(flight.name), [flight], "constant", field.measured)
 
 
 STUDY = Study(

@@ -1,6 +1,7 @@
 """A flight on equal ticks: inertial samples, positions, and the attitude constructed from them."""
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -24,6 +25,22 @@ AGREES = 0.5
 """The least correlation with the gyroscopes of an attitude that may serve as a reference."""
 
 
+class Whole(NamedTuple):
+    """What inertial sensors felt on all ticks, those before the first constructed attitude too.
+
+    Attributes:
+        force: mean specific force over each tick, forward, right, down, m/s^2, ``(N, 3)``.
+        rate: mean angular rate likewise, rad/s, ``(N, 3)``.
+        reference: the autopilot's (phi, theta, psi), ``(N, 3)``; None without a usable one.
+        moves: whether the ground speed is above that of a constructed attitude, ``(N,)``.
+    """
+
+    force: np.ndarray
+    rate: np.ndarray
+    reference: np.ndarray | None
+    moves: np.ndarray
+
+
 @dataclass(frozen=True, eq=False)
 class Flight:
     """A flight from its first constructed attitude on; tick k ends at time ``t[k]``.
@@ -40,6 +57,7 @@ class Flight:
         reference: the autopilot's (phi, theta, psi), ``(N, 3)``; None without a usable one.
         glitch: whether the GPS is not believed, ``(N,)``.
         jumps: times at which the ground speed jumps, s.
+        whole: the inertial sensors' ticks from the recording's beginning.
         source: the recording, with the number of ticks and their rate.
     """
 
@@ -53,6 +71,7 @@ class Flight:
     reference: np.ndarray | None
     glitch: np.ndarray
     jumps: tuple[float, ...]
+    whole: Whole
     source: Source
 
     @property
@@ -142,17 +161,19 @@ def flight(recording: Recording, dt: float, slowest: float, gravity: float) -> F
     ground = np.hypot(*speed.values.T)[:, None]
     near = [np.abs(t - at) <= AROUND for at in jumps]
     reference = _reference(recording.record, edges)
+    rate, along = over_ticks(gyr.times, gyr.values, edges), _joined(told, ground, t)
     found = Flight(
         dt=dt,
         t=t[kept],
-        rate=over_ticks(gyr.times, gyr.values, edges)[kept],
+        rate=rate[kept],
         z=z[kept],
         first=z[seen[0]],
         position=position[kept],
-        speed=_joined(told, ground, t)[kept, 0],
+        speed=along[kept, 0],
         reference=None if reference is None else reference[kept],
         glitch=(np.any(near, axis=0) if near else np.zeros(len(t), bool))[kept],
         jumps=jumps,
+        whole=Whole(force, rate, reference, along[:, 0] > slowest),
         source=recording.record.sources[0],
     )
     return replace(found, source=replace(found.source, samples=len(found.t), rate_hz=1 / dt))
@@ -166,9 +187,12 @@ def cut(whole: Flight, seconds: float | None) -> Flight:
     names = ("t", "rate", "z", "position", "speed", "glitch")
     parts = {name: getattr(whole, name)[:n] for name in names}
     reference = None if whole.reference is None else whole.reference[:n]
+    felt = whole.whole
+    end = len(felt.rate) - len(whole.t) + len(parts["t"])
+    shorter = Whole(*(None if part is None else part[:end] for part in felt))  # type: ignore[arg-type]
     jumps = tuple(at for at in whole.jumps if at <= parts["t"][-1] + AROUND)
     source = replace(whole.source, samples=len(parts["t"]))
-    return replace(whole, **parts, reference=reference, jumps=jumps, source=source)
+    return replace(whole, **parts, reference=reference, jumps=jumps, whole=shorter, source=source)
 
 
 def _joined(t: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:

@@ -68,17 +68,23 @@ class Field:
         tuned: the flight that is tuned on.
         judged: the others.
         measured: which angles are taken.
+        left_out: those that are left out in turn, and tuned on the others without a glitch.
     """
 
     tuned: Flight
     judged: tuple[Flight, ...]
     measured: tuple[Angle, ...]
+    left_out: tuple[Flight, ...] = ()
     _outcomes: dict[Any, Outcome] = field(default_factory=dict, init=False, repr=False)
 
     @property
     def flights(self) -> tuple[Flight, ...]:
         """All of them, the tuned one first."""
         return (self.tuned, *self.judged)
+
+    def others(self, flight: Flight) -> tuple[Flight, ...]:
+        """Those without a glitch that a flight is left out of."""
+        return tuple(each for each in self.flights if each is not flight and not each.jumps)
 
     @property
     def source(self) -> Source:

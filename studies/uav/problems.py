@@ -73,6 +73,12 @@ def space(law: Tuned, measured: tuple[Angle, ...]) -> Space:
     return Space.of(**free)
 
 
+def livelier(law: Tuned, measured: tuple[Angle, ...]) -> np.ndarray:
+    """A second start, with more noise of the quaternion and less of the biases."""
+    kind = PROCESS[law]
+    return space(law, measured).unconstrain({f"{kind}_quaternion": 1e-4, f"{kind}_bias": 1e-6})
+
+
 def data(flight: Flight, measured: tuple[Angle, ...]) -> Data:
     """A flight as filter and likelihood take it; NaN for angles that are left out."""
     z = jnp.asarray(np.where([angle in measured for angle in ANGLES], flight.z, np.nan))
@@ -81,19 +87,32 @@ def data(flight: Flight, measured: tuple[Angle, ...]) -> Data:
 
 def problem(flight: Flight, law: Tuned, measured: tuple[Angle, ...]) -> Problem:
     """The law tuned on a flight by the likelihood of its innovations."""
-    tuned = space(law, measured)
-    kind = PROCESS[law]
-    livelier = tuned.unconstrain({f"{kind}_quaternion": 1e-4, f"{kind}_bias": 1e-6})
     return Problem(
         name=law,
-        space=tuned,
+        space=space(law, measured),
         filter=filter_of(law, flight.dt, flight.every),
         build=Build(law, tuple(flight.first.tolist())),
         objective=InnovationLikelihood(),
         data=data(flight, measured),
-        known_starts=(livelier,),
+        known_starts=(livelier(law, measured),),
         source=flight.source,
     )
+
+
+def fold_name(flight: str) -> str:
+    """What the problem is called that leaves a flight out."""
+    return f"without_{flight}"
+
+
+def alone_name(flight: str) -> str:
+    """What the problem is called that is tuned on one flight, which is judged by it as well."""
+    return f"alone_{flight}"
+
+
+def start_values(law: Tuned, measured: tuple[Angle, ...]) -> dict[str, Array]:
+    """Where a search begins: round numbers, of someone who has not tuned."""
+    known = space(law, measured)
+    return known.constrain(jnp.asarray(known.start()))
 
 
 def parameters(flight: Flight, law: Tuned, values: Mapping[str, Array | float]) -> GpsAidedNoise:

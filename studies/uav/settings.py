@@ -20,6 +20,11 @@ class Settings(StudySettings):
         ("quad122a", "InputFilesPX4_search", "f450_glitch_log"),
         description="names of the flights that are judged on",
     )
+    left_out: Literal["if possible", "always", "never"] = Field(
+        "if possible",
+        description="whether each flight is also judged by numbers that are tuned on all others "
+        "without a glitch; always: refused where there are none",
+    )
     angles: tuple[Angle, ...] = Field(
         ANGLES, min_length=1, description="constructed angles that are taken as measurements"
     )

@@ -68,7 +68,7 @@ def test_simulated_records_are_what_the_filters_assume(setting):
 
 
 def test_noise_has_variance_one_and_its_colour():
-    for kind, lag in (("white", 0.0), ("coloured", 0.6), ("student", 0.0)):
+    for kind, lag in (("white", 0.0), ("coloured", 0.6), ("student 6", 0.0)):
         drawn = noise(np.random.default_rng(2), (50, 4000), kind)
         assert drawn.var() == pytest.approx(1, abs=0.05)
         assert (drawn[:, 1:] * drawn[:, :-1]).mean() == pytest.approx(lag, abs=0.02)
@@ -80,7 +80,7 @@ def test_oracle_covers_and_its_robust_limits_do_where_the_others_fail():
     fitted = fit(white, np.tile(true, (300, 1)))
     # Of 300 records 95 % are held, give or take 1.3 %.
     assert (np.abs(covers(white, fitted, true).mean(axis=0) - 0.95) < 0.04).all()
-    heavy = local_levels(np.random.default_rng(1), 300, 400, 0.5, 1.0, "student")
+    heavy = local_levels(np.random.default_rng(1), 300, 400, 0.5, 1.0, "student 4")
     fitted = fit(heavy, np.tile(true, (300, 1)))
     held = np.abs(fitted.at - true) <= sandwich(heavy, fitted, 5)
     assert covers(heavy, fitted, true)[:, 1].mean() < 0.88 < held[:, 1].mean()

@@ -15,7 +15,7 @@ from scipy.io import savemat
 from scipy.spatial.transform import Rotation
 
 from filters import ImuSample, assembled, blocks, run
-from studies.broad import Settings, claims, contest, paper, peers, plan
+from studies.broad import Settings, claims, contest, paper, peers, plan, rivals
 from studies.broad.contest import Contest, Outcome, side_by_side
 from studies.broad.contestants import BLOCK, filter_of, start
 from studies.broad.figures import figures
@@ -36,6 +36,9 @@ FIELD = np.array([0.0, 20.0, -44.0])
 """Of the earth, microtesla: y is north, and it points down."""
 MOUNTED = Rotation.from_euler("zyx", [140.0, -50.0, 70.0], degrees=True)
 """A sensor turned by this against that of :func:`made`."""
+
+
+SWINGS = ("01_undisturbed_swing", "02_undisturbed_swing")
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -184,7 +187,10 @@ def test_without_a_magnetometer_six_axes_compete(tmp_path):
     names = [task.problem.name for task in planned(tmp_path).tasks]
     assert names == [
         *("room", "room_now", "gravity", "two_step", "mahony", "madgwick"),
-        *("without_01_undisturbed_swing", "without_02_undisturbed_swing"),
+        *("gravity_lead", "two_step_lead", "mahony_lead", "madgwick_lead"),
+        *(f"without_{swing}" for swing in SWINGS),
+        *(f"room_now_without_{swing}" for swing in SWINGS),
+        *(f"alone_{swing}" for swing in SWINGS),
     ]
     sentence = r"^madgwick_field need a magnetic field .* 02_undisturbed_swing has none; leave .*"
     with pytest.raises(ValueError, match=sentence):
@@ -429,12 +435,18 @@ def test_trials_left_out_are_judged_by_the_parameters_of_the_others(pair):
     folds = [solution(2.0), solution(0.5)]
     names = [f"without_{trial.name}" for trial in pair.trials]
     found = {(name, "x"): each for name, each in zip(names, folds, strict=True)}
-    errors = claims.left_out(Case(pair, range(2), ()), found)
+    errors = rivals.left_out(Case(pair, range(2), ()), found)
     for i in range(2):
         values = {key: p.value for key, p in folds[i].parameters.items()}
         assert errors[i] == pytest.approx(pair.judged("room", values).inclination[i], rel=1e-12)
     assert errors[0] != pair.judged("room", start("room")).inclination[0]
-    np.testing.assert_array_equal(claims.left_out(Case(pair, [1], ()), found), errors[1:])
+    np.testing.assert_array_equal(rivals.left_out(Case(pair, [1], ()), found), errors[1:])
+
+
+def solved(*trials):
+    """The problems of the room filters, with trials left out."""
+    kinds = ("without", "room_now_without", "alone")
+    return ["room", "room_now", *(f"{kind}_{trial}" for kind in kinds for trial in trials)]
 
 
 def compared(case, found):
@@ -446,12 +458,20 @@ def test_a_claim_alone_solves_what_it_needs(tmp_path):
     written(tmp_path, "26_disturbed_swing", seed=2)
     whole = planned(tmp_path)
     folds = ["without_01_undisturbed_swing", "without_26_disturbed_swing"]
+    now = [f"room_now_{name}" for name in folds]  # for those without a lead
     needs = {
         "inclination_loo_deg": folds,
-        "inclination_vqf_tuned_deg": folds,
+        "inclination_vqf_tuned_deg": now,
+        "inclination_vqf_lead_loo_deg": folds,
         "inclination_room_deg": ["room"],
-        "inclination_madgwick_deg": ["madgwick", *folds],
-        "inclination_mahony_default_deg": folds,
+        "inclination_madgwick_deg": ["madgwick", *now],
+        "inclination_madgwick_lead_deg": ["madgwick_lead", *folds],
+        "inclination_mahony_default_deg": now,
+        "inclination_room_now_gain_deg": now,
+        "inclination_gap_deg": [*folds, *(n.replace("without", "alone") for n in folds)],
+        "inclination_gyroscopes_deg": now,
+        "delay_lead_ms": ["room"],
+        "delay_sensor_ms": [],
         "mahony_published_total_deg": [],
         "inclination_transfer_deg": ["room", "undisturbed"],
     }
@@ -481,16 +501,19 @@ PEERS = {"worse": (0.9, Verdict.HOLDS), "better": (1e-3, Verdict.FAILS)}
 @pytest.mark.parametrize("case", PEERS)
 def test_the_room_filter_is_held_against_peers(case, pair, monkeypatch):
     error, verdict = PEERS[case]
-    peer = peers.Peer(np.array([5.0, error]), np.array([5.0, error]), 2.0)
-    monkeypatch.setattr(claims, "vqf", lambda contest: peer)
-    found = {("room", "x"): solution(), ("without_02_undisturbed_swing", "x"): solution()}
+    theirs = np.array([5.0, error])
+    peer = peers.Peer(theirs, theirs, 2.0, theirs, (2.0, 0.002), theirs, theirs)
+    monkeypatch.setattr(rivals, "vqf", lambda contest: peer)
+    found = {(name, "x"): solution() for name in solved("02_undisturbed_swing")}
     table = {row.quantity: row for row in compared(Case(pair, [1], ("room",)), found)}
     own = pair.judged("room", start("room")).inclination
     assert table["inclination_loo_deg"].ours == own[1]
-    for state, theirs in (("_default", ""), ("", "_tuned")):
+    for theirs in ("", "_tuned", "_lead", "_lead_loo", "_lead_alone"):
         row = table[f"inclination_vqf{theirs}_deg"]
+        assert ("without a lead" in row.where) == ("lead" not in theirs)
         # only the trial that was left out decides; the number is that of all
         assert (row.verdict, row.ours) == (verdict, pytest.approx((5.0 + error) / 2))
+    for state in ("_default", ""):
         assert table[f"inclination_room{state}_deg"].ours == pytest.approx(own.mean())
         assert table[f"inclination_room{state}_deg"].verdict is Verdict.HOLDS
     assert table["mahony_published_total_deg"].verdict is Verdict.NOT_IDENTIFIABLE
@@ -498,11 +521,13 @@ def test_the_room_filter_is_held_against_peers(case, pair, monkeypatch):
 
 
 def test_without_vqf_nothing_is_claimed_of_it(pair, monkeypatch):
-    monkeypatch.setattr(claims, "vqf", lambda contest: None)
-    table = compared(Case(pair, [], ("room",)), {("room", "x"): solution()})
+    monkeypatch.setattr(rivals, "vqf", lambda contest: None)
+    table = compared(Case(pair, [], ("room",)), {(name, "x"): solution() for name in solved()})
     found = {row.quantity: row for row in table}
     assert found["inclination_vqf_tuned_deg"].verdict is Verdict.NOT_IDENTIFIABLE
     assert found["inclination_vqf_deg"].ours is None
+    assert found["inclination_vqf_lead_alone_deg"].verdict is Verdict.NOT_IDENTIFIABLE
+    assert "inclination_gap_deg" not in found
     assert "inclination_loo_deg" not in found
 
 
@@ -514,6 +539,9 @@ def test_vqf_is_judged_like_the_others(pair):
         q = package.VQF(1 / HZ).updateBatch(rate, acceleration)["quat6D"]
         assert found.default[i] == pytest.approx(inclination_rmse(q, trial.truth), rel=1e-9)
     assert found.tuned.mean() <= found.default.mean()
+    # tuned on one trial alone, no time constant and lead that were tried for both are better on it
+    assert (found.alone <= found.ahead + 1e-4).all()
+    assert (found.alone <= found.left_out + 1e-4).all()
 
 
 # ------------------------------------------------------------------------------------ published

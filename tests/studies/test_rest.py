@@ -225,7 +225,7 @@ def test_a_sensors_own_filter_does_not_lower_the_density():
     smooth = np.convolve(white, np.ones(10) / 10, "valid")  # white from ten samples on
     found = read_noise(allan_curve(smooth, 100.0))
     assert found.from_s > 0.15
-    # Where the curve becomes white it still is some 2 % low, by the filter that ends there.
+    # 200,000 samples tell it to 2 %, averaged over as long as it is white.
     assert found.white.value == pytest.approx(0.1, rel=0.03)
 
 

@@ -48,12 +48,18 @@ def test_hours_of_bias_walk_are_no_motion(sensor):
             assert find_motion(axis, 100.0) is None
 
 
-def test_a_minute_and_hours_make_the_same_filter(sensor):
-    gains, whites = [], []
-    for count in (6_000, 1_000_000):
-        record = Record.of({"z": sensor["gyr"][:count, 0]}, rate_hz=100.0, units={"z": "deg/s"})
-        (rest,) = STUDY.plan(Settings(settles_s=1.0), (record,), 0, "").case
-        gains.append(rest.gain)
-        whites.append(rest.white)
-    assert gains[0] == pytest.approx(gains[1], rel=0.01)
-    assert whites[0].low < whites[1].value < whites[0].high
+def test_minutes_and_hours_make_the_same_filter(sensor):
+    """The limits of 20 single minutes hold the hours' density as often as 95 % ones do."""
+
+    def rest(values):
+        record = Record.of({"z": values}, rate_hz=100.0, units={"z": "deg/s"})
+        (found,) = STUDY.plan(Settings(settles_s=1.0), (record,), 0, "").case
+        return found
+
+    gyr = sensor["gyr"][:, 0]
+    hours = rest(gyr)
+    minutes = [rest(gyr[k : k + 6_000]) for k in range(0, 1_000_000, 50_000)]
+    for minute in minutes:
+        assert minute.gain == pytest.approx(hours.gain, rel=0.01)
+    held = sum(minute.white.low < hours.white.value < minute.white.high for minute in minutes)
+    assert held >= 17  # of 20; fewer would be by chance in 2 of 100 cases

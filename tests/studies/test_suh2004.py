@@ -21,6 +21,7 @@ from tuner.certificate.yardstick import yardstick
 from tuner.cli import invoke
 from tuner.problem import problem as engine
 from tuner.run.comparison import Verdict
+from tuner.solvers import Gradient
 
 SHORT = Settings(seconds=20.0, train=1, held_out=1)
 QUICK = {"xla_backend_optimization_level": 0}
@@ -207,8 +208,20 @@ def test_a_moving_record_poses_all_three():
     posed = problems.posed(recordings(SHORT, 1, 0))
     assert set(posed) == {"standard", "simple", "two_step"}
     for name, problem in posed.items():
-        steps = np.array(problem.space.coordinates)[problem.space.thresholds()]
-        assert steps.tolist() == ([] if name == "standard" else ["ln delta"])
+        # a threshold is held, so that what is left is smooth
+        assert not problem.space.thresholds().any()
+        assert problem.space.size == {"standard": 1, "simple": 2, "two_step": 3}[name]
+        starts = problem.starts(4, 0)
+        assert len(np.unique(starts, axis=0)) == 4
+        assert problem.starts(4, 1).tolist() == starts.tolist()  # none is random
+
+
+def test_from_every_start_the_same_optimum_is_reached():
+    """Of the two-step filter, whose error has basins from which no slope leads out."""
+    problem = problems.posed(recordings(SHORT, 1, 0))["two_step"]
+    found = Gradient("l-bfgs-b", seed=0, starts=4, gradient=1e-6, curvature=False)(problem)
+    starts = found.certificate.starts
+    assert (starts.count, starts.agreeing) == (4, 4)
 
 
 def same(one: Recordings, other: Recordings):

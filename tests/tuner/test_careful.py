@@ -119,3 +119,83 @@ def test_a_filter_without_a_variance_has_no_gate():
     record = tuner.Record.of({"z": np.arange(60.0)}, rate_hz=10.0)
     with pytest.raises(ValueError, match="AlphaBeta outputs no variance"):
         tuner.fit("alpha-beta", record, options={"gate": 4})
+
+
+def simulated(noise, seed=3, n=1500):
+    """A level that wanders from 5 to far, measured with a noise of one's own making."""
+    draw = np.random.default_rng(seed)
+    level = 40 + np.cumsum(0.5 * draw.standard_normal(n))
+    return {"z": level + noise(draw, level)}
+
+
+def test_noise_that_grows_with_the_level_is_found():
+    columns = simulated(lambda draw, x: (0.5 + 0.1 * np.abs(x)) * draw.standard_normal(len(x)))
+    fit = fitted(columns, options={"noise": "level"}, fix={"q": 0.25})
+    found = {name: float(p.value) for name, p in fit.solution.parameters.items()}
+    middle = np.abs(columns["z"]).mean()
+    # Both numbers of one line; at the middle of the levels it is known well.
+    assert found["R"] ** 0.5 + found["slope"] * middle == pytest.approx(
+        0.5 + 0.1 * middle, rel=0.05
+    )
+    assert 0.07 < found["slope"] < 0.13
+    plain = fitted(columns, fix={"q": 0.25})
+    assert fit.solution.value < plain.solution.value - 0.01
+
+
+def test_coloured_noise_is_found():
+    def markov(draw, x, tau=8.0):
+        phi, v = np.exp(-1 / tau), [0.0]
+        for e in 3 * np.sqrt(1 - phi**2) * draw.standard_normal(len(x) - 1):
+            v.append(phi * v[-1] + e)
+        return np.array(v)
+
+    columns = simulated(markov, n=800)
+    fit = fitted(columns, options={"noise": "coloured"}, fix={"q": 0.25})
+    found = {name: float(p.value) for name, p in fit.solution.parameters.items()}
+    assert found["tau"] == pytest.approx(8.0, rel=0.5)
+    assert found["R"] == pytest.approx(9.0, rel=0.5)
+    assert fit.solution.parameters["tau"].unit == "s"
+    white = fitted(columns, fix={"q": 0.25})
+    assert fit.solution.value < white.solution.value - 0.1
+
+
+def test_noise_by_a_channel_keeps_its_unit_and_a_gate_goes_around_it():
+    draw = np.random.default_rng(4)
+    sigma = draw.uniform(0.5, 4.0, 1500)
+    columns = simulated(lambda draw, x: np.sqrt(4 + 0.5 * sigma**2) * draw.standard_normal(len(x)))
+    columns["z"][10::50] += 300.0
+    record = tuner.Record.of(
+        columns | {"sigma": sigma}, rate_hz=1.0, units={"z": "m", "sigma": "m"}
+    )
+    fit = tuner.fit(
+        "local-level", record, options={"noise": "sigma", "gate": 5}, starts=2, hold_out=False
+    )
+    found = {name: float(p.value) for name, p in fit.solution.parameters.items()}
+    assert fit.solution.parameters["R"].unit == "m^2"
+    # What a measurement's variance is on the average.
+    mean = found["R"] + found["share"] * np.mean(sigma**2)
+    assert mean == pytest.approx(4 + 0.5 * np.mean(sigma**2), rel=0.1)
+    assert fit.judged.refused.refused == 30
+
+
+def test_the_command_line_takes_a_list_of_noises(cli, here):
+    columns = level(samples=200)
+    write(here / "level.csv", columns)
+    words = ("--filter", "local-level", "--map", "z=z", "--set", 'noise=["level", "coloured"]')
+    more = ("--starts", 1, "--no-hold-out", "--out", "out", "--jobs", 1, "--dry-run")
+    code, out, err = cli("fit", "level.csv", *words, *more)
+    assert code == 0, (out, err)
+    assert "tau" in out
+    assert "slope" in out
+
+
+@pytest.mark.parametrize("noise", ["pink", ["level", "pink"], [], 3])
+def test_what_is_no_noise_is_refused(noise):
+    with pytest.raises(ValueError, match="give coloured, sigma or level"):
+        fitted(level(samples=60), options={"noise": noise})
+
+
+def test_a_filter_without_deviations_has_one_noise():
+    record = tuner.Record.of({"acc": np.zeros(60), "baro": np.ones(60)}, rate_hz=10.0)
+    with pytest.raises(ValueError, match="its noise cannot follow the level"):
+        tuner.fit("vertical", record, options={"noise": "level"})

@@ -181,7 +181,7 @@ def test_the_five_lines(run):
     lines = read_result(run).fit.lines
     assert [line[:10].strip() for line in lines] == ["use", "how good", "trust", "open", "next"]
     use, good, trust, still, then = lines
-    assert re.match(r"use       q = \S+ \[\S+, \S+\] m\^2/s, R = \S+ \[\S+, \S+\] m\^2, ", use)
+    assert re.match(r"use       q = \S+ \[\S+, \S+\] \(95 %\) m\^2/s, R = \S+ \[\S+, \S+\] ", use)
     assert re.search(
         r"foretold within \S+ m, \S+ m before; on the last 119 samples, .* better", good
     )
@@ -197,6 +197,7 @@ def test_json_holds_the_fit_section(run):
     fit = result["fit"]
     assert set(fit) == {
         *("filter", "objective", "unit", "start", "tuned", "held_out", "diagnostics", "lines"),
+        *("rescaled", "trade"),
     }
     assert (fit["filter"], fit["objective"], fit["unit"]) == ("LocalLevel", "likelihood", "m")
     assert set(fit["held_out"]) == {

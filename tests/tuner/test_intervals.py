@@ -92,7 +92,7 @@ def test_without_a_walk_there_is_a_limit_to_one_side():
     q = Gradient("l-bfgs-b", seed=0, starts=2)(posed(z)).parameters["q"]
     assert q.interval[0] == 0.0
     assert range_in_words(q.interval, q.interval_kind).startswith("[below")
-    assert q.robust is None
+    assert q.robust[0] == 0.0
     best = min(profile(z, "q", 1e-12), profile(z, "q", float(q.value)))
     # 95 % to one side: the 90 % quantile of chi-square
     assert profile(z, "q", q.interval[1]) - best == pytest.approx(2.705543 / 2, rel=0.02)
@@ -200,3 +200,25 @@ def test_the_entries_of_a_matrix_have_deviations():
     np.testing.assert_allclose(found[[0, 1, 1], [0, 0, 1]], expected[:3], rtol=1e-3)
     assert found[0, 1] == found[1, 0]
     assert solution.parameters["R"].deviation is None
+
+
+def white(values):
+    """A state that is new at every sample: only the sum of both variances shows."""
+    one, none = jnp.eye(1), jnp.zeros((1, 1))
+    transition = Transition(none, one, values["q"] * one)
+    return LinearModel(transition, one, values["R"] * jnp.ones(1), values["q"] * one, none[0])
+
+
+def test_of_two_variances_whose_sum_is_known_each_is_below_it():
+    z = 1.5 * np.random.default_rng(0).standard_normal((500, 1))
+    space = Space.of(q=Positive(1.0, 1e-10, 1e10), R=Positive(1.0, 1e-10, 1e10))
+    data = Data(Sample(jnp.asarray(z)), jnp.asarray(z))
+    problem = Problem("white", space, LinearKalman(), white, InnovationLikelihood(), data)
+    solution = Gradient("l-bfgs-b", seed=0)(problem)
+    total = sum(float(solution.parameters[name].value) for name in ("q", "R"))
+    assert total == pytest.approx(float((z**2).mean()), rel=1e-4)
+    for name in ("q", "R"):
+        low, high = solution.parameters[name].interval
+        assert low == 0.0
+        # The mean of 500 squares has a deviation of sqrt(2 / 500); 1.645 of them to one side.
+        assert high == pytest.approx(total * (1 + 1.645 * np.sqrt(2 / 500)), rel=0.03)

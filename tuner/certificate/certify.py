@@ -7,7 +7,7 @@ import numpy as np
 from tuner.certificate.kkt import Held, at_ends, pushed
 from tuner.certificate.solution import Certificate, Starts
 from tuner.certificate.spectrum import Spectrum
-from tuner.certificate.yardstick import Yardstick, told_apart
+from tuner.certificate.yardstick import Best, Yardstick
 from tuner.problem.problem import Problem
 
 TENFOLD = math.log(10)
@@ -56,42 +56,53 @@ def flat(problem: Problem, yard: Yardstick, z: np.ndarray, curved: Spectrum) -> 
     Each is ``(n,)``, of the largest entry 1: those axes of the curvature, or the one coordinate
     that such an axis is nearly, where that is flat by itself.
     """
-    found: list[np.ndarray] = []
+    best, found = Best(problem, yard, z, problem.value(z)), []
     for direction in curved.directions.T[np.isfinite(curved.curvatures)]:
         step = direction / direction[np.argmax(np.abs(direction))]
         alone = np.where(np.abs(step) < HARDLY, 0.0, step)
-        for tried in (alone, step):
-            if not _told(problem, yard, z, tried):
-                found.append(tried)
-                break
+        untold = next((each for each in (alone, step) if not _told(best, each)), None)
+        found += [] if untold is None else [untold]
     return found
 
 
-def _told(problem: Problem, yard: Yardstick, z: np.ndarray, direction: np.ndarray) -> bool:
+def _told(best: Best, direction: np.ndarray) -> bool:
     """Whether a tenfold change along a direction can be told, to one side at least."""
-    limited = problem.space.limited()
-    low, high = problem.space.box()
+    limited = best.problem.space.limited()
+    low, high = best.problem.space.box()
 
     def moved(side: int) -> np.ndarray:
-        point = z + side * TENFOLD * direction
+        point = best.z + side * TENFOLD * direction
         return np.where(limited, np.clip(point, low, high), point)
 
-    return any(told_apart(problem, yard, z, moved(side)) for side in (1, -1))
+    return any(best.is_told_from(moved(side)) for side in (1, -1))
 
 
 def predicted_fall(problem: Problem, z: np.ndarray, held: Held, curved: Spectrum) -> float:
     """How far the value should fall from a point ``(n,)``, in units, by its derivatives there.
 
-    To where the quadratic model is lowest, within a step of 1 along each axis. What pushes against
-    an end of the box is left out. NaN where a derivative is not a number.
+    To where the quadratic model is lowest, within a step of 1 along each axis and within the box.
+    What pushes against an end of the box is left out. Without curvatures, or where they are not
+    numbers, the slope alone foretells; NaN where that is not a number either.
     """
     slopes = np.where(pushed(problem, z, held.gradient), 0.0, held.gradient)
-    axes = curved.directions if len(curved.curvatures) else held.tangent
-    curvatures = curved.curvatures if len(curved.curvatures) else np.zeros(axes.shape[1])
-    along = np.abs(axes.T @ slopes)
+    known = len(curved.curvatures) > 0 and bool(np.isfinite(curved.curvatures).all())
+    axes = curved.directions if known else held.tangent
+    curvatures = curved.curvatures if known else np.zeros(axes.shape[1])
+    along = np.abs(axes.T @ (slopes * _within(problem, z, slopes, curved.hessian)))
     near = (curvatures >= along) & (curvatures > 0)  # the model's lowest point is within 1
     inside = np.divide(along**2, 2 * curvatures, out=np.zeros_like(along), where=near)
     return float(np.where(near, inside, along - curvatures / 2).sum())
+
+
+def _within(
+    problem: Problem, z: np.ndarray, slopes: np.ndarray, hessian: np.ndarray | None
+) -> np.ndarray:
+    """Shares of the slopes that the box leaves: how far one can go down each, at most 1."""
+    low, high = problem.space.box()
+    left = np.where(slopes > 0, z - low, high - z)
+    bend = np.zeros(len(z)) if hessian is None else np.maximum(np.diag(hessian), 0.0)
+    reached = bend * left >= np.abs(slopes)  # the lowest point lies before the end
+    return np.where(reached, 1.0, np.clip(left, 0.0, 1.0))
 
 
 def flat_in_words(labels: list[str], direction: np.ndarray) -> str:

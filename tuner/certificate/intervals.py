@@ -95,9 +95,9 @@ def _scatter(
     # the best point, where r' = 0; the sum's own scale c N = sum of squares / r^2.
     from tuner.problem.samples import added
 
-    total = float(added(problem, z).amounts.sum())
+    total, value = float(added(problem, z).amounts.sum()), abs(problem.value(z))
     power = 2.0 if yard.kind == "root mean square" else 1.0
-    return sandwich(problem, z, hessian * yard.unit / abs(problem.value(z)) * power * total)
+    return sandwich(problem, z, hessian * yard.unit / value * power * total) if value else None
 
 
 def _intervals(
@@ -149,13 +149,14 @@ def _robust(
 
     Source: Kent, Biometrika 69, 1982.
     """
-    if scatter is None or not np.isfinite(limits).all() or scatter.freedom < 3:
+    if scatter is None or scatter.freedom < 3:
         return None
     own = np.linalg.pinv(hessian, rcond=1e-12, hermitian=True)[at, at]
     if not own > 0 or not scatter.covariance[at, at] > 0:
         return None
     wider = np.sqrt(scatter.covariance[at, at] / own) * _quantile(scatter.freedom) / 1.959964
-    ends = [float(z[at] + wider * (end - z[at])) for end in limits]
+    low, high = _farthest(problem, at)
+    ends = [float(np.clip(z[at] + wider * (end - z[at]), low, high)) for end in limits]
     return Interval(_in_parameter(problem, z, at, name, ends), SANDWICH)
 
 

@@ -11,8 +11,8 @@ from tuner.certificate.yardstick import Yardstick
 from tuner.problem.constraint import ALLOWED
 from tuner.problem.problem import Problem
 
-DISTANCES = (0.03, 0.3, 1.0, 3.0, 8.0, 20.0)
-"""How far from a point others are tried along every axis, within the box: a plateau is wide."""
+DISTANCES = (0.03, 0.3, 1.0)
+"""How far from a point its neighbours are tried, along every axis of its curvature."""
 APART = 1.5
 """Points of a search through the whole box lie no further apart, unless the box is enormous."""
 NEAR = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
@@ -67,7 +67,7 @@ def neighbours(
     slope = np.asarray(held.tangent @ (held.tangent.T @ _inward(problem, z, held.gradient)))
     points = [trial.clipped(point) for point in _points(z, slope, curved, held)]
     rises = [trial.rise(point) for point in points]
-    rough, steps = _roughness(trial, z, slope, rises, curved)
+    rough, steps = _roughness(trial, z, slope, held, curved)
     if rough:
         points += [trial.clipped(z + step) for step in _past_kinks(problem, z, held)]
         rises += [trial.rise(point) for point in points[len(rises) :]]
@@ -76,12 +76,16 @@ def neighbours(
 
 
 def lower_afar(problem: Problem, yard: Yardstick, z: np.ndarray) -> np.ndarray | None:
-    """The lowest point along the coordinates of z ``(n,)``, all through the box; None: itself."""
+    """The lowest point along the coordinates of z ``(n,)``, all through the box; None: itself.
+
+    A plateau may be wider than any neighbourhood.
+    """
     trial = _Trial(problem, yard, problem.value(z))
     low, high = problem.space.box()
-    points = []
+    points, steps = [], problem.space.thresholds()
     for at in range(len(z)):
-        count = int(np.clip((high[at] - low[at]) / APART, 8, 40))
+        # A threshold has no slope that would lead on from a point nearby.
+        count = 60 if steps[at] else int(np.clip((high[at] - low[at]) / APART, 8, 40))
         for end in np.linspace(low[at], high[at], count):
             points.append(np.where(np.arange(len(z)) == at, end, z))
     return _lowest(problem, yard, points, [trial.rise(point) for point in points])
@@ -121,15 +125,12 @@ def _model_steps(slope: np.ndarray, curved: Spectrum) -> Iterator[np.ndarray]:
 
 
 def _roughness(
-    trial: _Trial, z: np.ndarray, slope: np.ndarray, rises: list[float], curved: Spectrum
+    trial: _Trial, z: np.ndarray, slope: np.ndarray, held: Held, curved: Spectrum
 ) -> tuple[bool, bool]:
     """Whether derivatives mislead, and whether the value stays the same in between."""
+    if _has_steps(trial, z, held):
+        return True, True
     size = float(np.linalg.norm(slope))
-    changed = bool(np.max(np.abs(rises), initial=0.0) > trial.yard.negligible)
-    if size == 0:
-        corner = trial.clipped(z + FINE / 10)
-        still = trial.rise(corner) == 0.0
-        return (still and changed), (still and changed)
     if not size * FINE > 1e-3 * trial.yard.negligible:
         return False, False
     down = -slope / size
@@ -142,6 +143,17 @@ def _roughness(
     # A jump is as high from close by as from afar.
     steps = rough and (near == nearer == 0.0 or (nearer > 0 and near < 2 * nearer))
     return rough, steps
+
+
+def _has_steps(trial: _Trial, z: np.ndarray, held: Held) -> bool:
+    """Whether a coordinate has a slope of exactly 0 and does not matter nearby, but further off."""
+    for axis in np.eye(len(z))[(held.gradient == 0) & ~held.stepped]:
+        around = (trial.clipped(z + side * FINE / 10 * axis) for side in (-1, 1))
+        if all(trial.rise(point) == 0 for point in around):
+            afar = (trial.clipped(z + side * far * axis) for side in (-1, 1) for far in DISTANCES)
+            if any(abs(trial.rise(point)) > trial.yard.negligible for point in afar):
+                return True
+    return False
 
 
 def _past_kinks(problem: Problem, z: np.ndarray, held: Held) -> Iterator[np.ndarray]:

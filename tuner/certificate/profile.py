@@ -5,13 +5,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tuner.certificate.certify import TENFOLD
 from tuner.certificate.yardstick import Yardstick
 from tuner.problem.problem import Problem
 
-INNER = 6
-"""Steps of the other parameters towards their best, at each point of a profile."""
+INNER = {"likelihood": 6}
+"""Steps of the other parameters towards their best, at each point of a profile; of a cost, 2."""
 MANY = 8
 """From so many coordinates on, the others follow along the ridge of the quadratic model alone."""
+APART = 24
+"""Points at which a coordinate that hardly matters is tried anew."""
 PRECISION = 1e-3
 """A profile's limit is where the root of the rise is that near to what it should be."""
 
@@ -106,6 +109,7 @@ class _Profile:
         deviation: how far a rise of half a unit is, by the quadratic model.
         ridge: how the coordinates follow in that model, per step of the one held, ``(n,)``.
         inverse: the inverse Hessian of the others in that model.
+        idle: which of the others hardly matter there.
     """
 
     problem: Problem
@@ -117,6 +121,7 @@ class _Profile:
     deviation: float
     ridge: np.ndarray
     inverse: np.ndarray
+    idle: np.ndarray
 
     @classmethod
     def of(
@@ -134,6 +139,7 @@ class _Profile:
             deviation=float(np.sqrt(covariance[held, held])),
             ridge=covariance[:, held] / covariance[held, held],
             inverse=np.linalg.inv(model[np.ix_(others, others)]),
+            idle=_idle(problem, yard, hessian, others),
         )
 
     def at(self, near: _Point, coordinate: float) -> _Point:
@@ -144,7 +150,25 @@ class _Profile:
         start[self.held] = coordinate
         if not self.others.any() or len(start) > MANY:
             return self._measured(start)
-        return self._measured(self._followed(start))
+        point = self._followed(start)
+        if len(self.idle):
+            point = self._from_afar(point)
+        return self._measured(point)
+
+    def _from_afar(self, point: np.ndarray) -> np.ndarray:
+        """The point with what hardly matters at the best tried anew all through its range.
+
+        No slope shows where such a coordinate begins to matter, as one variance of two does whose
+        sum alone is known.
+        """
+        low, high = self.problem.space.box()
+        tried = [point]
+        for at in self.idle:
+            ends = np.linspace(low[at], high[at], APART)
+            tried += [np.where(np.arange(len(point)) == at, end, point) for end in ends]
+        values = [self.problem.value(each) for each in tried]
+        best = int(np.argmin(values))
+        return self._followed(tried[best]) if best else point
 
     def _measured(self, point: np.ndarray) -> _Point:
         return _Point(point, self.yard.of(self.problem.value(point) - self.value))
@@ -153,7 +177,7 @@ class _Profile:
         """The others moved to their best by quasi-Newton steps (BFGS) from the model's inverse."""
         inverse = self.inverse
         value, slope = self._slope(point)
-        for _ in range(INNER):
+        for _ in range(INNER.get(self.yard.kind, 2)):
             step = -inverse @ slope
             if not np.isfinite(step).all() or -(slope @ step) / 2 < 0.002 * self.yard.rise:
                 break
@@ -181,6 +205,14 @@ class _Profile:
     def _slope(self, point: np.ndarray) -> tuple[float, np.ndarray]:
         value, gradient = self.problem.value_and_gradient(point)
         return value / self.yard.unit, gradient[self.others] / self.yard.unit
+
+
+def _idle(problem: Problem, yard: Yardstick, hessian: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Which of the others hardly matter: a factor ten either way is not told from the best."""
+    if yard.kind != "likelihood":
+        return np.zeros(0, int)
+    slight = np.diag(hessian) * TENFOLD**2 / 2 < yard.rise
+    return np.flatnonzero(others & slight & ~problem.space.thresholds())
 
 
 def _positive(hessian: np.ndarray) -> np.ndarray:

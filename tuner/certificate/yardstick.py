@@ -1,12 +1,14 @@
 """In what a difference of values is measured: in nats, or in shares of the value."""
 
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from objectives import Kind, kind_of
 from tuner.problem.problem import Problem
-from tuner.problem.samples import added, numbers
+from tuner.problem.samples import Added, added, numbers
 
 NATS_95 = 1.920729
 """Half the 95 % quantile of chi-square with one degree of freedom: a likelihood ratio's limit."""
@@ -14,6 +16,8 @@ NATS_95_ONE_SIDED = 1.352772
 """The same of the 90 % quantile: a limit to one side that holds in 95 of 100 cases."""
 SHARE = 0.01
 """The rise of a plain cost, as a share of it, up to which a value is as good as the best."""
+OTHERS = 8
+"""So many points are looked at for a value that is not 0."""
 FLOOR = 1e-6
 """Shares are of the value, but of no less than this share of the value where the search began."""
 
@@ -48,26 +52,57 @@ def yardstick(problem: Problem, z: np.ndarray) -> Yardstick:
     kind = kind_of(problem.objective)
     if kind == "likelihood" and problem.filter is not None:
         return Yardstick(kind, 1 / max(numbers(problem, z), 1.0), NATS_95, 0.01)
-    begun = problem.value(problem.space.start())
-    least = FLOOR * abs(begun) if np.isfinite(begun) else 0.0
-    return Yardstick(kind, max(abs(problem.value(z)), least) or 1.0, SHARE, 1e-3)
+    unit = max(abs(problem.value(z)), FLOOR * _usual(problem))
+    return Yardstick(kind, unit if 0 < unit < np.inf else 1.0, SHARE, 1e-3)
 
 
-def told_apart(problem: Problem, yard: Yardstick, best: np.ndarray, other: np.ndarray) -> bool:
-    """Whether the data tell another point from the best one, both ``(n,)``.
+def _usual(problem: Problem) -> float:
+    """How large values are: where the search begins, or anywhere where that is 0 or no number."""
+    for z in problem.starts(OTHERS, seed=0):
+        size = abs(problem.value(z))
+        if 0 < size < np.inf:
+            return size
+    return 0.0
 
-    A likelihood by its ratio, a plain cost by a hundredth of it. Two mean squares are compared
-    sample by sample: their difference is told where it exceeds twice its standard error, which
-    blocks of samples give that are longer than the errors are correlated.
+
+PLAIN = 0.5
+"""A mean square that is higher by more than this share is told from the best without a test."""
+
+
+@dataclass(frozen=True, eq=False)
+class Best:
+    """The best point, for others to be told from.
+
+    Attributes:
+        problem: the problem.
+        yard: how differences of its values are measured.
+        z: the point, ``(n,)``.
+        value: the objective there.
     """
-    rise = yard.of(problem.value(other) - problem.value(best))
-    if yard.kind in ("likelihood", "cost"):
-        return abs(rise) > yard.rise
-    if not np.isfinite(rise):
-        return True
-    from tuner.certificate.sandwich import long_run
 
-    one, two = added(problem, best), added(problem, other)
-    difference = (two.amounts - one.amounts)[..., None]
-    spread = np.sqrt(long_run(difference - difference.mean()).covariance[0, 0])
-    return bool(abs(difference.sum()) > 2 * spread)
+    problem: Problem
+    yard: Yardstick
+    z: np.ndarray
+    value: float
+
+    @cached_property
+    def _added(self) -> Added:
+        return added(self.problem, self.z)
+
+    def is_told_from(self, other: np.ndarray) -> bool:
+        """Whether the data tell another point ``(n,)`` from this one.
+
+        A likelihood by its ratio, a plain cost by a hundredth of it. Two mean squares are compared
+        sample by sample: their difference is told where it exceeds twice its standard error, which
+        blocks of samples give that are longer than the errors are correlated.
+        """
+        rise = self.yard.of(self.problem.value(other) - self.value)
+        if self.yard.kind in ("likelihood", "cost"):
+            return abs(rise) > self.yard.rise
+        if not rise < PLAIN:
+            return True
+        from tuner.certificate.sandwich import long_run
+
+        difference = (added(self.problem, other).amounts - self._added.amounts)[..., None]
+        spread = np.sqrt(long_run(difference - difference.mean()).covariance[0, 0])
+        return bool(abs(difference.sum()) > 2 * spread)

@@ -142,10 +142,11 @@ def fit(
     ] = None,
     set: Annotated[
         list[str] | None,
-        typer.Option(metavar="KEY=VALUE", help="A filter's option; held_out."),
+        typer.Option(metavar="KEY=VALUE", help="A filter's option; held_out, against."),
     ] = None,
     objective: Annotated[
-        str | None, typer.Option(help="Of tuner list objectives; the error or the likelihood.")
+        list[str] | None,
+        typer.Option(help="Of tuner list objectives; the error or the likelihood; two: a front."),
     ] = None,
     solver: Annotated[str, typer.Option(help="Of tuner list solvers.")] = "l-bfgs-b",
     starts: Annotated[int, typer.Option(min=1, help="Starts of the search.")] = 4,
@@ -160,11 +161,12 @@ def fit(
     json: Json = False,
 ) -> None:
     """Tune a filter on recordings of your own; write a folder with results and exports."""
-    from tuner.cli.pairs import apart, bounds, numbers, words
+    from tuner.cli.pairs import apart, bounds, numbers, two_at_most, words
     from tuner.cli.request import Request
     from tuner.cli.run import execute
 
     options, settings = apart(words("--set", set or ()))
+    first, settings = two_at_most(objective or (), settings)
 
     request = Request(
         study="fit",
@@ -182,7 +184,7 @@ def fit(
             "fix": numbers("--fix", fix or ()),
             "bound": bounds("--bound", bound or ()),
             "options": options,
-            "objective": objective,
+            "objective": first,
             "solver": solver,
             "starts": starts,
             "hold_out": hold_out,

@@ -1,12 +1,12 @@
 """NAME=VALUE options, in one sentence where they are wrong."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
 from typing import Any
 
 from tuner.cli.settings import value_of
 
-OF_FIT = ("held_out",)
+OF_FIT = ("held_out", "against")
 """Settings of the fit that ``--set`` takes beside the filter's options."""
 
 
@@ -38,6 +38,26 @@ def apart(options: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """
     settings = {name: value for name, value in options.items() if name in OF_FIT}
     return {name: value for name, value in options.items() if name not in OF_FIT}, settings
+
+
+def two_at_most(
+    objectives: Sequence[str], settings: Mapping[str, Any]
+) -> tuple[str | None, dict[str, Any]]:
+    """The objective, and the settings with a second one as what it is held against.
+
+    Raises:
+        ValueError: for more than two.
+
+    >>> two_at_most(["rmse", "prediction"], {})
+    ('rmse', {'against': 'prediction'})
+    """
+    if len(objectives) + ("against" in settings) > 2:
+        raise ValueError(
+            f"--objective is given {len(objectives)} times, and a front is of two objectives; "
+            "give two at most"
+        )
+    second = {"against": objectives[1]} if len(objectives) == 2 else {}
+    return (objectives[0] if objectives else None), {**settings, **second}
 
 
 def numbers(option: str, pairs: Iterable[str]) -> dict[str, float]:

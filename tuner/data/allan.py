@@ -93,7 +93,7 @@ def degrees_of_freedom(samples: int, factors: np.ndarray, slopes: Floats) -> Flo
             a random walk.
 
     >>> degrees_of_freedom(1000, np.array([1, 10]), np.array([-1.0, -1.0])).round(1).tolist()
-    [667.3, 145.8]
+    [665.8, 146.2]
     """
     n, m = samples + 1.0, factors.astype(float)
     white = (3 * (n - 1) / (2 * m) - 2 * (n - 2) / n) * 4 * m**2 / (4 * m**2 + 5)

@@ -50,7 +50,7 @@ def find_motion(record: Floats, rate_hz: float) -> Motion | None:
     >>> find_motion(noise, 50.0) is None
     True
     >>> find_motion(noise + np.where(t > 40, 20 * np.sin(t), 0.0), 50.0).rest
-    (0.0, 38.4)
+    (0.0, 39.0)
     """
     length = max(round(_WINDOW_S * rate_hz), _LEAST)
     count = len(record) // length
@@ -132,4 +132,5 @@ def _longest(still: np.ndarray, seconds: float, whole: float) -> tuple[float, fl
     end = whole if ends[at] == len(still) else seconds * ends[at]
     if end - begin < max(_SHORT_S, 3 * seconds):
         return None
-    return float(np.ceil(100 * begin - 1e-6) / 100), float(np.floor(100 * end + 1e-6) / 100)
+    first = np.ceil(100 * begin - 1e-6) / 100
+    return abs(float(first)), float(np.floor(100 * end + 1e-6) / 100)

@@ -33,7 +33,7 @@ def rank_of(differences: Differences) -> Rank:
     """The rank of the map from the noise's numbers to the covariances of differences."""
     few = differences.M[1:, :_WINDOWS]
     p = len(few)
-    columns = few.reshape(p, -1).T
+    columns = few.reshape(p, int(np.prod(few.shape[1:]))).T
     sizes = np.linalg.norm(columns, axis=0)
     silent = sizes <= _SILENT * differences.sizes
     units = np.where(silent, 1.0, sizes)

@@ -279,21 +279,26 @@ class Covariance:
 
 @dataclass(frozen=True)
 class Fixed:
-    """A parameter that is not tuned: a number, or a vector or matrix as nested tuples."""
+    """A parameter that is not tuned: a number, or a vector or matrix as nested tuples.
+
+    ``nominal`` says that nobody insists on the value: another one that is given is taken, as where
+    all variances of a filter are scaled together.
+    """
 
     value: float | tuple[Any, ...]
     unit: str = ""
     size: int = 0
     limited: bool = False
     meaning: str = ""
+    nominal: bool = False
 
     def constrain(self, z: Array) -> Array:
         """The value itself."""
         return jnp.asarray(self.value, dtype=float)
 
     def unconstrain(self, value: np.ndarray) -> np.ndarray:
-        """Nothing; any other value than the fixed one is an error."""
-        if not np.array_equal(value, np.asarray(self.value)):
+        """Nothing; any other value than the fixed one is an error, unless it is nominal."""
+        if not self.nominal and not np.array_equal(value, np.asarray(self.value)):
             raise ValueError(f"is fixed at {self.value}, got {value}")
         return np.zeros(0)
 

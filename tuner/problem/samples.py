@@ -54,29 +54,45 @@ def slopes(problem: Problem, z: np.ndarray) -> np.ndarray:
     return np.asarray(_slopes(problem.static, jnp.asarray(z), problem.data))
 
 
+def added_by(problem: Problem, outputs: Any) -> Added:
+    """What each sample of some outputs adds, time first, whoever made them.
+
+    Raises:
+        ValueError: for an objective that is no sum over samples.
+    """
+    _check(problem)
+    amounts, counts = _of_outputs(problem.static, outputs, problem.data.truth)
+    return Added(np.asarray(amounts), np.asarray(counts))
+
+
 def _check(problem: Problem) -> None:
     if problem.filter is None or not is_additive(problem.objective):
         raise ValueError(f"the objective of {problem.name} is no sum over samples")
 
 
-def _by_record(static: Static, z: Array, data: Data) -> tuple[Array, Array]:
-    """What each sample of each record adds, the numbers of a sample together."""
+def _added_at(static: Static, z: Array, data: Data) -> tuple[Array, Array]:
     filter, objective = cast("tuple[Any, Any]", (static.filter, static.objective))
-    amounts, counts = contributions(filter, objective, static.built(z), data)
-    records = amounts.shape[1] if _side_by_side(filter) else 1
+    return _by_record(filter, *contributions(filter, objective, static.built(z), data))
+
+
+@jax.jit(static_argnums=0)
+def _of_outputs(static: Static, outputs: Any, truth: Any) -> tuple[Array, Array]:
+    objective: Any = static.objective
+    return _by_record(static.filter, *objective.added(outputs, truth))
+
+
+def _by_record(filter: Any, amounts: Array, counts: Array) -> tuple[Array, Array]:
+    """What each sample of each record adds, ``(N, k)``, the numbers of a sample together."""
+    records = amounts.shape[1] if isinstance(filter, Batched | Lanes) else 1
     shape = (len(amounts), records, -1)
     counted = counts.astype(amounts.dtype)
     return amounts.reshape(shape).sum(axis=-1), counted.reshape(shape).sum(axis=-1)
 
 
-def _side_by_side(filter: Any) -> bool:
-    return isinstance(filter, Batched | Lanes)
-
-
-_added = jax.jit(_by_record, static_argnums=0)
+_added = jax.jit(_added_at, static_argnums=0)
 
 
 @jax.jit(static_argnums=0)
 def _slopes(static: Static, z: Array, data: Data) -> Array:
-    found: Array = jax.jacfwd(lambda at: _by_record(static, at, data)[0])(z)
+    found: Array = jax.jacfwd(lambda at: _added_at(static, at, data)[0])(z)
     return found

@@ -9,9 +9,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import Lanes
-from objectives import Fold, is_fold
+from objectives import is_additive, is_fold
 from tuner.problem.problem import Problem, run_filter
+from tuner.problem.samples import added_by
 from tuner.run.blocks import block_mean
 
 
@@ -85,27 +85,17 @@ def run_with(problem: Problem, values: Mapping[str, Any]) -> Any:
 
 def adds_up(problem: Problem) -> bool:
     """Whether the objective is a sum over samples, divided by what counts."""
-    if not is_fold(problem.objective):
+    if not (is_fold(problem.objective) and is_additive(problem.objective)):
         return False
-    total = problem.objective.init()
+    objective: Any = problem.objective
+    total = objective.init()
     return isinstance(total, tuple) and [np.shape(leaf) for leaf in total] == [(), ()]
 
 
 def amounts_of(problem: Problem, outputs: Any) -> Amounts:
     """The same of outputs, time first, whoever made them; infinite where one is not a number."""
-    objective: Any = problem.objective
-    found = _each(objective, isinstance(problem.filter, Lanes), outputs, problem.data.truth)
-    added, counts = (np.asarray(each, float).reshape(len(each), -1) for each in found)
-    return Amounts(np.where(np.isfinite(added), added, np.inf), counts)
-
-
-@jax.jit(static_argnums=(0, 1))
-def _each(objective: Fold, lanes: bool, outputs: Any, truth: Any) -> Any:
-    def one(output: Any, true: Any) -> Any:
-        return tuple(objective.update(objective.init(), output, true)[0])
-
-    each = jax.vmap(jax.vmap(one)) if lanes else jax.vmap(one)
-    return each(outputs, truth)
+    found = added_by(problem, outputs)
+    return Amounts(np.where(np.isfinite(found.amounts), found.amounts, np.inf), found.counts)
 
 
 def value_of(problem: Problem, mean: float) -> float:

@@ -13,10 +13,17 @@ LAST, MEAN = "the last measurement", "the constant mean"
 
 
 class Foretold(NamedTuple):
-    """What a filter would return that foretells without filtering, ``(N, ..., m)`` each."""
+    """What a filter would return that foretells without filtering, ``(N, ..., m)`` each.
+
+    Attributes:
+        innovation, variance: as of a Kalman filter.
+        offered, foretold: the same, under the names of a filter that may refuse some.
+    """
 
     innovation: np.ndarray
     variance: np.ndarray
+    offered: np.ndarray
+    foretold: np.ndarray
 
 
 def without_filter(posed: Posed, outputs: Any, tuned_on: np.ndarray) -> dict[str, Any]:
@@ -52,7 +59,8 @@ def _counted(posed: Posed, outputs: Any) -> np.ndarray:
     """Which of the filter's innovations count, in their shape."""
     innovation = np.asarray(outputs.innovation)
     seen = np.broadcast_to(~np.isnan(np.asarray(posed.problem.data.truth)), innovation.shape)
-    return np.asarray(seen & (np.asarray(getattr(outputs, "variance", np.ones(1))) != 0))
+    variance = getattr(outputs, "foretold", getattr(outputs, "variance", np.ones(1)))
+    return np.asarray(seen & (np.asarray(variance) != 0))
 
 
 def _over(counted: np.ndarray, tuned_on: np.ndarray) -> np.ndarray:
@@ -138,4 +146,5 @@ def _foretold(
         errors = errors - 2 * np.pi * np.round(errors / (2 * np.pi))
     variance = _mean_of_parts(errors**2, known)
     counts = counted & ~np.isnan(errors) & (variance > 0)
-    return Foretold(np.where(counts, errors, 0.0), np.where(counts, variance, 0.0))
+    both = np.where(counts, errors, 0.0), np.where(counts, variance, 0.0)
+    return Foretold(*both, *both)

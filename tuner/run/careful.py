@@ -1,24 +1,38 @@
 """What a fit may add to any filter: a gate, and what its likelihood then is."""
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, cast
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from filters import Gated, Lanes, Student, assembled, bare, run
+from filters import (
+    Gated,
+    Lanes,
+    Student,
+    assembled,
+    bare,
+    channel_noise,
+    coloured_noise,
+    level_noise,
+    run,
+)
 from filters.gated import PATIENCE
 from filters.measured import Parts, measured
 from objectives import GatedLikelihood, InnovationLikelihood, Objective, StudentLikelihood
 from tuner.problem.space import Space
 
-NAMES = ("gate", "patience", "student")
+NAMES = ("gate", "patience", "student", "noise")
 """Options of every fit, beside the fields of the filter's class."""
 
 SAID = ("offered", "foretold", "refused", "weight")
 """What care adds to a filter's outputs, and is written down with them."""
+
+
+NOISES = ("coloured", "sigma", "level")
+"""What the measurement noise may be, in the order in which one part goes around another."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +48,32 @@ class Care:
     gate: float | None = None
     patience: int = PATIENCE
     student: float | None = None
+
+
+def with_noise(
+    cls: type[Any], options: Mapping[str, Any], step: float
+) -> tuple[type[Any], dict[str, Any]]:
+    """The class of the filter with the measurement noise that is asked for, and the other options.
+
+    Args:
+        cls: the filter's class.
+        options: what is asked for: ``noise`` is one of :data:`NOISES`, or a list of them.
+        step: sample time of the data, s.
+
+    Raises:
+        ValueError: for another noise, and a filter that cannot have it.
+    """
+    if "noise" not in options or "noise" in {each.name for each in fields(cls)}:
+        return cls, dict(options)
+    asked = options["noise"]
+    words = [asked] if isinstance(asked, str) else asked
+    if not isinstance(words, list | tuple) or not words or not set(words) <= set(NOISES):
+        raise ValueError(f"noise is {asked!r}; give {', '.join(NOISES[:-1])} or {NOISES[-1]}")
+    made = {"level": level_noise, "sigma": channel_noise}
+    for word in (each for each in NOISES if each in words):
+        key = cast("Hashable", cls)
+        cls = coloured_noise(key, step) if word == "coloured" else made[word](key)
+    return cls, {name: value for name, value in options.items() if name != "noise"}
 
 
 def care_of(cls: type[Any], options: Mapping[str, Any]) -> tuple[Care, dict[str, Any]]:

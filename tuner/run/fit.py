@@ -20,10 +20,12 @@ from tuner.problem.problem import Problem
 from tuner.problem.surface import values
 from tuner.run.figure import Figure
 from tuner.run.fit_figures import figures
+from tuner.run.front import Against, in_order, picture_of, posed_against, trade
 from tuner.run.held_out import judge_held_out
 from tuner.run.judged import Judged, filter_name, judge
 from tuner.run.parting import HeldOutBy, Parting, parting
 from tuner.run.posed import Posed, check_channels, pose
+from tuner.run.rescaled import ThenRescaled, as_found, may_be_rescaled
 from tuner.run.result import FitRecord
 from tuner.run.searched import Wishes
 from tuner.run.study import Plan, Solutions, Task, best
@@ -60,10 +62,12 @@ class Fitting:
     Attributes:
         posed: the problem and its data.
         parted: what is held out of them; None where nothing is.
+        against: a second objective; None without one.
     """
 
     posed: Posed
     parted: Parting | None
+    against: Against | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,6 +116,7 @@ def fit(
     seed: int = 0,
     hold_out: bool = True,
     held_out: HeldOutBy | None = None,
+    against: str | None = None,
 ) -> Fit:
     """Tune a filter on a recording, or on several with one set of numbers for all.
 
@@ -132,6 +137,8 @@ def fit(
         held_out: which part that is: the end of the ``time``, some whole recordings
             (``recording``), each in turn (``leave-one-out``), ``none``; None decides by what
             there is.
+        against: a second objective, of ``tuner list objectives``: the front of both, with its knee,
+            stands in ``judged.trade``.
 
     Raises:
         ValueError: for what does not go together, in one sentence with the way out.
@@ -143,6 +150,7 @@ def fit(
     >>> 0.8 < float(found.solution.parameters["R"].value) < 1.2
     True
     """
+    objective, against = in_order(objective, against)
     wishes = Wishes(start or {}, fix or {}, bound or {}, options or {}, objective)
     if not isinstance(filter, str | type):
         raise ValueError(f"{filter!r} is no filter's name or class; give {type(filter).__name__}")
@@ -150,7 +158,9 @@ def fit(
     cls = find("tuner.filters", filter) if isinstance(filter, str) else filter
     records = (record,) if isinstance(record, Record) else tuple(record)
     posed = pose_on(name, cls, records, wishes)
-    plan = plan_fit(posed, Request(solver, starts, seed, "", asked_for(hold_out, held_out)))
+    other = None if against is None else posed_against(name, cls, posed, wishes, against)
+    request = Request(solver, starts, seed, "", asked_for(hold_out, held_out))
+    plan = plan_fit(posed, request, other)
     solved = {(t.problem.name, t.solver.name): t.solver(t.problem) for t in plan.tasks}
     return concluded(plan.case, solved)
 
@@ -197,13 +207,15 @@ def _source(parts: list[Source]) -> Source:
     return Source.joined(" + ".join(dict.fromkeys(part.name for part in parts)), parts)
 
 
-def plan_fit(posed: Posed, request: Request) -> Plan:
-    """What is solved, exported and drawn."""
+def plan_fit(posed: Posed, request: Request, other: Posed | None = None) -> Plan:
+    """What is solved, exported and drawn; against another objective the front of both."""
     solver = _solver(request)
     parted = parting(posed.problem, request.held_out)
     posed = replace(posed, problem=screened(posed.problem, request))
-    tasks = [Task(posed.problem, solver), *_second_fits(parted, request, _quick(solver))]
-    case = Fitting(posed, parted)
+    main = ThenRescaled(solver) if may_be_rescaled(posed) else solver
+    tasks = [Task(posed.problem, main), *_second_fits(parted, request, _quick(solver))]
+    against = None if other is None else Against(other, solver, posed.problem)
+    case = Fitting(posed, parted, against)
     return Plan(
         source=posed.source,
         tasks=tuple(tasks),
@@ -229,6 +241,8 @@ def _second_fits(parted: Parting | None, request: Request, solver: Solver) -> It
 
 def _figures(case: Fitting, solutions: Solutions) -> Iterator[Figure]:
     yield from figures(case.posed, solutions)
+    if case.against is not None:
+        yield from picture_of(case.posed, trade(case.against))
 
 
 def report(case: Fitting, solutions: Solutions) -> FitRecord:
@@ -244,7 +258,12 @@ def concluded(case: Fitting, solutions: Solutions) -> Fit:
     solved = {name: best(name, solutions) for name, _ in solutions}
     held_out = None if parted is None else judge_held_out(posed, parted, solved)
     solution = solved[posed.problem.name]
-    return Fit(posed, solution, judge(posed, solution, held_out))
+    judged = judge(posed, solution, held_out)
+    if may_be_rescaled(posed):
+        judged = replace(judged, rescaled=as_found(posed.problem, solution))
+    if case.against is not None:
+        judged = replace(judged, trade=trade(case.against))
+    return Fit(posed, solution, judged)
 
 
 def screened(problem: Problem, request: Request) -> Problem:

@@ -9,6 +9,7 @@ from filters.declared import Channel, channel_facts
 from tuner.catalogue import find
 from tuner.data.record import Record
 from tuner.run.fit import Request, asked_for, plan_fit, pose_on
+from tuner.run.front import in_order, posed_against
 from tuner.run.parting import HeldOutBy
 from tuner.run.searched import Wishes
 from tuner.run.settings import StudySettings
@@ -29,10 +30,13 @@ class FitSettings(StudySettings):
     hold_out: bool = Field(True, description="whether a part of the data judges the rest")
     held_out: HeldOutBy | None = Field(None, description="which part; unset: by what there is")
 
+    against: str | None = Field(None, description="a second objective: the front of both")
+
     @property
     def wishes(self) -> Wishes:
         """What the user decides of the problem."""
-        return Wishes(self.start, self.fix, self.bound, self.options, self.objective)
+        objective, _ = in_order(self.objective, self.against)
+        return Wishes(self.start, self.fix, self.bound, self.options, objective)
 
 
 def channels(settings: FitSettings) -> Mapping[str, Channel]:
@@ -54,7 +58,11 @@ def plan(settings: FitSettings, records: tuple[Record, ...], seed: int, storage:
     posed = pose_on(settings.filter, cls, records, settings.wishes)
     held_out = asked_for(settings.hold_out, settings.held_out)
     request = Request(settings.solver, settings.starts, seed, storage, held_out)
-    return plan_fit(posed, request)
+    _, against = in_order(settings.objective, settings.against)
+    if against is None:
+        return plan_fit(posed, request)
+    other = posed_against(settings.filter, cls, posed, settings.wishes, against)
+    return plan_fit(posed, request, other)
 
 
 STUDY = Study(

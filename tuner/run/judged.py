@@ -11,8 +11,10 @@ from tuner.diagnostics import Diagnostics
 from tuner.problem.problem import Problem
 from tuner.run.careful import Refused, refused_of
 from tuner.run.diagnosed import diagnosed
+from tuner.run.front import Trade
 from tuner.run.held_out import HeldOut
 from tuner.run.posed import NO_TRUTH, Posed
+from tuner.run.rescaled import Rescaled
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,9 @@ class Judged:
         diagnostics: what the innovations say of the start and of the solution; None for a filter
             without any.
         refused: what a gate left out at the solution; None without one.
+        trade: what a second objective costs; None without one.
+        rescaled: what became of all variances after a fit against a truth; None where the filter
+            has none.
     """
 
     objective: str
@@ -37,6 +42,8 @@ class Judged:
     held_out: HeldOut | None
     diagnostics: tuple[Diagnostics, Diagnostics] | None
     refused: Refused | None = None
+    rescaled: Rescaled | None = None
+    trade: Trade | None = None
 
 
 def judge(posed: Posed, solution: Solution, held_out: HeldOut | None) -> Judged:

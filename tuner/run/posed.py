@@ -17,7 +17,7 @@ from tuner.data.units import change
 from tuner.names import unknown
 from tuner.problem.exported import exported_of
 from tuner.problem.problem import Problem
-from tuner.run.careful import NAMES, care_of, guarded
+from tuner.run.careful import NAMES, care_of, guarded, with_noise
 from tuner.run.searched import Wishes, own_unit, sizes_of, space_of
 
 HEADING = frozenset(("mag", "gps", "gps_vel"))
@@ -65,7 +65,8 @@ def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: 
         ValueError: for an unknown parameter, option or objective, and where nothing says how good
             a run is.
     """
-    care, options = care_of(cls, wishes.options)
+    cls, options = with_noise(cls, wishes.options, float(np.nanmedian(timeline.dt)))
+    care, options = care_of(cls, options)
     filter = set_up(name, cls, timeline, options)
     objective, judged, output = choose_objective(name, cls, timeline, wishes.objective)
     unit = _unit_of(cls, timeline, objective, output)

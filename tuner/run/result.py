@@ -189,6 +189,36 @@ class HeldOutRecord(_Record):
     recordings: list[OneHeldOutRecord]
 
 
+class RescaledRecord(_Record):
+    """See :class:`tuner.run.rescaled.Rescaled`."""
+
+    factor: float
+    powers: dict[str, float]
+    nis: tuple[float | None, float | None]
+    nees: tuple[float | None, float | None] | None
+    reason: str
+
+
+class TradedRecord(_Record):
+    """See :class:`tuner.run.front.Traded`."""
+
+    first: float
+    second: float
+    weight: float
+    knee: bool
+    status: str
+    parameters: dict[str, Any]
+
+
+class TradeRecord(_Record):
+    """See :class:`tuner.run.front.Trade`."""
+
+    objective: str
+    unit: str
+    depth: float
+    points: list[TradedRecord]
+
+
 class FindingRecord(_Record):
     """See :class:`tuner.diagnostics.Finding`."""
 
@@ -228,6 +258,8 @@ class FitRecord(_Record):
         objective, unit, start, tuned: the objective before and after.
         held_out: the same on data that was not used.
         diagnostics: of the innovations, before and after; empty without any.
+        rescaled: what became of all variances after a fit against a truth.
+        trade: the front against a second objective.
         lines: the five lines that a run ends with.
     """
 
@@ -238,6 +270,8 @@ class FitRecord(_Record):
     tuned: float | None
     held_out: HeldOutRecord | None
     diagnostics: list[DiagnosticsRecord]
+    rescaled: RescaledRecord | None = None
+    trade: TradeRecord | None = None
     lines: list[str]
 
     @classmethod
@@ -252,6 +286,10 @@ class FitRecord(_Record):
             tuned=judged.tuned,
             held_out=None if held is None else HeldOutRecord.model_validate(asdict(held)),
             diagnostics=[DiagnosticsRecord.of(each) for each in judged.diagnostics or ()],
+            rescaled=(
+                RescaledRecord.model_validate(asdict(judged.rescaled)) if judged.rescaled else None
+            ),
+            trade=TradeRecord.model_validate(asdict(judged.trade)) if judged.trade else None,
             lines=lines,
         )
 

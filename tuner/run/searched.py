@@ -103,7 +103,7 @@ def space_of(
     without = {name for group in optional_groups(cls) if not group & asked for name in group}
     chosen = {
         name: _parameter(
-            name, _sized(_in_data(fact, scale, own, timeline), fact, sizes.get(name)), wishes
+            name, _sized(_in_data(fact, scale, own, timeline, cls), fact, sizes.get(name)), wishes
         )
         for name, fact in facts.items()
         if name not in without
@@ -169,11 +169,12 @@ def _of_any_unit(cls: type[Any], timeline: Timeline) -> str:
     return next(free, "")
 
 
-def _in_data(fact: Param, scale: Scale, own: str, timeline: Timeline) -> Param:
+def _in_data(fact: Param, scale: Scale, own: str, timeline: Timeline, cls: type[Any]) -> Param:
     """A parameter's fact in the unit and scale of the data; one that idles has no range."""
     if fact.channel and fact.channel not in timeline.channels:
         fact = fact._replace(low=None, high=None)
-    if DEVIATION in timeline.channels and fact.unit == "unit^2":
+    factor_alone = DEVIATION in timeline.channels and not getattr(cls, "absolute_noise", False)
+    if factor_alone and fact.unit == "unit^2":
         return fact._replace(unit="")
     factor = scale.of(fact.unit)
     low, high = (None if end is None else end * factor for end in (fact.low, fact.high))
@@ -209,7 +210,8 @@ def _parameter(name: str, fact: Param, wishes: Wishes) -> Parameter:
     ends = _ends(name, fact, wishes)
     if ends is None:
         held = wishes.start.get(name, fact.typical)
-        return Fixed(_finite(f"the start of {name}", held), fact.unit, meaning=fact.meaning)
+        value = _finite(f"the start of {name}", held)
+        return Fixed(value, fact.unit, meaning=fact.meaning, nominal=name not in wishes.start)
     low, high = ends
     kind = Positive if low > 0 else Bounded
     init = wishes.start.get(name)

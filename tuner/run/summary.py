@@ -7,9 +7,11 @@ import numpy as np
 
 from tuner.certificate.solution import Solution, Status, TunedParameter, range_in_words
 from tuner.problem.parameters import Fixed
+from tuner.run.front import words as traded
 from tuner.run.held_out import HeldOut
 from tuner.run.judged import Judged
 from tuner.run.posed import Posed
+from tuner.run.rescaled import Rescaled
 
 WORDS = {
     "likelihood": "a measurement is foretold within",
@@ -33,7 +35,7 @@ def five_lines(
     """
     return [
         "use       " + ", ".join(_numbers(posed, solution)),
-        "how good  " + "; ".join(_worth(judged)),
+        "how good  " + "; ".join(_worth(posed, judged)),
         "trust     " + "; ".join(_trust(solution, judged)),
         "open      " + ("; ".join(_open(posed, solution)) or "nothing: all is determined"),
         "next      " + _next(posed, solution, folder=folder),
@@ -67,12 +69,26 @@ def _number(parameter: TunedParameter) -> str:
     return f"{told} {parameter.unit}".rstrip()
 
 
-def _worth(judged: Judged) -> Iterator[str]:
+def _worth(posed: Posed, judged: Judged) -> Iterator[str]:
     unit = f" {judged.unit}" if judged.unit else ""
     words = WORDS.get(judged.objective, judged.objective)
     yield f"{words} {judged.tuned:.4g}{unit}, {_start(judged.start)}{unit} before"
     if judged.held_out is not None:
         yield ", ".join(_held_out(judged.held_out, unit))
+    if judged.rescaled is not None:
+        yield _rescaled(judged.rescaled)
+    if judged.trade is not None:
+        yield traded(posed, judged.trade)
+
+
+def _rescaled(found: Rescaled) -> str:
+    """What became of the common factor of all variances, which accuracy leaves open."""
+    if found.reason:
+        return f"NIS {found.nis[0]:.3g}, and the variances are as they were found: {found.reason}"
+    return (
+        f"{', '.join(found.powers)} scaled together by {found.factor:.3g}, which leaves the "
+        f"estimates: NIS {found.nis[1]:.3g}, {found.nis[0]:.3g} before"
+    )
 
 
 def _held_out(held: HeldOut, unit: str) -> Iterator[str]:

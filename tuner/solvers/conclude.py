@@ -40,6 +40,7 @@ def conclude(
     *,
     curvature: bool = True,
     descend: Descent | None = None,
+    smooth: bool = False,
 ) -> Solution:
     """The solution that the best of several ends amounts to.
 
@@ -53,10 +54,12 @@ def conclude(
         begun: when, by ``time.perf_counter``.
         curvature: whether second derivatives and neighbours are looked at.
         descend: the method itself; None where there is none that goes on.
+        smooth: whether the method follows gradients alone; then Newton's step ends it.
     """
     view = _look(problem, best_of(ends), curvature=curvature)
     if curvature and descend is not None:
         ends, view = _gone_on(problem, descend, ends, view)
+        ends, view = _sharpened(problem, ends, view) if smooth else (ends, view)
     best = best_of(ends)
     starts = _agreement(ends, best, view.yard)
     undetermined = flat(problem, view.yard, best.z, view.curved)
@@ -89,7 +92,11 @@ def _look(problem: Problem, end: Minimum, *, curvature: bool) -> _View:
 def _gone_on(
     problem: Problem, descend: Descent, ends: list[Minimum], view: _View
 ) -> tuple[list[Minimum], _View]:
-    """The ends with the best one followed for as long as a neighbour of it is lower; its view."""
+    """The ends, gone on with while lower points are seen; and the best one's view.
+
+    It may cost as many evaluations as the search itself.
+    """
+    most = 2 * _spent(ends)
     for turn in range(ROUNDS):
         best, lower = best_of(ends), view.near.lower
         # What a second descent did not find either, the derivatives do not show.
@@ -101,24 +108,55 @@ def _gone_on(
         if rough and not problem.constraints:
             ends = [_simplex(problem, end) for end in ends]
         view = _look(problem, best_of(ends), curvature=True)
-    found = [_from_afar(problem, descend, end, best_of(ends), view.yard) for end in ends]
-    if best_of(found).value < best_of(ends).value:
-        view = _look(problem, best_of(found), curvature=True)
-    return found, view
+        if _spent(ends) > most:
+            return ends, view
+    best = best_of(ends)
+    for i in sorted(range(len(ends)), key=lambda i: ends[i].value):
+        lowest = best_of(ends)
+        alone = ends[i] is lowest and not _most_agree(_agreement(ends, lowest, view.yard))
+        if alone or not _agrees(ends[i], lowest, view.yard):
+            ends = [*ends[:i], _from_afar(problem, descend, ends, i, most), *ends[i + 1 :]]
+    if best_of(ends) is not best:
+        view = _look(problem, best_of(ends), curvature=True)
+    return ends, view
+
+
+def _spent(ends: list[Minimum]) -> int:
+    return sum(end.evaluations for end in ends)
 
 
 def _from_afar(
-    problem: Problem, descend: Descent, end: Minimum, best: Minimum, yard: Yardstick
+    problem: Problem, descend: Descent, ends: list[Minimum], at: int, most: int
 ) -> Minimum:
-    """An end that is worse than the best, gone on with for as long as lower points are seen."""
+    """An end gone on with for as long as lower points are seen anywhere in the box."""
+    end, others = ends[at], _spent(ends) - ends[at].evaluations
     for _ in range(ROUNDS):
-        if not end.finished or not np.isfinite(end.value) or _agrees(end, best, yard):
+        if not end.finished or not np.isfinite(end.value) or problem.constraints:
             break
-        lower = lower_afar(problem, yard, end.z)
-        if lower is None:
+        lower = lower_afar(problem, yardstick(problem, end.z), end.z)
+        if lower is None or others + end.evaluations > most:
             break
         end = _followed(problem, descend, end, lower)
     return end
+
+
+def _sharpened(problem: Problem, ends: list[Minimum], view: _View) -> tuple[list[Minimum], _View]:
+    """The best end after a step of Newton's, which leaves what no difference of values shows."""
+    best, hessian = best_of(ends), view.curved.hessian
+    low, high = problem.space.box()
+    inside = not (view.held.limits or view.held.weights.any())
+    if hessian is None or not inside or view.near.rough or not view.curved.curvatures[0] > 0:
+        return ends, view
+    step = np.linalg.solve(hessian, view.held.gradient)
+    z = best.z - step
+    value, gradient = problem.value_and_gradient(z)
+    lies_in = ((low < z) & (z < high)).all() and np.abs(step).max() < 1e-3
+    still = np.abs(gradient).max() < view.yard.unit * np.abs(view.held.gradient).max()
+    end = replace(best, evaluations=best.evaluations + 1)
+    if lies_in and still and value - best.value <= 1e-12 * abs(best.value):
+        end = replace(end, z=z, value=value)
+        view = view._replace(held=view.held._replace(gradient=gradient / view.yard.unit))
+    return [end if each is best else each for each in ends], view
 
 
 def _simplex(problem: Problem, end: Minimum) -> Minimum:
@@ -159,9 +197,14 @@ def _status(problem: Problem, best: Minimum, view: _View, starts: Starts) -> Sta
     if not best.allowed:
         return Status.INFEASIBLE
     alone = _status_of_point(problem, best, view)
-    if alone.trusted and starts.count > 1 and starts.agreeing < max(2, starts.count / 2):
+    if alone.trusted and starts.count > 1 and not _most_agree(starts):
         return Status.STARTS_DIFFER
     return alone
+
+
+def _most_agree(starts: Starts) -> bool:
+    """Whether at least half of the starts, and two, came to the best value."""
+    return starts.agreeing >= max(2, starts.count / 2)
 
 
 def _status_of_point(problem: Problem, best: Minimum, view: _View) -> Status:
@@ -174,6 +217,8 @@ def _status_of_point(problem: Problem, best: Minimum, view: _View) -> Status:
         return Status.SADDLE if flat and falls else _unfinished(best)
     if view.near.rough:
         return Status.STAIRCASE if view.near.steps else Status.KINK
+    if np.isnan(fall):  # no derivative here, and no lower neighbour: the root of a square at 0
+        return Status.KINK
     outward = pushed(problem, best.z, view.held.gradient)
     if still and (np.abs(view.held.gradient[outward]) > view.yard.negligible).any():
         return Status.AT_BOUND

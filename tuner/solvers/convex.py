@@ -109,7 +109,7 @@ def _certificate(answer: Answer) -> Certificate:
         active_bounds=(),
         curvatures=(),
         flat_directions=(),
-        starts=Starts(1, 1, 1.0),
+        starts=Starts(1, 1, 0.0),
         methods={},
         multipliers=answer.multipliers,
         lower_bound=answer.lower_bound,

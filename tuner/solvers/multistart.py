@@ -52,7 +52,9 @@ def from_several(
         )
     begun = time.perf_counter()
     ends = _descents(problem, descend, starts, seed)
-    return conclude(problem, solver, ends, begun, curvature=curvature, descend=descend)
+    return conclude(
+        problem, solver, ends, begun, curvature=curvature, descend=descend, smooth=smooth
+    )
 
 
 def _descents(problem: Problem, descend: Descent, count: int, seed: int) -> list[Minimum]:

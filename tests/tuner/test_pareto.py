@@ -1,0 +1,134 @@
+"""The front of two objectives against all of its points, one by one."""
+
+import numpy as np
+import pytest
+
+import tuner
+from filters import LocalLevel
+from objectives import InnovationLikelihood
+from objectives.rmse import InnovationRmse
+from tests.tuner import fit_cases as cases
+from tuner.certificate.solution import Status
+from tuner.run.fit import pose_on
+from tuner.run.result import read_result
+from tuner.run.searched import Wishes
+from tuner.solvers.gradient import Gradient
+from tuner.solvers.pareto import pareto
+
+SOLVER = Gradient("l-bfgs-b", seed=0, starts=3)
+
+
+def coloured(samples=300):
+    """A random walk whose measurement noise is coloured: to foretell it is to follow it."""
+    draw = np.random.default_rng(3)
+    walk, noise = np.cumsum(0.2 * draw.standard_normal(samples)), np.zeros(samples)
+    for k in range(1, samples):
+        noise[k] = 0.8 * noise[k - 1] + 0.6 * draw.standard_normal()
+    return walk + noise, walk
+
+
+Z, LEVEL = coloured()
+
+
+def posed(unit=1.0):
+    record = tuner.Record.of({"z": unit * Z}, rate_hz=1.0, truth={"level": unit * LEVEL})
+    return pose_on("local-level", LocalLevel, (record,), Wishes(fix={"R": unit**2})).problem
+
+
+def both(q):
+    """Of a density q: the error of the level, and of what is foretold, by a textbook loop."""
+    y, _ = cases.level_loop(Z, q, 1.0, 1.0)
+    x, p, levels = Z[0], 1.0, [Z[0]]
+    for z in Z[1:]:
+        p = p + q
+        x, p = x + p / (p + 1) * (z - x), p / (p + 1)
+        levels.append(x)
+    return np.sqrt(np.mean((np.array(levels) - LEVEL) ** 2)), np.sqrt(np.mean(y**2))
+
+
+def test_a_front_and_its_knee_are_those_of_all_points():
+    front = pareto(posed(), InnovationRmse(), np.zeros((len(Z), 1)), solver=SOLVER, points=6)
+    for point in front.points:
+        # Where the front bends inwards both neighbours lead to ends of their own.
+        assert point.solution.status in (Status.CONVERGED, Status.STARTS_DIFFER)
+        known = both(float(point.solution.parameters["q"].value))
+        assert (point.first, point.second) == pytest.approx(known, rel=1e-9)
+    grid = np.array([both(q) for q in np.geomspace(1e-3, 1e3, 1500)])
+    assert front.points[0].first == pytest.approx(grid[:, 0].min(), rel=1e-4)
+    assert front.points[-1].second == pytest.approx(grid[:, 1].min(), rel=1e-4)
+    ends = np.log([grid[grid[:, 0].argmin()], grid[grid[:, 1].argmin()]])
+    low, high = ends.min(axis=0), ends.max(axis=0)
+    depth = (1 - ((np.log(grid) - low) / (high - low)).sum(axis=1)).max()
+    assert front.points[front.knee].logs == pytest.approx(np.log(both_at(front)), rel=1e-9)
+    # The ends weigh the other objective by a thousandth, which moves them along the front a bit.
+    assert front.depth == pytest.approx(depth, abs=5e-3)
+    firsts, seconds = zip(*((p.first, p.second) for p in front.points), strict=True)
+    assert list(firsts) == sorted(firsts)
+    assert list(seconds) == sorted(seconds, reverse=True)
+
+
+def both_at(front):
+    knee = front.points[front.knee]
+    return both(float(knee.solution.parameters["q"].value))
+
+
+def test_objectives_that_agree_have_one_point():
+    problem = posed()
+    front = pareto(problem, problem.objective, solver=SOLVER)
+    assert (len(front.points), front.knee, front.depth) == (1, None, 0.0)
+
+
+def test_what_cannot_be_weighed_is_refused():
+    with pytest.raises(ValueError, match="a front needs three points at least, got 2"):
+        pareto(posed(), InnovationRmse(), solver=SOLVER, points=2)
+    with pytest.raises(ValueError, match="function cannot be weighed against another objective"):
+        pareto(posed(), lambda outputs, truth: outputs.level.sum(), solver=SOLVER)
+
+
+def test_a_likelihood_counts_by_its_nats():
+    """It may be negative, and a unit of a millionth moves nothing along the front."""
+    found = {}
+    for unit in (1.0, 1e-6):
+        likelihood = InnovationLikelihood()
+        front = pareto(posed(unit), likelihood, np.zeros((len(Z), 1)), solver=SOLVER, points=4)
+        found[unit] = [
+            (p.first / unit, float(likelihood.deviation(p.second)) / unit) for p in front.points
+        ]
+    assert all(p.second < 0 for p in front.points)
+    assert np.array(found[1e-6]) == pytest.approx(np.array(found[1.0]), rel=1e-4)
+
+
+def test_a_fit_has_a_front(cli, here):
+    cases.write(here / "z.csv", {"t": np.arange(len(Z)), "z": Z, "level": LEVEL})
+    words = ("fit", "z.csv", "--filter", "local-level", "--map", "z=z", "--truth", "level=level")
+    more = ("--fix", "R=1", "--starts", 1, "--no-hold-out")
+    code, _, err = cli(
+        *words, *more, "--objective", "prediction", "--objective", "rmse", "--out", "out"
+    )
+    assert code == 0, err
+    fit = read_result(here / "out").fit
+    assert (fit.objective, fit.trade.objective) == ("rmse", "prediction")
+    assert [point.knee for point in fit.trade.points].count(True) == 1
+    assert "at the knee q = " in fit.lines[1]
+    rows = (here / "out" / "figures" / "local_level_front.csv").read_text().splitlines()
+    assert len([row for row in rows if row.startswith("front,")]) == len(fit.trade.points)
+    assert (here / "out" / "figures" / "local_level_front.png").stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (("--objective", "rmse", "--set", "against=rmse"), "and both are rmse"),
+        (("--set", "against=rmse"), "and both are rmse"),
+        (("--objective", "rmse", "--objective", "prediction", "--objective", "heading"), "at most"),
+        (("--set", "against=likelyhood"), "likelihood"),
+    ],
+)
+def test_a_front_of_other_than_two_is_refused(cli, here, options, says):
+    cases.write(here / "z.csv", {"t": np.arange(len(Z)), "z": Z, "level": LEVEL})
+    code, _, err = cli(
+        *("fit", "z.csv", "--filter", "local-level", "--map", "z=z", "--truth", "level=level"),
+        *options,
+    )
+    assert code == 2
+    assert says in err.splitlines()[-1]

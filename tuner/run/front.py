@@ -1,0 +1,178 @@
+"""The front of a fit's objective and another one: what a user asks for, a picture, and words."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from objectives import Objective
+from tuner.problem.parameters import Fixed
+from tuner.problem.problem import Problem
+from tuner.run.figure import Chart, Line
+from tuner.run.posed import NO_TRUTH, Posed, pose
+from tuner.run.searched import Wishes
+from tuner.solvers.pareto import Front, pareto
+from tuner.solvers.solver import Solver
+
+POINTS = 12
+"""Of a front at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Against:
+    """A second objective of a fit.
+
+    Attributes:
+        posed: the same filter and data, judged by it.
+        solver: of every point of the front.
+        first: the fit's problem.
+    """
+
+    posed: Posed
+    solver: Solver
+    first: Problem
+
+    @cached_property
+    def front(self) -> Front:
+        """The front, searched once."""
+        known: Any = self.solver
+        # From the initial values and from both neighbours.
+        solver = replace(known, starts=3) if hasattr(known, "starts") else known
+        other = self.posed.problem
+        return pareto(self.first, other.objective, other.data.truth, solver=solver, points=POINTS)
+
+
+@dataclass(frozen=True)
+class Traded:
+    """One point of a front, as people read it.
+
+    Attributes:
+        first, second: the values of both objectives; of a likelihood the equivalent deviation.
+        weight: of the second.
+        knee: whether it is the knee.
+        status: of its solution.
+        parameters: those that were tuned, by name.
+    """
+
+    first: float
+    second: float
+    weight: float
+    knee: bool
+    status: str
+    parameters: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Trade:
+    """What a fit's objective and another one cost each other.
+
+    Attributes:
+        objective: the second one's name.
+        unit: of its values.
+        depth: of the knee; 0 without one.
+        points: from the best in the first to the best in the second.
+    """
+
+    objective: str
+    unit: str
+    depth: float
+    points: tuple[Traded, ...]
+
+
+def in_order(objective: str | None, against: str | None) -> tuple[str | None, str | None]:
+    """The one that needs a truth first: the other one needs none.
+
+    Raises:
+        ValueError: for the same objective twice.
+    """
+    if against is not None and objective == against:
+        raise ValueError(f"a front is of two objectives, and both are {against}; give another one")
+    if objective in NO_TRUTH and against not in (None, *NO_TRUTH):
+        return against, objective
+    return objective, against
+
+
+def posed_against(name: str, cls: type[Any], posed: Posed, wishes: Wishes, objective: str) -> Posed:
+    """The same fit by another objective.
+
+    Raises:
+        ValueError: as :func:`tuner.run.posed.pose`, and for the fit's own objective.
+    """
+    if objective == posed.objective:
+        raise ValueError(
+            f"a front is of two objectives, and both are {objective}; give another one"
+        )
+    truth: Mapping[str, Any] = {} if objective in NO_TRUTH else posed.timeline.truth
+    timeline = replace(posed.timeline, truth=truth)
+    return pose(name, cls, timeline, replace(wishes, objective=objective), posed.source)
+
+
+def trade(against: Against) -> Trade:
+    """The front as people read it."""
+    front, first, second = against.front, against.first, against.posed
+    free = [name for name, kind in first.space.parameters if not isinstance(kind, Fixed)]
+    points = [
+        Traded(
+            first=_shown(first.objective, point.first),
+            second=_shown(second.problem.objective, point.second),
+            weight=point.weight,
+            knee=i == front.knee,
+            status=point.solution.status.value,
+            parameters={n: point.solution.parameters[n].value.tolist() for n in free},
+        )
+        for i, point in enumerate(front.points)
+    ]
+    return Trade(second.objective, second.unit, front.depth, tuple(points))
+
+
+def _shown(objective: Objective, value: float) -> float:
+    known: Any = objective
+    return float(known.deviation(value)) if hasattr(known, "deviation") else value
+
+
+def picture_of(posed: Posed, found: Trade) -> Iterator[Chart]:
+    """Both objectives, each point the best in one for the other; with the knee."""
+    lines = [_line("front", found.points), replace(_line("found", found.points), drawn="points")]
+    lines += [_line("knee", [each]) for each in found.points if each.knee]
+    labels = [
+        f"{name}, {unit}" if unit else name
+        for name, unit in ((posed.objective, posed.unit), (found.objective, found.unit))
+    ]
+    yield Chart(
+        name=f"{posed.problem.name}_front",
+        title=f"What {posed.objective} and {found.objective} cost each other",
+        x_label=labels[0],
+        y_label=labels[1],
+        lines=tuple(lines),
+    )
+
+
+def _line(label: str, points: Any) -> Line:
+    return Line(
+        label, np.array([each.first for each in points]), np.array([each.second for each in points])
+    )
+
+
+def words(posed: Posed, found: Trade) -> str:
+    """The front in a sentence: what is given up at the knee, and what for."""
+    first, last = found.points[0], found.points[-1]
+    if len(found.points) == 1:
+        return f"{posed.objective} and {found.objective} are best at the same place"
+    ends = (
+        f"against {found.objective}: {_more(last.first, first.first)} more {posed.objective} buys "
+        f"{100 * (1 - last.second / first.second):.2g} % less {found.objective}"
+    )
+    knee = next((each for each in found.points if each.knee), None)
+    if knee is None:
+        return f"{ends}, and there is no knee"
+    numbers = ", ".join(f"{n} = {np.asarray(v):.4g}" for n, v in knee.parameters.items())
+    return (
+        f"{ends}; at the knee {numbers}: {_more(knee.first, first.first)} and "
+        f"{_more(knee.second, last.second)} above the least of each"
+    )
+
+
+def _more(value: float, least: float) -> str:
+    return f"{100 * (value / least - 1):.2g} %"
