@@ -256,7 +256,7 @@ def tuned(model: Model, z: np.ndarray) -> np.ndarray:
         damping = np.where(better, damping / 5, damping * 5).clip(1e-9, 1e6)
         if np.quantile(np.abs(step).max(axis=1), 0.99) < 1e-4:
             break
-    return at
+    return np.asarray(at)
 
 
 def diagnoses(model: Model, z: np.ndarray, at: np.ndarray, fitted: int) -> list[Diagnostics]:

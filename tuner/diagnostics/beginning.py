@@ -11,7 +11,7 @@ FEW = 40
 WINDOWS = (1, 2, 4, 8, 16)
 CLIPPED = 3.0
 """In deviations; from the second number on, so that one outlier there is no start."""
-ENOUGH = 200
+ENOUGH = 100
 QUIET = 3
 """A leap after so many numbers is an outlier's; a wrong start shows before, or grows."""
 
@@ -48,14 +48,14 @@ def of_start(columns: tuple[Column, ...], way: str) -> Finding:
 
 
 def _elsewhere(columns: tuple[Column, ...], width: int, mean: float) -> float:
-    """The share of as many numbers anywhere that are as large, for outliers come anywhere.
+    """The share of as many numbers later on that are as large, for outliers come anywhere.
 
-    Of few numbers it would say too little.
+    Later is the second half; of few numbers it would say too little.
     """
     shares = [0.0]
     for column in columns:
         squares = np.minimum(np.abs(column.e) / column.scale, CLIPPED) ** 2
-        means = np.convolve(squares, np.full(width, 1 / width), mode="valid")
+        means = np.convolve(squares, np.full(width, 1 / width), mode="valid")[len(squares) // 2 :]
         if len(means) > ENOUGH:
             shares.append(float(np.mean(means >= min(mean, CLIPPED**2) * (1 - 1e-9))))
     return max(shares)
