@@ -43,7 +43,7 @@ def _figures(case: Case, solutions: Solutions, names: Sequence[str], end: str) -
     )
     yield Chart(
         name=f"in_time{end}",
-        title=f"Inclination error in motion of {contest.trials[-1].name}{said}",
+        title=f"Inclination error of {contest.trials[-1].name}{said}",
         x_label="t, s",
         y_label=f"RMS over {WINDOW:g} s, deg",
         lines=tuple(Line(name, *_in_time(contest, one.last)) for name, one in found.items()),
