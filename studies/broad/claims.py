@@ -134,7 +134,8 @@ def claims_of(case: Case) -> tuple[Claim, ...]:
     for name in case.tuned:
         held = () if name.startswith("room") else needed(case, name)
         default, tuned = (partial(each, name=name) for each in (rivals.default, rivals.tuned))
-        found.append(Claim(f"inclination_{name}_default_deg", default, held))
+        if not name.endswith("_lead"):  # which begin without one
+            found.append(Claim(f"inclination_{name}_default_deg", default, held))
         found.append(Claim(f"inclination_{name}_deg", tuned, (name, *held)))
     found += [Claim("delay_sensor_ms", _sensor), Claim("delay_lead_ms", _lead, ("room",))]
     for name in ("madgwick", "mahony"):

@@ -1,10 +1,11 @@
 """Errors by trial, and one trial in time."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from studies.broad.contest import Contest
+from studies.broad.contestants import has_lead
 from studies.broad.problems import Case
 from studies.broad.rivals import judged_at, left_out
 from tuner.run.figure import Chart, Figure, Line
@@ -15,17 +16,25 @@ WINDOW = 1.0
 
 
 def figures(case: Case, solutions: Solutions) -> Iterator[Figure]:
-    """All of them."""
-    contest, folds = case.contest, case.folds
-    found = {name: judged_at(name, contest, solutions) for name in case.tuned}
+    """All of them: filters with a lead, and without one where any is tuned."""
+    for end, lead in (("", True), ("_now", False)):
+        names = [name for name in case.tuned if has_lead(name) is lead]
+        if names:
+            yield from _figures(case, solutions, names, end)
+
+
+def _figures(case: Case, solutions: Solutions, names: Sequence[str], end: str) -> Iterator[Figure]:
+    contest, folds, room = case.contest, case.folds, names[0]
+    found = {name: judged_at(name, contest, solutions) for name in names}
     at, label = _numbers(contest)
     lines = [Line(name, at, one.inclination) for name, one in found.items()]
     if folds:
-        errors = left_out(case, solutions)
-        lines.insert(0, Line("room, trial left out", at[list(folds)], errors))
+        errors = left_out(case, solutions, room)
+        lines.insert(0, Line(f"{room}, trial left out", at[list(folds)], errors))
+    said = ", without a lead" if end else ""
     yield Chart(
-        name="by_trial",
-        title="Inclination error in motion by trial",
+        name=f"by_trial{end}",
+        title=f"Inclination error in motion by trial{said}",
         x_label=label,
         y_label="RMSE, deg",
         lines=tuple(lines),
@@ -33,8 +42,8 @@ def figures(case: Case, solutions: Solutions) -> Iterator[Figure]:
         numbered=True,
     )
     yield Chart(
-        name="in_time",
-        title=f"Inclination error in motion of {contest.trials[-1].name}",
+        name=f"in_time{end}",
+        title=f"Inclination error of {contest.trials[-1].name}{said}",
         x_label="t, s",
         y_label=f"RMS over {WINDOW:g} s, deg",
         lines=tuple(Line(name, *_in_time(contest, one.last)) for name, one in found.items()),

@@ -1,7 +1,7 @@
 """How late gyroscopes and accelerometers are against the optical truth.
 
-Both are of one chip and were read by one clock. What both are late may be the truth's own clock;
-what the gyroscopes are later than the accelerometers is the sensor's.
+Both come with the same times. What both are late may be the truth's clock; what the gyroscopes are
+later than the accelerometers is the sensor's.
 """
 
 from collections.abc import Callable
