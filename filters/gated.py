@@ -21,6 +21,12 @@ class GatedState(NamedTuple):
     outside: Array
 
 
+def number_type(state: Any) -> Any:
+    """The type of a state's numbers, in which refusals are counted as well."""
+    kinds = {leaf.dtype for leaf in jax.tree.leaves(state)}
+    return jnp.result_type(*(kind for kind in kinds if jnp.issubdtype(kind, jnp.floating)), 0.0)
+
+
 @dataclass(frozen=True)
 class Gated:
     """A filter that takes a measurement as missing where it is too far from what was foretold.
@@ -77,7 +83,8 @@ class Gated:
 
     def init(self, params: Any) -> GatedState:
         """The filter's own start; nothing was refused."""
-        return GatedState(self.filter.init(params), jnp.zeros(len(self.parts), jnp.int32))
+        inner = self.filter.init(params)
+        return GatedState(inner, jnp.zeros(len(self.parts), number_type(inner)))
 
     def step(self, params: Any, state: GatedState, inputs: Any) -> tuple[GatedState, Any]:
         """Take one sample, again without its first wrong number while there is one."""

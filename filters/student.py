@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from filters.gated import PATIENCE, GatedState
+from filters.gated import PATIENCE, GatedState, number_type
 from filters.measured import Holes, Parts, judged, widened
 from filters.protocol import AnyFilter
 
@@ -79,7 +79,8 @@ class Student:
 
     def init(self, params: Any) -> GatedState:
         """The filter's own start; nothing was out of place."""
-        return GatedState(self.filter.init(params), jnp.zeros((), jnp.int32))
+        inner = self.filter.init(params)
+        return GatedState(inner, jnp.zeros((), number_type(inner)))
 
     def step(self, params: Any, state: GatedState, inputs: Any) -> tuple[GatedState, Any]:
         """Take one sample with the weight that it has."""
