@@ -250,6 +250,15 @@ class DiagnosticsRecord(_Record):
         return cls.model_validate(asdict(diagnostics))
 
 
+class RefusedRecord(_Record):
+    """See :class:`tuner.run.careful.Refused`."""
+
+    refused: int
+    outside: int
+    numbers: int
+    weighed: bool
+
+
 class FitRecord(_Record):
     """What a fit is worth; see :class:`tuner.run.judged.Judged`.
 
@@ -260,6 +269,7 @@ class FitRecord(_Record):
         diagnostics: of the innovations, before and after; empty without any.
         rescaled: what became of all variances after a fit against a truth.
         trade: the front against a second objective.
+        refused: what a gate or heavy tails left out, or weighed little.
         lines: the five lines that a run ends with.
     """
 
@@ -272,6 +282,7 @@ class FitRecord(_Record):
     diagnostics: list[DiagnosticsRecord]
     rescaled: RescaledRecord | None = None
     trade: TradeRecord | None = None
+    refused: RefusedRecord | None = None
     lines: list[str]
 
     @classmethod
@@ -290,6 +301,7 @@ class FitRecord(_Record):
                 RescaledRecord.model_validate(asdict(judged.rescaled)) if judged.rescaled else None
             ),
             trade=TradeRecord.model_validate(asdict(judged.trade)) if judged.trade else None,
+            refused=RefusedRecord(**asdict(judged.refused)) if judged.refused else None,
             lines=lines,
         )
 
