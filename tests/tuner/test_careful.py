@@ -79,8 +79,9 @@ def test_the_command_line_counts_what_is_refused(cli, here):
     assert code == 0, (out, err)
     count = int(np.load(here / "out" / "outputs.npz")["refused"].sum())
     assert abs(count - wrong.sum()) <= 2
-    lines = json.loads((here / "out" / "result.json").read_text())["fit"]["lines"]
-    assert f"{count} of 399 numbers refused" in lines[2]
+    found = json.loads((here / "out" / "result.json").read_text())["fit"]
+    assert f"{count} of 399 numbers refused" in found["lines"][2]
+    assert (found["refused"]["refused"], found["refused"]["numbers"]) == (count, 399)
 
 
 def test_a_gate_that_refuses_everything_is_an_error(cli, here):
