@@ -11,6 +11,7 @@ import optuna
 import pytest
 
 import tuner.solvers.conclude
+import tuner.solvers.pursuit
 import tuner.solvers.sampling
 from tests.tuner.helpers import SQUARE, bowl, crater, hollow, kink, plain, problem, slope, valley
 from tuner.certificate.solution import Status
@@ -187,12 +188,12 @@ def counted(monkeypatch):
     def ended(problem, *given):
         return given[-2:]
 
-    looked = tuner.solvers.conclude.yardstick
+    looked = tuner.solvers.pursuit.yardstick
     monkeypatch.setattr(Problem, "value", noted(Problem.value))
     monkeypatch.setattr(Problem, "value_and_gradient", noted(Problem.value_and_gradient))
-    monkeypatch.setattr(tuner.solvers.conclude, "yardstick", yardstick)
-    monkeypatch.setattr(tuner.solvers.conclude, "_gone_on", ended)
-    monkeypatch.setattr(tuner.solvers.conclude, "_sharpened", ended)
+    monkeypatch.setattr(tuner.solvers.pursuit, "yardstick", yardstick)
+    monkeypatch.setattr(tuner.solvers.conclude, "gone_on", ended)
+    monkeypatch.setattr(tuner.solvers.conclude, "sharpened", ended)
     return count
 
 
