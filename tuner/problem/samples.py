@@ -41,7 +41,7 @@ def numbers(problem: Problem, z: np.ndarray) -> float:
     Raises:
         ValueError: for an objective that is no sum over samples.
     """
-    return float(added(problem, z).counts.sum())
+    return float(_sloped(problem, z)[1].sum())
 
 
 def slopes(problem: Problem, z: np.ndarray) -> np.ndarray:
@@ -50,8 +50,14 @@ def slopes(problem: Problem, z: np.ndarray) -> np.ndarray:
     Raises:
         ValueError: for an objective that is no sum over samples.
     """
+    return _sloped(problem, z)[0]
+
+
+def _sloped(problem: Problem, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Slopes and counts of one compilation, which costs more than many runs."""
     _check(problem)
-    return np.asarray(_slopes(problem.static, jnp.asarray(z), problem.data))
+    slopes, counts = _slopes(problem.static, jnp.asarray(z), problem.data)
+    return np.asarray(slopes), np.asarray(counts)
 
 
 def added_by(problem: Problem, outputs: Any) -> Added:
@@ -93,6 +99,6 @@ _added = jax.jit(_added_at, static_argnums=0)
 
 
 @jax.jit(static_argnums=0)
-def _slopes(static: Static, z: Array, data: Data) -> Array:
-    found: Array = jax.jacfwd(lambda at: _added_at(static, at, data)[0])(z)
+def _slopes(static: Static, z: Array, data: Data) -> tuple[Array, Array]:
+    found: tuple[Array, Array] = jax.jacfwd(lambda at: _added_at(static, at, data), has_aux=True)(z)
     return found
