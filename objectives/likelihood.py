@@ -57,8 +57,7 @@ class InnovationLikelihood:
 
     def update(self, total: Likely, output: Any, truth: Array) -> tuple[Likely, None]:
         """Add one sample."""
-        nats, seen = self.added(output, truth)
-        return Likely(total.nats + nats.sum(), total.numbers + seen.sum()), None
+        return added_up(total, self.added(output, truth)), None
 
     def value(self, total: Likely, kept: None) -> Array:
         """The mean, ``()``; NaN where nothing counts."""
@@ -70,4 +69,19 @@ class InnovationLikelihood:
         It is sqrt(s) for a filter whose s is constant and right, and larger for one that foretells
         worse, or that is surer or less sure than it may be. Infinite beyond all numbers.
         """
-        return jnp.exp(jnp.asarray(value) - (1 + math.log(2 * math.pi)) / 2)
+        return deviation_of(value)
+
+
+def added_up(total: Likely, added: tuple[Array, Array]) -> Likely:
+    """One sample's numbers added to a sum."""
+    amounts, counted = added
+    return Likely(total.nats + amounts.sum(), total.numbers + counted.sum())
+
+
+def deviation_of(value: Array | float) -> Array:
+    """exp(L) / sqrt(2 pi e).
+
+    >>> round(float(deviation_of(jnp.log(jnp.sqrt(2 * jnp.pi * jnp.e)) + jnp.log(3.0))), 12)
+    3.0
+    """
+    return jnp.exp(jnp.asarray(value) - math.log(2 * math.pi * math.e) / 2)

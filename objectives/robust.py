@@ -1,7 +1,7 @@
 """Likelihoods of innovations of which some are wrong: behind a gate, and with heavy tails."""
 
 from dataclasses import dataclass
-from math import e, log, pi
+from math import log, pi
 from typing import Any, ClassVar
 
 import jax.numpy as jnp
@@ -10,7 +10,7 @@ from jax.scipy.special import gammaln
 
 from filters.student import spreads
 from objectives.kinds import Kind
-from objectives.likelihood import Likely
+from objectives.likelihood import Likely, added_up, deviation_of
 
 
 @dataclass(frozen=True)
@@ -67,21 +67,6 @@ class GatedLikelihood:
     def deviation(self, value: Array) -> Array:
         """The deviation of a Gaussian as likely as that, in the innovations' unit."""
         return deviation_of(value)
-
-
-def added_up(total: Likely, added: tuple[Array, Array]) -> Likely:
-    """One sample's numbers added to a sum."""
-    amounts, counted = added
-    return Likely(total.nats + amounts.sum(), total.numbers + counted.sum())
-
-
-def deviation_of(value: Array) -> Array:
-    """exp(L) / sqrt(2 pi e).
-
-    >>> round(float(deviation_of(jnp.log(jnp.sqrt(2 * jnp.pi * jnp.e)) + jnp.log(3.0))), 12)
-    3.0
-    """
-    return jnp.exp(value - log(2 * pi * e) / 2)
 
 
 @dataclass(frozen=True)
