@@ -38,7 +38,7 @@ from objectives.linear_systems.subspaces import Subspace, unobservable
 from objectives.linear_systems.variance_ratio import VarianceRatio
 from objectives.records import Records
 from objectives.rmse import ChannelRmse
-from objectives.robust import GatedLikelihood, StudentLikelihood
+from objectives.robust import HeavyTails, PartlyWrong
 from objectives.score import (
     Data,
     Fold,
@@ -74,12 +74,13 @@ __all__ = [
     "Factors",
     "Fold",
     "Folded",
-    "GatedLikelihood",
+    "HeavyTails",
     "InnovationLikelihood",
     "Kind",
     "LinearSystem",
     "Mode",
     "Objective",
+    "PartlyWrong",
     "Reading",
     "Records",
     "Reduction",
@@ -89,7 +90,6 @@ __all__ = [
     "StepResponse",
     "StepSum",
     "StepTruth",
-    "StudentLikelihood",
     "Subspace",
     "Transfer",
     "VarianceRatio",

@@ -19,8 +19,9 @@ from tuner.data.record import Record
 from tuner.names import unknown
 from tuner.run.cache import use_cache
 from tuner.run.check import Check
+from tuner.run.fit_record import DiagnosticsRecord
 from tuner.run.fit_study import STUDY, FitSettings
-from tuner.run.result import DiagnosticsRecord, read_result
+from tuner.run.result import read_result
 from tuner.run.study import best
 from tuner.run.summary import WORDS
 

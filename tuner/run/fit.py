@@ -20,13 +20,13 @@ from tuner.problem.problem import Problem
 from tuner.problem.surface import values
 from tuner.run.figure import Figure
 from tuner.run.fit_figures import figures
+from tuner.run.fit_record import FitRecord
 from tuner.run.front import Against, in_order, picture_of, posed_against, trade
 from tuner.run.held_out import judge_held_out
 from tuner.run.judged import Judged, filter_name, judge
 from tuner.run.parting import HeldOutBy, Parting, parting
 from tuner.run.posed import Posed, check_channels, pose
 from tuner.run.rescaled import ThenRescaled, as_found, may_be_rescaled
-from tuner.run.result import FitRecord
 from tuner.run.searched import Wishes
 from tuner.run.study import Plan, Solutions, Task, best
 from tuner.run.summary import five_lines
@@ -196,7 +196,8 @@ def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wish
     posed = pose(name, cls, line, wishes, source)
     known = None if wishes.held else known_of(posed.problem)
     open_ = () if known is None else known.sentences
-    return replace(posed, notes=(*strange, *line.notes, *open_), undetermined=open_)
+    left = () if posed.left_out is None else (posed.left_out.words,)
+    return replace(posed, notes=(*strange, *line.notes, *left, *open_), undetermined=open_)
 
 
 def _source(parts: list[Source]) -> Source:

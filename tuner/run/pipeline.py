@@ -19,10 +19,10 @@ from tuner.certificate.solution import Solution
 from tuner.export.tuned import Provenance, Tuned
 from tuner.problem.problem import Problem
 from tuner.run.drawing import picture, table
+from tuner.run.fit_record import FitRecord
 from tuner.run.folder import RunFolder
 from tuner.run.result import (
     ExportRecord,
-    FitRecord,
     Result,
     SingleRecord,
     SolutionRecord,

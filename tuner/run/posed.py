@@ -17,7 +17,9 @@ from tuner.data.units import change
 from tuner.names import unknown
 from tuner.problem.exported import exported_of
 from tuner.problem.problem import Problem
+from tuner.problem.space import Space
 from tuner.run.careful import NAMES, care_of, guarded, with_noise
+from tuner.run.left_out import LeftOut, without_stretches
 from tuner.run.searched import Wishes, own_unit, sizes_of, space_of
 
 HEADING = frozenset(("mag", "gps", "gps_vel"))
@@ -39,6 +41,7 @@ class Posed:
         source: where they come from.
         notes: what looks strange in them, and what was left out, a sentence each.
         undetermined: what of the noise no such measurements tell, a sentence each.
+        left_out: stretches that contradict the rest; None where none were looked for.
     """
 
     problem: Problem
@@ -49,6 +52,7 @@ class Posed:
     source: Source
     notes: tuple[str, ...] = ()
     undetermined: tuple[str, ...] = ()
+    left_out: LeftOut | None = None
 
 
 def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: Source) -> Posed:
@@ -72,6 +76,10 @@ def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: 
     unit = _unit_of(cls, timeline, objective, output)
     outputs = channel_facts(cls, "outputs")
     data = Data(_inputs(cls, timeline), truth_of(timeline, outputs.get(output), output))
+    left_out = None
+    if care.stretches is not None:
+        whole = Problem(name, Space.of_filter(cls), filter, None, judged, data)
+        data, left_out = without_stretches(whole, care.stretches, timeline.times)
     sizes = sizes_of(cls, filter, judged, data)
     typical = space_of(cls, timeline, replace(wishes, start={}), sizes)
     filter, judged = guarded(care, filter, judged, typical, data.inputs)
@@ -85,7 +93,7 @@ def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: 
         source=source,
         exported=exported_of(filter, own_unit(cls, timeline)),
     )
-    return Posed(problem, objective, output, unit, timeline, source)
+    return Posed(problem, objective, output, unit, timeline, source, left_out=left_out)
 
 
 def check_channels(name: str, cls: type[Any], timeline: Timeline) -> None:

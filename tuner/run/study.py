@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from tuner.certificate.solution import Solution
     from tuner.data.record import Record
     from tuner.problem.problem import Problem
-    from tuner.run.result import FitRecord
+    from tuner.run.fit_record import FitRecord
     from tuner.solvers.convex import ConvexTask
     from tuner.solvers.solver import Solver
 

@@ -140,6 +140,8 @@ def _trust(solution: Solution, judged: Judged) -> Iterator[str]:
     yield solution.status.value
     if starts.count > 1:
         yield f"{starts.agreeing} of {starts.count} starts agree"
+    if judged.left_out is not None:
+        yield judged.left_out.words
     if judged.refused is not None:
         yield judged.refused.words
     if judged.diagnostics is None:
