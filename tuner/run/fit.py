@@ -15,6 +15,7 @@ from tuner.data.record import Record
 from tuner.data.source import Source
 from tuner.identifiability.determined import Determined, determined
 from tuner.identifiability.noise import NoModelError
+from tuner.problem.facts import check_facts
 from tuner.problem.problem import Problem
 from tuner.problem.surface import values
 from tuner.run.chosen import Model, chosen
@@ -184,6 +185,7 @@ def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wish
     Raises:
         ValueError: as :func:`tuner.run.posed.pose`, and for recordings that do not go together.
     """
+    check_facts(cls)
     lines = [timeline(record) for record in records]
     if not lines:
         raise ValueError(f"{name} needs a recording to be tuned on; give one at least")
