@@ -269,7 +269,7 @@ MISTAKES = {
         "",
         (
             "Robot.step (robot.py line",
-            "Robot has no dt; give the class a field dt, as in dt: float",
+            "Robot has no dt; give the class a field dt",
         ),
     ),
     "dt is no field": (

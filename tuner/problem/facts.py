@@ -102,4 +102,5 @@ def _faults(fact: Param) -> Iterator[str]:
     if not (isfinite(fact.low) and isfinite(fact.high) and fact.low < fact.high):
         yield f"a range from {fact.low:g} to {fact.high:g}; give two finite ends that rise"
     elif not ((typical >= fact.low) & (typical <= fact.high)).all():
-        yield f"the typical value {fact.typical} outside its range {fact.low:g} to {fact.high:g}; move one"
+        ends = f"{fact.low:g} to {fact.high:g}"
+        yield f"the typical value {fact.typical} outside its range {ends}; move one of them"
