@@ -1,8 +1,10 @@
 """The study.toml of a run: what was asked for, so that it can be run again."""
 
 import hashlib
+import re
 import tomllib
-from pathlib import Path
+from collections.abc import Mapping
+from pathlib import Path, PurePath
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
@@ -17,11 +19,18 @@ class _Entries(BaseModel):
 
 
 class LogEntries(_Entries):
-    """Which logs, and how they are read; no folder, for a recipe may be passed on."""
+    """Which logs, and how they are read: a log's options, by name. No folder above the recipe's.
 
-    files: list[str] = Field(min_length=1)
-    sha256: list[str]
-    map: list[str]
+    Attributes:
+        files: the recordings, in the recipe's folder or below.
+        sha256: what they have to be; none: anything.
+        map, truth, rate_hz, time, by, from_s, to_s: as :func:`tuner.read_records` takes them, and
+            as ``--map``, ``--truth``, ``--rate`` and so on say them.
+    """
+
+    files: list[str] = []
+    sha256: list[str] = []
+    map: list[str] = []
     truth: list[str] = []
     rate_hz: float | None = None
     time: str | None = None
@@ -31,11 +40,37 @@ class LogEntries(_Entries):
 
     @model_validator(mode="after")
     def _each_has_its_own(self) -> "LogEntries":
-        if len(self.files) != len(self.sha256):
+        if self.sha256 and len(self.files) != len(self.sha256):
             raise ValueError(
                 f"{len(self.files)} files and {len(self.sha256)} sha256; each file has its own"
             )
         return self
+
+    @classmethod
+    def told(cls, options: Mapping[str, Any]) -> "LogEntries":
+        """How logs are read, from a command's options."""
+        given = {name: options[name] for name in HOW if options.get(name) not in (None, (), [])}
+        plain = {n: list(v) if isinstance(v, tuple) else v for n, v in given.items()}
+        return cls.model_validate(plain)
+
+    def over(self, other: "LogEntries") -> "LogEntries":
+        """How logs are read: as told here, and where nothing is told as in another recipe."""
+        told = {name: getattr(self, name) for name in self._told()}
+        return other.model_copy(update=told)
+
+    @property
+    def options(self) -> list[str]:
+        """The options of a command line that say the same."""
+        return [f"--{_UNIT.sub('', name).replace('_', '-')}" for name in self._told()]
+
+    def _told(self) -> list[str]:
+        fields = type(self).model_fields
+        return [name for name in HOW if getattr(self, name) != fields[name].default]
+
+
+HOW = tuple(name for name in LogEntries.model_fields if name not in ("files", "sha256"))
+"""The entries that say how a log is read."""
+_UNIT = re.compile("_(hz|s)$")
 
 
 class Recipe(_Entries):
@@ -46,6 +81,12 @@ class Recipe(_Entries):
     settings: dict[str, Any] = {}
     claims: list[str] = []
     log: LogEntries | None = None
+
+    @model_validator(mode="after")
+    def _log_has_files(self) -> "Recipe":
+        if self.log is not None and not self.log.files:
+            raise ValueError('the log names no file; name one at least, files = ["log.csv"]')
+        return self
 
     def to_toml(self) -> bytes:
         """The text of a study.toml."""
@@ -68,18 +109,20 @@ def read_recipe(path: Path) -> Recipe:
     except OSError as error:
         raise ValueError(f"{path} cannot be read: {error.strerror}") from None
     except ValidationError as error:
-        raise ValueError(f"{path.name} is no study.toml: {_first(error)}") from None
+        told = "; ".join(dict.fromkeys(map(_fault, error.errors())))
+        raise ValueError(f"{path.name} is no study.toml: {told}") from None
     except ValueError as error:
         raise ValueError(f"{path.name} is no study.toml: {error}") from None
 
 
-def _first(error: ValidationError) -> str:
-    first = error.errors()[0]
-    *outer, name = (str(part) for part in first["loc"])
-    if first["type"] == "extra_forbidden":
-        known = LogEntries.model_fields if outer else Recipe.model_fields
-        return str(unknown("entry", name, known))
-    return f"{'.'.join([*outer, name])}: {first['msg']}"
+def _fault(error: Mapping[str, Any]) -> str:
+    """One thing that is wrong, and where."""
+    where = [str(part) for part in error["loc"]]
+    if error["type"] == "extra_forbidden":
+        known = LogEntries.model_fields if len(where) > 1 else Recipe.model_fields
+        return str(unknown("entry", where[-1], known))
+    reason = error["msg"].removeprefix("Value error, ")
+    return f"{'.'.join(where)}: {reason}" if where else reason
 
 
 def logs_beside(path: Path, log: LogEntries) -> tuple[Path, ...]:
@@ -88,20 +131,35 @@ def logs_beside(path: Path, log: LogEntries) -> tuple[Path, ...]:
     Raises:
         ValueError: where one is in neither, or another file has its name.
     """
-    pairs = zip(log.files, log.sha256, strict=True)
-    return tuple(_log_beside(path, name, digest) for name, digest in pairs)
+    digests = log.sha256 or [""] * len(log.files)
+    return tuple(_log_beside(path, *pair) for pair in zip(log.files, digests, strict=True))
 
 
 def _log_beside(path: Path, name: str, digest: str) -> Path:
-    for folder in (Path(), path.parent):
-        file = folder / name
-        if file.is_file():
-            with file.open("rb") as stream:
-                found = hashlib.file_digest(stream, "sha256").hexdigest()
-            if found != digest:
-                raise ValueError(
-                    f"{file} is not the log of {path.name}: its SHA-256 differs; "
-                    "to run it all the same, name it with --log"
-                )
+    """The log of a name, with the digest where one is told.
+
+    Raises:
+        ValueError: where it is not there, is another one, or lies above the recipe: files that are
+            passed on read nothing else of a machine.
+    """
+    told = PurePath(name)
+    if told.is_absolute() or ".." in told.parts:
+        raise ValueError(
+            f"the log {name} of {path} leads out of its folder, where no study.toml looks; if you "
+            f"mean it, name it with --log {name}"
+        )
+    there = [file for file in (path.parent / name, Path(name)) if file.is_file()]
+    for file in there:
+        if not digest or _digest(file) == digest:
             return file
+    if there:
+        raise ValueError(
+            f"{there[0]} is not the log of {path.name}: its SHA-256 differs; "
+            "to run it all the same, name it with --log"
+        )
     raise ValueError(f"the log {name} of {path} is not here; say where with --log FILE")
+
+
+def _digest(file: Path) -> str:
+    with file.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()

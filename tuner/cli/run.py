@@ -12,6 +12,7 @@ from tuner.cli.interrupt import interruptible
 from tuner.cli.recipe import Recipe
 from tuner.cli.request import Request, from_toml, load_records, log_entries
 from tuner.cli.settings import parse_settings
+from tuner.cli.which import changed
 from tuner.data.record import Record
 from tuner.export import FORMATS
 from tuner.problem.problem import Problem
@@ -32,10 +33,13 @@ def execute(request: Request) -> int:
     use_cache()
     request, base = from_toml(request)
     study = find_study(request.study)
-    settings = parse_settings(study.settings, request.sets, base | dict(request.values))
+    values = base | dict(request.values) | request.which.settings()
+    settings = parse_settings(study.settings, request.sets, values)
     seed = request.seed or 0
     records = load_records(study, settings, request)
     describe(records)
+    for note in changed(base, request.which):
+        print(note, file=sys.stderr)
     if request.dry_run:
         plan = _chosen(study.plan(settings, records, seed, ""), request)
         _say_notes(plan)
@@ -121,6 +125,8 @@ def _how_to_go_on(request: Request, folder: RunFolder) -> str:
         return "interrupted before anything was saved"
     words = ["tuner", "run", str(folder.path / "study.toml"), "--out", str(folder.path)]
     words += [word for log in request.logs for word in ("--log", str(log))]
+    if request.which.file is not None:
+        words += ["--filter", str(request.which.filter)]
     again = f"finished parts are saved; go on with: {shlex.join([*words, '--resume'])}"
     return again + (" and the same --storage" if request.storage else "")
 

@@ -2,14 +2,16 @@
 
 import tomllib
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
 from tuner.names import unknown
 
+Some = TypeVar("Some", bound=BaseModel)
 
-def parse_settings(model: type[BaseModel], pairs: Sequence[str], base: dict[str, Any]) -> BaseModel:
+
+def parse_settings(model: type[Some], pairs: Sequence[str], base: dict[str, Any]) -> Some:
     """The settings that KEY=VALUE pairs make of a base.
 
     Values are read as TOML (numbers, true, [lists]), or as text where they are none.

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from filters.declared import channel_facts
-from tuner.catalogue import find
 from tuner.certificate.solution import Solution
 from tuner.data.merge import stacked, timeline
 from tuner.data.plausible import implausible
@@ -16,8 +15,10 @@ from tuner.data.record import Record
 from tuner.data.source import Source
 from tuner.identifiability.determined import Determined, determined
 from tuner.identifiability.noise import NoModelError
+from tuner.problem.facts import check_facts
 from tuner.problem.problem import Problem
 from tuner.problem.surface import values
+from tuner.run.chosen import Model, chosen
 from tuner.run.figure import Figure
 from tuner.run.fit_figures import figures
 from tuner.run.fit_record import FitRecord
@@ -103,7 +104,7 @@ class Fit:
 
 
 def fit(
-    filter: str | type[Any],
+    filter: Model,
     record: Record | Iterable[Record],
     *,
     start: Mapping[str, float] | None = None,
@@ -123,7 +124,8 @@ def fit(
     With a truth the filter's error is minimised, without one the likelihood of its innovations.
 
     Args:
-        filter: a name of ``tuner list filters``, or a class that declares its facts.
+        filter: a name of ``tuner list filters``, a class that declares its facts, FILE.py:CLASS,
+            or a model: the path of its TOML file, or what that holds.
         record: recordings in SI (:func:`tuner.read_record`, :meth:`tuner.Record.of`).
         start: where the search begins, by parameter.
         fix: parameters that are held, and at what.
@@ -152,13 +154,12 @@ def fit(
     """
     objective, against = in_order(objective, against)
     wishes = Wishes(start or {}, fix or {}, bound or {}, options or {}, objective)
-    if not isinstance(filter, str | type):
-        raise ValueError(f"{filter!r} is no filter's name or class; give {type(filter).__name__}")
-    name = filter if isinstance(filter, str) else filter.__name__
-    cls = find("tuner.filters", filter) if isinstance(filter, str) else filter
+    which = chosen(filter)
     records = (record,) if isinstance(record, Record) else tuple(record)
-    posed = pose_on(name, cls, records, wishes)
-    other = None if against is None else posed_against(name, cls, posed, wishes, against)
+    posed = pose_on(which.name, which.cls, records, wishes)
+    other = (
+        None if against is None else posed_against(which.name, which.cls, posed, wishes, against)
+    )
     request = Request(solver, starts, seed, "", asked_for(hold_out, held_out))
     plan = plan_fit(posed, request, other)
     solved = {(t.problem.name, t.solver.name): t.solver(t.problem) for t in plan.tasks}
@@ -184,6 +185,7 @@ def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wish
     Raises:
         ValueError: as :func:`tuner.run.posed.pose`, and for recordings that do not go together.
     """
+    check_facts(cls)
     lines = [timeline(record) for record in records]
     if not lines:
         raise ValueError(f"{name} needs a recording to be tuned on; give one at least")

@@ -3,13 +3,14 @@
 from collections.abc import Mapping
 from typing import Any
 
-from pydantic import Field
+from pydantic import Field, field_serializer, model_validator
 
 from filters.declared import Channel, channel_facts
-from tuner.catalogue import find
 from tuner.data.record import Record
+from tuner.run.chosen import Chosen, chosen
 from tuner.run.fit import Request, asked_for, plan_fit, pose_on
 from tuner.run.front import in_order, posed_against
+from tuner.run.own_file import own_file
 from tuner.run.parting import HeldOutBy
 from tuner.run.searched import Wishes
 from tuner.run.settings import StudySettings
@@ -19,7 +20,9 @@ from tuner.run.study import Plan, Study
 class FitSettings(StudySettings):
     """What ``tuner fit`` can be told; ``tuner list filters NAME`` says what a filter knows."""
 
-    filter: str = Field(description="name of the filter")
+    filter: str | None = Field(None, description="name of the filter, or FILE.py:CLASS")
+    filter_sha256: str | None = Field(None, description="checksum of that file")
+    model: dict[str, Any] | None = Field(None, description="a model, in place of a filter's name")
     start: dict[str, float] = Field({}, description="where the search begins, by parameter")
     fix: dict[str, float] = Field({}, description="parameters that are held, and at what")
     bound: dict[str, tuple[float, float]] = Field({}, description="ends of the search")
@@ -32,6 +35,31 @@ class FitSettings(StudySettings):
 
     against: str | None = Field(None, description="a second objective: the front of both")
 
+    @model_validator(mode="after")
+    def _one_of_them(self) -> "FitSettings":
+        if (self.filter is None) == (self.model is None):
+            which = "there is none" if self.model is None else "there are both"
+            raise ValueError(
+                "a fit takes a filter (--filter NAME or FILE.py:CLASS) or a model (--model "
+                f"FILE.toml), and {which}; give one of them"
+            )
+        if self.filter is not None and self.filter.endswith(".toml"):
+            raise ValueError(f"{self.filter} is a model and no filter; give --model {self.filter}")
+        return self
+
+    @field_serializer("filter")
+    def _without_folder(self, filter: str | None) -> str | None:
+        """Results and recipes are passed on, and hold no path of a machine."""
+        file = None if filter is None else own_file(filter)
+        return filter if file is None else file.told
+
+    @property
+    def which(self) -> Chosen:
+        """The filter that is tuned."""
+        if self.model is not None:
+            return chosen(self.model)
+        return chosen(self.filter or "", self.filter_sha256)
+
     @property
     def wishes(self) -> Wishes:
         """What the user decides of the problem."""
@@ -41,12 +69,12 @@ class FitSettings(StudySettings):
 
 def channels(settings: FitSettings) -> Mapping[str, Channel]:
     """What ``--map`` may name: the filter's inputs."""
-    return channel_facts(find("tuner.filters", settings.filter), "inputs")
+    return channel_facts(settings.which.cls, "inputs")
 
 
 def truths(settings: FitSettings) -> Mapping[str, Channel]:
     """What ``--truth`` may name: the filter's outputs that can be compared."""
-    outputs = channel_facts(find("tuner.filters", settings.filter), "outputs")
+    outputs = channel_facts(settings.which.cls, "outputs")
     return {name: fact for name, fact in outputs.items() if fact.kind != "detail"}
 
 
@@ -54,14 +82,14 @@ def plan(settings: FitSettings, records: tuple[Record, ...], seed: int, storage:
     """The filter tuned on all recordings, and on a part of them to be judged on the rest."""
     if not records:
         raise ValueError("a fit needs a recording; give it as in tuner fit LOG --filter NAME")
-    cls = find("tuner.filters", settings.filter)
-    posed = pose_on(settings.filter, cls, records, settings.wishes)
+    name, cls = settings.which.name, settings.which.cls
+    posed = pose_on(name, cls, records, settings.wishes)
     held_out = asked_for(settings.hold_out, settings.held_out)
     request = Request(settings.solver, settings.starts, seed, storage, held_out)
     _, against = in_order(settings.objective, settings.against)
     if against is None:
         return plan_fit(posed, request)
-    other = posed_against(settings.filter, cls, posed, settings.wishes, against)
+    other = posed_against(name, cls, posed, settings.wishes, against)
     return plan_fit(posed, request, other)
 
 

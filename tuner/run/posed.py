@@ -1,7 +1,7 @@
 """From a filter and a recording to the problem that tunes the one on the other."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import MISSING, dataclass, fields, replace
 from typing import Any
 
 import jax.numpy as jnp
@@ -151,12 +151,25 @@ def set_up(name: str, cls: type[Any], timeline: Timeline, options: Mapping[str, 
             raise unknown(f"option of {name}", option, [*(n for n in known if n != "dt"), *NAMES])
     dt = np.asarray(timeline.dt)
     step = {"dt": float(np.nanmedian(dt) if timeline.rate_hz is None else 1 / timeline.rate_hz)}
-    filter = cls(**({} if "dt" not in known else step), **options)
+    given = {} if "dt" not in known else step
+    _check_complete(name, known, {**given, **options})
+    filter = cls(**given, **options)
     if hasattr(filter, "given"):
         filter = filter.given(frozenset(timeline.channels))
     if timeline.rate_hz is None:
         filter = Timed(filter)
     return Lanes(filter, dt.shape[1]) if dt.ndim == 2 else filter
+
+
+def _check_complete(name: str, known: Mapping[str, Any], given: Mapping[str, Any]) -> None:
+    """Refuse a class with fields that nobody gives."""
+    for field, each in known.items():
+        unset = each.default is MISSING and each.default_factory is MISSING
+        if unset and each.init and field not in given:
+            raise ValueError(
+                f"{name} needs {field}, a field without a default; give it with --set {field}=..., "
+                "or a default in the class"
+            )
 
 
 def _inputs(cls: type[Any], timeline: Timeline) -> Any:
