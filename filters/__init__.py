@@ -149,6 +149,7 @@ from filters.tilt_euler import (  # noqa: E402
     tilt_transition,
 )
 from filters.timed import Timed, TimedSample  # noqa: E402
+from filters.unscented import UnscentedKalman  # noqa: E402
 from filters.varying_noise import channel_noise, level_noise  # noqa: E402
 from filters.vertical import (  # noqa: E402
     Vertical,
@@ -258,6 +259,7 @@ __all__ = [
     "TimedSample",
     "Transition",
     "Uncertainty",
+    "UnscentedKalman",
     "VelocityNoise",
     "Vertical",
     "VerticalNoise",
