@@ -78,7 +78,7 @@ def _checked(path: Path, members: Sequence[zipfile.ZipInfo]) -> list[zipfile.Zip
     chosen = []
     for member in members:
         name = PurePosixPath(member.filename.replace("\\", "/"))
-        if name.is_absolute() or ".." in name.parts or ":" in name.parts[:1]:
+        if name.is_absolute() or ".." in name.parts or ":" in "".join(name.parts[:1]):
             raise LogError(
                 f"{path.name}: the zip file holds {member.filename[:60]!r}, which leads out of it; "
                 "pack the log's files alone"

@@ -3,6 +3,7 @@
 import shutil
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from tuner.data.logs.csv import open_csv
@@ -34,14 +35,15 @@ def open_betaflight(path: Path) -> Table:
             out.write(b"#\n")  # so that lines keep their numbers
         shutil.copyfileobj(stream, out)
     table = open_csv(plain)
-
-    def load(names: Sequence[str]) -> dict[str, Raw]:
-        assert home.path  # the copy goes with the table
-        return table.load(names)
-
     time = Mapping("time", "time", unit="us") if "time" in table.names else table.time
     notes = (*table.notes, f"{counted(above, 'line')} about the flight above the names")
+    load = partial(_load, home, table)
     return replace(table, load=load, time=time, format=_FORMAT, notes=notes)
+
+
+def _load(_: Home, table: Table, names: Sequence[str]) -> dict[str, Raw]:
+    """Load from the copy, whose folder is held by this very call's first argument."""
+    return table.load(names)
 
 
 def _above(path: Path) -> int:

@@ -50,6 +50,8 @@ def _answer(question: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Raw]]:
         if question["names"] is None:
             return reader.contents(path).plain(), {}
         arrays = {name: np.asarray(a) for name, a in reader.load(path, question["names"]).items()}
+        if any(array.dtype.hasobject for array in arrays.values()):
+            raise TypeError("it holds what is neither number nor text")
         return {"arrays": {n: [a.dtype.str, a.shape] for n, a in arrays.items()}}, arrays
     except LogError as error:
         return {"refused": str(error)}, {}

@@ -49,26 +49,27 @@ def open_mat5(path: Path) -> Table:
     return table_of(path, Contents(FORMAT, groups, left), load)
 
 
-def export_line(name: str, kind: str) -> str:
-    """The MATLAB line that saves an object as plain columns.
-
-    >>> export_line("tt", "timetable")[:50]
-    "S = table2struct(timetable2table(tt), 'ToScalar', "
-    """
-    struct = {
-        "timetable": f"S = table2struct(timetable2table({name}), 'ToScalar', true); "
-        "S.Time = seconds(S.Time - S.Time(1));",
-        "table": f"S = table2struct({name}, 'ToScalar', true);",
-        "timeseries": f"S = struct('Time', {name}.Time, 'Data', {name}.Data);",
-        "datetime": f"S = struct('Time', posixtime({name}));",
-        "duration": f"S = struct('Time', seconds({name}));",
-    }.get(kind, f"S = struct({name});")
-    return f"{struct} save('log.mat', '-struct', 'S')"
+_EXPORTS = {
+    "timetable": "S = table2struct(timetable2table({0}, 'ConvertRowTimes', false), "
+    "'ToScalar', true); S.Time = seconds({0}.Properties.RowTimes - {0}.Properties.RowTimes(1)); ",
+    "table": "S = table2struct({0}, 'ToScalar', true); ",
+    "timeseries": "S = struct('Time', {0}.Time, 'Data', {0}.Data); ",
+    "datetime": "S = struct('Time', posixtime({0})); ",
+    "duration": "S = struct('Time', seconds({0})); ",
+}
+"""The MATLAB lines that make plain columns of an object."""
 
 
 def told(name: str, kind: str) -> str:
-    """What is said of an object that is not read."""
-    return f"{name!r} is a {kind}, which is not read; in MATLAB: {export_line(name, kind)}"
+    """What is said of an object that is not read.
+
+    >>> told("d", "duration")
+    "'d' is a duration, not read; S = struct('Time', seconds(d)); save('log.mat', '-struct', 'S')"
+    """
+    if kind not in _EXPORTS:
+        return f"{name!r} is of the class {kind!r}, not read; save its numbers as plain arrays"
+    lines = _EXPORTS[kind].format(name)
+    return f"{name!r} is a {kind}, not read; {lines}save('log.mat', '-struct', 'S')"
 
 
 def _sorted_out(

@@ -44,13 +44,13 @@ def types_of(connections: Iterable[Any]) -> Any:
 
     found: dict[str, Any] = {}
     for connection in connections:
-        _check_names([connection.msgtype])
+        check_names([connection.msgtype])
         found |= _defined(connection)
     if not found:
         return get_typestore(Stores.LATEST)
     for kind, (constants, fields) in found.items():
-        _check_names([kind, *(c[0] for c in constants), *(f[0] for f in fields)])
-        _check_names(name for _, description in fields for name in _named(description))
+        check_names([kind, *(c[0] for c in constants), *(f[0] for f in fields)])
+        check_names(name for _, description in fields for name in _named(description))
     store = get_typestore(Stores.EMPTY)
     store.register(found)
     return store
@@ -74,7 +74,12 @@ def _defined(connection: Any) -> dict[str, Any]:
     return found
 
 
-def _check_names(names: Iterable[str]) -> None:
+def check_names(names: Iterable[str]) -> None:
+    """Refuse what is no name.
+
+    Raises:
+        LogError: with the first that is none.
+    """
     for name in names:
         if _NAME.fullmatch(name) is None:
             raise LogError(f"a message type has the name {name[:60]!r}, which is none; record anew")
