@@ -132,6 +132,8 @@ def columns_of(objects: Objects, reference: Value) -> Columns | None:
     found = _columns(objects, inner.get("data"), names, _texts(inner.get("varUnits")))
     time = (_texts(inner.get("dimNames")) or ["Time"])[0]
     rows = int(_number(inner.get("numRows")))
+    if any(len(column) != rows for column in found.columns.values()):
+        raise ValueError("it holds a timetable whose columns do not have its number of rows")
     numbers, unit = _row_times(objects, inner.get("rowTimes"), rows)
     columns, units = {time: numbers, **found.columns}, {time: unit, **found.units}
     return Columns(columns, units, time, found.left)
@@ -222,8 +224,6 @@ def _row_times(objects: Objects, value: Value, rows: int) -> tuple[Numbers, str]
         step = 1000.0 / float(_number(held.get("sampleRate")))
     else:
         step = float(_times(objects, held.get("stepSize"))[0].item())
-    if not 0 <= rows <= 1 << 28:
-        raise ValueError("it holds a timetable with an impossible number of rows")
     since = step * np.arange(rows)
     if unit == "ms":
         return origin.item() + since, unit

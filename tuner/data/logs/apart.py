@@ -40,12 +40,14 @@ class Reader:
         format: what it reads, for the sentences.
         package: which package it needs.
         extra: the extra of this project that installs it.
+        mend: what to do with a damaged file.
     """
 
     module: str
     format: str
     package: str
     extra: str
+    mend: str = "copy or record it again"
 
 
 def open_apart(path: Path, reader: Reader) -> Table:
@@ -116,9 +118,7 @@ def _ended(code: int) -> str:
 
 def _damaged(path: Path, reader: Reader, reason: str) -> LogError:
     short = " ".join(reason.split())[:160]
-    return LogError(
-        f"{path.name}: the {reader.format} file is damaged ({short}); copy or record it again"
-    )
+    return LogError(f"{path.name}: the {reader.format} file is damaged ({short}); {reader.mend}")
 
 
 def _array(stream: BytesIO, dtype: str, shape: list[int]) -> Raw:

@@ -5,6 +5,7 @@ import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path, PurePosixPath
 
 from tuner.data.logs.csv import open_csv
@@ -66,10 +67,11 @@ def open_folder(path: Path) -> Table:
     Raises:
         LogError: where it holds no text file with numbers.
     """
-    found = sorted(file for file in path.rglob("*") if file.suffix.lower() in TEXTS)
-    files = {file.relative_to(path).as_posix(): file for file in found[: _MOST + 1]}
-    if len(files) > _MOST:
-        raise LogError(f"{path.name}: the folder holds more than {_MOST} text files; name one")
+    held = list(islice(path.rglob("*"), _MOST + 1))
+    if len(held) > _MOST:
+        raise LogError(f"{path.name}: the folder holds more than {_MOST} files; name one of them")
+    found = sorted(file for file in held if file.suffix.lower() in TEXTS)
+    files = {file.relative_to(path).as_posix(): file for file in found}
     return _together(path, files, "folder of text files", None)
 
 

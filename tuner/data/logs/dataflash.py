@@ -17,6 +17,7 @@ from tuner.data.logs.contents import Contents, Group, table_of
 from tuner.data.logs.dataflash_formats import (
     DESCRIPTIONS,
     FORMAT,
+    MOST_INSTANCES,
     Message,
     Scales,
     group_of,
@@ -138,7 +139,10 @@ def _instances(
     if message.instance is None:
         return [(f"{message.name}.", starts)]
     values = _column(data, message, starts, f".{message.instance}")
-    return [(f"{message.name}[{v}].", starts[values == v]) for v in np.unique(values).tolist()]
+    found = np.unique(values).tolist()
+    if len(found) > MOST_INSTANCES:
+        return [(f"{message.name}.", starts)]
+    return [(f"{message.name}[{value}].", starts[values == value]) for value in found]
 
 
 def _rows(data: NDArray[np.uint8], walked: _Walked, name: str) -> list[tuple[Any, ...]]:

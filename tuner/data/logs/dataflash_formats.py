@@ -13,6 +13,8 @@ from tuner.data.logs.contents import Group
 from tuner.data.logs.table import Raw
 
 FORMAT = "ArduPilot DataFlash log"
+MOST_INSTANCES = 256
+"""A column with more values does not tell sensors apart."""
 DESCRIPTIONS = {
     "FMT": ("BBnNZ", ("Type", "Length", "Name", "Format", "Columns")),
     "FMTU": ("QBNN", ("TimeUS", "FmtType", "UnitIds", "MultIds")),

@@ -6,7 +6,14 @@ from pathlib import Path
 import numpy as np
 
 from tuner.data.logs.contents import Contents, Group, table_of
-from tuner.data.logs.dataflash_formats import DESCRIPTIONS, FORMAT, Message, Scales, group_of
+from tuner.data.logs.dataflash_formats import (
+    DESCRIPTIONS,
+    FORMAT,
+    MOST_INSTANCES,
+    Message,
+    Scales,
+    group_of,
+)
 from tuner.data.logs.error import LogError, counted
 from tuner.data.logs.table import Raw, Table
 
@@ -36,6 +43,8 @@ def open_dataflash_text(path: Path) -> Table:
         prefix = f"{name}[{instance}]." if instance else f"{name}."
         chosen[prefix] = (name, instance)
         groups.append(group_of(prefix, messages[name], rows, scales))
+    if len(groups) > MOST_INSTANCES * len(messages):
+        raise LogError(f"{path.name}: the {FORMAT} tells of too many sensors; copy it again")
     if not groups:
         raise LogError(f"{path.name}: the {FORMAT} describes none of its lines; copy it again")
     notes = [f"{counted(cut, 'line')} without all cells passed over"] if cut else []

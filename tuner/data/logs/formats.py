@@ -18,7 +18,10 @@ from tuner.data.logs.table import Table
 _HEAD = 64
 
 _ULOG = Reader("tuner.data.logs.ulog", "PX4 ULog", "pyulog", "ulog")
-_ROSBAG = Reader("tuner.data.logs.rosbag", "ROS bag", "rosbags", "ros")
+_ROSBAG = Reader(
+    "tuner.data.logs.rosbag", "ROS bag", "rosbags", "ros",
+    mend="copy it again, or mend it by rosbag reindex, ros2 bag reindex or mcap recover",
+)  # fmt: skip
 _ARROW = Reader("tuner.data.logs.arrow", "Parquet or Feather", "pyarrow", "arrow")
 _MAT73 = Reader("tuner.data.logs.mat73", "MATLAB 7.3", "h5py", "mat73")
 
