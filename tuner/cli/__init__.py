@@ -74,6 +74,16 @@ def list_(
 
 
 @app.command()
+def columns(
+    log: Annotated[Path, typer.Argument(help="A log of any format.")], json: Json = False
+) -> None:
+    """Show what a log holds: its columns, clocks, rates and units."""
+    from tuner.cli.columns import show
+
+    show(log, json=json)
+
+
+@app.command()
 def run(
     ctx: typer.Context,
     study: Annotated[

@@ -1,6 +1,5 @@
 """The study.toml of a run: what was asked for, so that it can be run again."""
 
-import hashlib
 import re
 import tomllib
 from collections.abc import Mapping
@@ -9,6 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from tuner.data.source import file_digest
 from tuner.names import unknown
 
 LARGEST_SEED = 2**31 - 1
@@ -143,14 +143,14 @@ def _log_beside(path: Path, name: str, digest: str) -> Path:
             passed on read nothing else of a machine.
     """
     told = PurePath(name)
-    if told.is_absolute() or ".." in told.parts:
+    if not told.parts or told.is_absolute() or ".." in told.parts:
         raise ValueError(
             f"the log {name} of {path} leads out of its folder, where no study.toml looks; if you "
             f"mean it, name it with --log {name}"
         )
-    there = [file for file in (path.parent / name, Path(name)) if file.is_file()]
+    there = [file for file in (path.parent / name, Path(name)) if file.exists()]
     for file in there:
-        if not digest or _digest(file) == digest:
+        if not digest or file_digest(file) == digest:
             return file
     if there:
         raise ValueError(
@@ -158,8 +158,3 @@ def _log_beside(path: Path, name: str, digest: str) -> Path:
             "to run it all the same, name it with --log"
         )
     raise ValueError(f"the log {name} of {path} is not here; say where with --log FILE")
-
-
-def _digest(file: Path) -> str:
-    with file.open("rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()
