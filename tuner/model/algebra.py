@@ -40,6 +40,8 @@ def made(function: str, *arguments: Node) -> Node:
     numbers = [each.value for each in arguments if isinstance(each, Number)]
     if len(numbers) == len(arguments):
         return _worked_out(function, numbers)
+    if function == "/" and arguments[1] == ZERO:
+        raise ExpressionError("divides by 0")
     if function == "where" and isinstance(test := arguments[0], Number):
         return arguments[1] if test.value else arguments[2]
     return _simpler(function, arguments) or Call(function, arguments)
@@ -52,8 +54,10 @@ def _worked_out(function: str, numbers: list[float]) -> Number:
             return Number(float(value))
     except (OverflowError, ZeroDivisionError, ValueError):
         pass
-    shown = ", ".join(f"{number:g}" for number in numbers)
-    raise ExpressionError(f"{function} of {shown} is no finite number")
+    shown = [f"{number:g}" for number in numbers]
+    infix = function in ("+", "-", "*", "/", "**")
+    told = f" {function} ".join(shown) if infix else f"{function}({', '.join(shown)})"
+    raise ExpressionError(f"{told} is no finite number")
 
 
 def _simpler(function: str, arguments: tuple[Node, ...]) -> Node | None:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from tuner.model.lines import Lines
+from tuner.model.quantities import NAME
 from tuner.model.reading import described
 from tuner.model.size import LARGEST_FILE, check_size
 
@@ -17,7 +18,8 @@ _DEEP_LIST = re.compile(r"[\[{][\s\[{]{20}")
 def read_model(path: Path) -> dict[str, Any]:
     """The document of a model file.
 
-    Nothing in it is executed; it is no larger than :data:`tuner.model.size.LARGEST_FILE`.
+    A document without a name is given that of its file. Nothing in it is executed; it is no larger
+    than :data:`tuner.model.size.LARGEST_FILE`.
 
     Args:
         path: the TOML file.
@@ -37,6 +39,8 @@ def read_model(path: Path) -> dict[str, Any]:
     text = _text(Path(path))
     document = _parsed(text, path.name)
     check_size(document, path.name)
+    if NAME.fullmatch(path.stem):
+        document.setdefault("name", path.stem)
     described(document, Lines.of(text), path.name)
     return document
 
@@ -69,4 +73,6 @@ def _parsed(text: str, name: str) -> dict[str, Any]:
     except RecursionError:
         raise ValueError(f"{name} has tables or lists far too deep for a model") from None
     except ValueError as error:
+        if "integer string" in str(error):
+            raise ValueError(f"{name} holds a number of thousands of digits; shorten it") from None
         raise ValueError(f"{name} is no TOML: {' '.join(str(error).split())}") from None

@@ -134,7 +134,7 @@ class Entries:
         width = columns or len(value[0])
         for i, row in enumerate(value):
             if len(row) != width or not row or width > 200:
-                self.findings.add((*path, i), f"has {len(row)} entries; give {wanted}")
+                self.findings.add((*path, i), f"is a row of {len(row)}; give {wanted}")
                 return nothing
         return tuple(
             tuple(self.one((*path, i, j), each, scope) for j, each in enumerate(row))

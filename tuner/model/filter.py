@@ -5,7 +5,6 @@ from functools import cache
 from typing import Annotated, Any, ClassVar, NamedTuple, cast
 
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 
 from filters import Channel, Param
@@ -15,7 +14,6 @@ from tuner.model.algebra import names_in
 from tuner.model.description import Model
 from tuner.model.evaluate import Values
 from tuner.model.exact import Step
-from tuner.model.expression import Node
 from tuner.model.quantities import Parameter, Quantity
 
 
@@ -165,7 +163,8 @@ def _again(model: Model, dt: float) -> Any:
 def class_of(model: Model) -> type[Any]:
     """The filter class of a model; the same one every time."""
     from tuner.model.bent import Bent
-    from tuner.model.straight import Straight, linear_parts
+    from tuner.model.form import linear_parts
+    from tuner.model.straight import Straight
 
     if model.method == "kalman":
         kind: type[ModelFilter] = Straight
@@ -224,8 +223,3 @@ def _outputs(model: Model) -> list[tuple[str, Any]]:
     }
     states = {each.name: _state(each) for each in model.states}
     return [(name, Annotated[Array, fact]) for name, fact in (states | details).items()]
-
-
-def numbers(node: Node, params: Any) -> float:
-    """An expression in parameters alone, as a number."""
-    return float(np.asarray(values(params, np)(node)))

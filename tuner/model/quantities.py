@@ -12,6 +12,8 @@ from tuner.model.expression import CONSTANTS, FUNCTIONS
 from tuner.model.findings import Findings, brief
 from tuner.model.lines import Path
 
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,59}")
+"""Of a model: it becomes that of a class, and of files."""
 MOST = 60
 """Of each kind: more are no model that a filter of one step a sample can run."""
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")

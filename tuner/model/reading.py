@@ -8,6 +8,7 @@ from tuner.model import dynamics, measuring, quantities
 from tuner.model.algebra import affine
 from tuner.model.description import METHODS, Method, Model
 from tuner.model.entries import Entries
+from tuner.model.expression import ExpressionError
 from tuner.model.findings import Findings, brief
 from tuner.model.lines import Lines
 from tuner.model.observable import check_observable
@@ -36,6 +37,13 @@ def described(document: Mapping[str, Any], lines: Lines, name: str) -> Model:
     """
     check_size(document, name)
     findings = Findings(lines)
+    try:
+        return _checked(document, findings, name)
+    except ExpressionError as error:  # where products of entries are no numbers
+        raise ValueError(f"{name}: the model {error}") from None
+
+
+def _checked(document: Mapping[str, Any], findings: Findings, name: str) -> Model:
     model, entries = _read(document, findings)
     if model is not None:
         check_units(model, entries, findings)
@@ -45,6 +53,11 @@ def described(document: Mapping[str, Any], lines: Lines, name: str) -> Model:
     check_observable(model, findings)
     findings.check(name)
     return model
+
+
+_ARTICLE = {
+    "parameter": "a parameter", "state": "a state", "input": "an input", "dt": "the sample time",
+}  # fmt: skip
 
 
 def _read(document: Mapping[str, Any], findings: Findings) -> tuple[Model | None, Entries]:
@@ -68,6 +81,9 @@ def _read(document: Mapping[str, Any], findings: Findings) -> tuple[Model | None
     x0, P0, diffuse = dynamics.start(entries, table, names)
     iterations, unobserved = _iterations(findings, document), _unobserved(findings, document, names)
     name, title = (quantities.text(findings, (), document, key) for key in ("name", "title"))
+    if name and not quantities.NAME.fullmatch(name):
+        told = "is no name of a model; take letters, digits, - and _, beginning with a letter"
+        findings.add(("name",), f"{brief(name)} {told}")
     method = document.get("method")
     if method is not None and method not in METHODS:
         findings.add(("method",), _no_method(method))
@@ -99,7 +115,7 @@ def _kinds(
     for kind, name, symbols in named:
         for symbol in symbols:
             if symbol in found:
-                findings.add((f"{kind}s", name), f"{symbol!r} is a {found[symbol]} as well")
+                findings.add((f"{kind}s", name), f"{symbol!r} is {_ARTICLE[found[symbol]]} as well")
             found[symbol] = kind
     return found
 

@@ -134,3 +134,28 @@ A = [[0, 1], [0, 0]]
 G = [0, 1]
 Q = "q"
 """
+
+WHEELS = """
+[parameters]
+q_speed = { start = 0.1, unit = "m^2/s", smaller = "trusts the wheels", larger = "follows fixes" }
+q_turn = { start = 0.01, unit = "rad^2/s", smaller = "trusts the gyroscope", larger = "turns" }
+sigma = { start = 1.0, unit = "", smaller = "follows fixes", larger = "smooths them" }
+[inputs]
+speed = { unit = "m/s" }
+turn = { unit = "rad/s" }
+accuracy = { unit = "m" }
+[states]
+x = { unit = "m" }
+y = { unit = "m" }
+heading = { unit = "rad", angle = true }
+[measurements]
+gps = { unit = "m", axes = ["x", "y"], h = ["x", "y"], R = "(sigma * accuracy)^2" }
+compass = { unit = "rad", angle = true, h = "heading", R = 0.25 }
+[model]
+time = "continuous"
+f = { x = "speed * cos(heading)", y = "speed * sin(heading)", heading = "turn" }
+G = [["cos(heading)", 0], ["sin(heading)", 0], [0, 1]]
+Q = ["q_speed", "q_turn"]
+x0 = { heading = 0.3 }
+P0 = [2.0, 2.0, 0.5]
+"""
