@@ -11,6 +11,7 @@ from jax import Array
 from filters.angles import difference
 from filters.declared import Channel
 from filters.diffuse import AnyEstimate, AnyKind, advance, begin, take
+from filters.kalman import decorrelate
 from filters.linear import LinearOutputs
 
 Move: TypeAlias = Callable[[Any, Array, Any], Array]
@@ -22,7 +23,7 @@ class ExtendedModel(NamedTuple):
 
     Attributes:
         model: parameters of the model's functions, any pytree.
-        R: variances of the measurements, ``(m,)``.
+        R: variances of the measurements, ``(m,)``, or their covariance, ``(m, m)``.
         x0: the start, ``(n,)``.
         P0: covariance of the start, ``(n, n)``; zero is allowed.
     """
@@ -137,12 +138,14 @@ def linearised(
     Args:
         estimate: the prediction, at which h was linearised.
         H: Jacobian of h, ``(m, n)``.
-        R: variances of v, ``(m,)``.
+        R: variances of v, ``(m,)``, or its covariance, ``(m, m)``.
         z: measurements, ``(m,)``; NaN means missing.
         expected: h at the prediction, ``(m,)``.
     """
     # As if linear: z' = H x + v with z' = z - h(x-) + H x-.
     linear = z - expected + (H * estimate.x).sum(axis=1)
+    if R.ndim == 2:
+        H, R, linear = decorrelate(H, R, linear)
     parts = []
     for i in range(H.shape[0]):
         estimate, innovation = take(estimate, H[i], R[i], linear[i])

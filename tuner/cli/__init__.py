@@ -176,6 +176,20 @@ def fit(
 
 
 @app.command()
+def init(
+    kind: Annotated[str, typer.Option(help="level, tracking, robot or pendulum.")] = "level",
+    output: Annotated[
+        str | None, typer.Option("-o", "--output", metavar="FILE", help="Instead of stdout.")
+    ] = None,
+    force: Force = False,
+) -> None:
+    """Write a commented model of your own to begin with."""
+    from tuner.cli.init import show
+
+    show(kind, output, force=force)
+
+
+@app.command()
 def check(
     ctx: typer.Context,
     run: Annotated[
