@@ -34,23 +34,31 @@ def five_lines(
         folder: whether there is a folder of the run.
     """
     return [
-        "use       " + ", ".join(_numbers(posed, solution)),
+        "use       " + ", ".join(_numbers(posed, solution, judged)),
         "how good  " + "; ".join(_worth(posed, judged)),
         "trust     " + "; ".join(_trust(solution, judged)),
-        "open      " + ("; ".join(_open(posed, solution)) or "nothing: all is determined"),
+        "open      " + ("; ".join(_open(posed, solution, judged)) or "nothing: all is determined"),
         "next      " + _next(posed, solution, folder=folder),
     ]
 
 
-def _numbers(posed: Posed, solution: Solution) -> Iterator[str]:
+def _numbers(posed: Posed, solution: Solution, judged: Judged) -> Iterator[str]:
     for name, kind in posed.problem.space.parameters:
         if not isinstance(kind, Fixed):
             open_ = (*posed.undetermined, *solution.certificate.flat_directions)
-            flat = any(name in words(told) for told in open_)
+            flat = any(name in words(told) and not _scaled(told, judged) for told in open_)
             doubt = " (not determined)" if flat else ""
             yield f"{name} = {_number(solution.parameters[name])}{doubt}"
     for name, value in solution.derived.items():
         yield f"{name} = {value:.5g}"
+
+
+def _scaled(told: str, judged: Judged) -> bool:
+    """Whether what the error leaves open is the common factor, which the innovations settle."""
+    found = judged.rescaled
+    if found is None or found.reason:
+        return False
+    return found.powers.keys() == set(words(told)) & found.powers.keys()
 
 
 def words(text: str) -> list[str]:
@@ -163,12 +171,14 @@ def _lag(correlation: float) -> str:
     return f", lag one {correlation:+.2f}" if np.isfinite(correlation) else ""
 
 
-def _open(posed: Posed, solution: Solution) -> Iterator[str]:
+def _open(posed: Posed, solution: Solution, judged: Judged) -> Iterator[str]:
     if solution.status is Status.FAILED:
         yield "all: nothing was found"
         return
     yield from posed.undetermined
-    yield from solution.certificate.flat_directions
+    for told in solution.certificate.flat_directions:
+        by = " by the error, and the common factor by the innovations (NIS 1)"
+        yield told + by * _scaled(told, judged)
     yield from (f"{name} lies at its bound" for name in _at_bound(solution))
 
 
