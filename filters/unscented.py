@@ -166,7 +166,8 @@ def _taken(
     There z = mean + slopes e + v, with v of the covariance R + bend: a linear measurement, whose
     update in Joseph's form subtracts no covariances, and which a singular one does not hinder.
     """
-    H, variances, z = decorrelate(seen.slopes, jnp.diag(R) + seen.bend, off)
+    noise = R if R.ndim == 2 else jnp.diag(R)
+    H, variances, z = decorrelate(seen.slopes, noise + seen.bend, off)
     start = Estimate(jnp.zeros_like(x), jnp.eye(len(x), dtype=x.dtype))
 
     def one(estimate: Estimate, number: tuple[Array, ...]) -> tuple[Estimate, Innovation]:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tuner.cli import invoke
+from tuner.model import model_filter, read_model
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -23,12 +24,11 @@ def blocks(language):
     return found
 
 
-FILES = {  # blocks that begin with a file's name, which other blocks may import
+_FILE = r"```(?:python|toml)\n# (\w+\.(?:py|toml))\n(.*?)```"
+FILES = {  # blocks that begin with a file's name, which other blocks may import, or read
     match[1]: match[2]
     for page in PAGES
-    for match in re.finditer(
-        r"```python\n# (\w+\.py)\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL
-    )
+    for match in re.finditer(_FILE, page.read_text(encoding="utf-8"), re.DOTALL)
 }
 
 
@@ -84,7 +84,15 @@ def commands(code):
     ]
 
 
-DESIGNS = [block for block in blocks("toml") if "[project]" not in block.values[0]]
+DESIGNS = [block for block in blocks("toml") if "study =" in block.values[0]]
+MODELS = [block for block in blocks("toml") if "[model]" in block.values[0]]
+
+
+@pytest.mark.parametrize("text", MODELS)
+def test_models_can_be_read(text, tmp_path):
+    path = tmp_path / "model.toml"
+    path.write_text(text)
+    assert model_filter(read_model(path)).states
 
 
 @pytest.mark.parametrize("text", DESIGNS)
@@ -135,6 +143,13 @@ def test_study_page_command_runs(desk, page):
     assert lines
     for line in lines:
         assert invoke([*line, "--dry-run"]) == 0
+
+
+def test_the_commands_of_the_page_of_models_run(desk):
+    text = (ROOT / "docs" / "models.md").read_text(encoding="utf-8")
+    init, fit = commands(re.search(r"```sh\n(.*?)```", text, re.DOTALL)[1])
+    assert invoke(init) == 0
+    assert invoke([*fit, "--dry-run"]) == 0
 
 
 def test_links_between_pages_exist():

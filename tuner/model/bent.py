@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from filters import ExtendedKalman, ExtendedModel, ExtendedSample
+from filters import ExtendedKalman, ExtendedModel, ExtendedSample, UnscentedKalman
 from filters.small_linalg import matmul
 from tuner.model.description import Model
 from tuner.model.evaluate import Values
@@ -157,5 +157,8 @@ def atom(model: Model) -> Any:
     equations = Equations(model)
     functions = equations.move, equations.disturb, equations.measure
     angles = model.angles if any(model.angles) else ()
+    if model.method == "unscented":
+        turning = tuple(state.angle for state in model.states)
+        return UnscentedKalman(*functions, angles=angles, turning=turning if any(turning) else ())
     often = model.iterations if model.method == "iterated" else 1
     return ExtendedKalman(*functions, model.diffuse, often, angles)

@@ -79,7 +79,7 @@ def noise(
         what = "spectral density" if time == "continuous" else "covariance a sample"
         entries.findings.add(("model",), f"has no Q, the {what} of what disturbs the states")
         return G, None
-    return G, entries.covariance(("model", "Q"), model["Q"], entering, scope).rows
+    return G, entries.covariance(("model", "Q"), model["Q"], entering, scope, rest=0.0).rows
 
 
 def start(

@@ -142,9 +142,17 @@ class Entries:
         )
 
     def covariance(
-        self, path: Path, value: Any, names: Sequence[str], scope: Scope
+        self, path: Path, value: Any, names: Sequence[str], scope: Scope, *, rest: Any = None
     ) -> "Covariance":
-        """A covariance: one number for all, a list or table of variances, or the whole matrix."""
+        """A covariance: one number for all, a list or table of variances, or the whole matrix.
+
+        Args:
+            path: where it stands.
+            value: what stands there.
+            names: what the variances belong to.
+            scope: the names that entries may hold.
+            rest: what a table may leave out; None: nothing.
+        """
         if isinstance(value, list) and any(isinstance(row, list) for row in value):
             rows = self.matrix(path, value, len(names), len(names), scope)
             found = Covariance(rows, any(_off_diagonal(rows)))
@@ -153,7 +161,7 @@ class Entries:
                     told = "differs from its mirror image; a covariance is symmetric"
                     self.findings.add((*path, i, j), told)
         elif isinstance(value, list | Mapping):
-            found = Covariance.diagonal(self.vector(path, value, names, scope))
+            found = Covariance.diagonal(self.vector(path, value, names, scope, rest=rest))
         else:
             found = Covariance.diagonal([self.one(path, value, scope)] * len(names))
         for node in found.variances:

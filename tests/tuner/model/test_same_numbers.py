@@ -18,6 +18,7 @@ from filters import (
     PositionSample,
     Timed,
     TimedSample,
+    UnscentedKalman,
     Vertical,
     VerticalNoise,
     VerticalSample,
@@ -173,7 +174,7 @@ def python_seen(p, x, u):
     return x[:2]
 
 
-@pytest.mark.parametrize("method", ["extended", "iterated"])
+@pytest.mark.parametrize("method", ["extended", "iterated", "unscented"])
 def test_a_robot_in_python(method):
     """The same filter from a document and from functions of one's own."""
     robot, rng = made(f'method = "{method}"\n{ROBOT}'), np.random.default_rng(9)
@@ -182,8 +183,12 @@ def test_a_robot_in_python(method):
     inputs = robot.inputs(*map(jnp.asarray, (u[:, 0], u[:, 1], z)))
     params = robot.params(**numbers(q_speed=0.2, q_turn=0.05, R=0.7))
     ours = compiled(robot(0.1), params, inputs)[1]
-    often = 5 if method == "iterated" else 1
-    filter = ExtendedKalman(python_robot, python_noise, python_seen, iterations=often)
+    functions = python_robot, python_noise, python_seen
+    filter = {
+        "extended": ExtendedKalman(*functions),
+        "iterated": ExtendedKalman(*functions, iterations=5),
+        "unscented": UnscentedKalman(*functions, turning=(False, False, True)),
+    }[method]
     P0 = jnp.diag(jnp.array([25.0, 25, 10]))
     model = ExtendedModel(jnp.array([0.2, 0.05, 0.1]), 0.7 * jnp.ones(2), jnp.zeros(3), P0)
     before = np.vstack([np.zeros((1, 2)), u[:-1]])
@@ -253,3 +258,18 @@ def test_an_angle_is_measured_within_half_a_turn():
     close(plain.rate, wrapped.rate)
     turns = (np.asarray(plain.heading) - np.asarray(wrapped.heading)) / (2 * np.pi)
     close(turns, np.round(turns), 1e-10)
+
+
+@pytest.mark.parametrize("method", ["extended", "iterated", "unscented"])
+def test_a_linear_model_is_the_same_by_every_method(method):
+    """With noise that measurements share, and none of them linearised."""
+    kalman, other = made(OSCILLATOR), made(f'method = "{method}"\n{OSCILLATOR}')
+    rng = np.random.default_rng(12)
+    z, u = rng.normal(size=(N, 2)), rng.normal(size=N)
+    z[[3, 8], 0] = np.nan
+    inputs = kalman.inputs(*map(jnp.asarray, (u, z[:, 0], z[:, 1])))
+    params = kalman.params(**numbers(omega=3.0, damping=0.1, q=0.5, r=0.3))
+    ours = compiled(other(0.1), other.params(*params), other.inputs(*inputs))[1]
+    theirs = compiled(kalman(0.1), params, inputs)[1]
+    for one, same in zip(ours, theirs, strict=True):
+        close(one, same, 1e-10)
