@@ -125,6 +125,7 @@ from filters.local_level import (  # noqa: E402
     LocalLevelOutputs,
 )
 from filters.measured import measured  # noqa: E402
+from filters.parametrised import parametrised  # noqa: E402
 from filters.pi_complementary import (  # noqa: E402
     PiComplementary,
     PiGains,
@@ -290,6 +291,7 @@ __all__ = [
     "optional",
     "output",
     "parameter_facts",
+    "parametrised",
     "predict",
     "regression",
     "riccati_flow",

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.tuner.helpers import snapshot, write_csv
-from tuner.cli.recipe import LogEntries, Recipe, read_recipe
+from tuner.run.recipe import LogEntries, Recipe, read_recipe
 
 
 @pytest.mark.parametrize(

@@ -249,6 +249,12 @@ MISTAKES = {
         "R: Array",
         ("Noise.R says nothing about itself; write R: Annotated[Array, Param(...)]",),
     ),
+    "a name that no export can hold": (
+        "    q: Annotated",
+        "    q__walk: Annotated",
+        ("named 'q__walk'; give at most 25 letters",),
+        ("params.q *", "params.q__walk *"),
+    ),
     "no parameters declared": (
         "params, inputs, outputs = Noise, Sample, Outputs",
         "inputs, outputs = Sample, Outputs",

@@ -11,7 +11,6 @@ from typing import Any
 from objectives.kinds import kind_of
 from tuner.certificate.solution import Status
 from tuner.cli.pairs import words
-from tuner.cli.recipe import LogEntries, read_recipe
 from tuner.cli.request import Request, load_records
 from tuner.cli.run import describe
 from tuner.cli.settings import parse_settings
@@ -25,6 +24,7 @@ from tuner.run.chosen import Chosen
 from tuner.run.fit_record import DiagnosticsRecord
 from tuner.run.fit_study import STUDY, FitSettings
 from tuner.run.own_file import own_file
+from tuner.run.recipe import LogEntries, read_recipe
 from tuner.run.result import read_result
 from tuner.run.study import best
 from tuner.run.summary import WORDS

@@ -7,8 +7,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from tuner.cli.recipe import LogEntries, logs_beside, read_recipe
 from tuner.cli.which import Which, refuse_code
+from tuner.run.recipe import LogEntries, logs_beside, read_recipe
 
 if TYPE_CHECKING:
     from tuner.data.record import Record

@@ -5,11 +5,9 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
 
 from tuner.certificate.solution import Solution
 from tuner.cli.interrupt import interruptible
-from tuner.cli.recipe import Recipe
 from tuner.cli.request import Request, from_toml, load_records, log_entries
 from tuner.cli.settings import parse_settings
 from tuner.cli.which import changed
@@ -17,10 +15,9 @@ from tuner.data.record import Record
 from tuner.export import FORMATS
 from tuner.problem.problem import Problem
 from tuner.run.cache import use_cache
-from tuner.run.environment import environment
 from tuner.run.folder import RunFolder, open_folder
-from tuner.run.pipeline import Progress, Run, recorded, trusted
-from tuner.run.result import pretty
+from tuner.run.pipeline import Progress, Run, recorded, trusted, write_down
+from tuner.run.recipe import Recipe
 from tuner.run.study import Plan, Study, find_study
 
 SHOWN = 3
@@ -50,12 +47,18 @@ def execute(request: Request) -> int:
     plan = _chosen(study.plan(settings, records, seed, storage), request)
     _say_notes(plan)
     values = settings.model_dump(mode="json")
-    recipe = _recipe(study, request, values, records)
+    recipe = Recipe.of(
+        study.name,
+        settings,
+        seed=seed,
+        log=log_entries(request, records),
+        claims=request.claims,
+    )
     finished = _finished(folder, recipe) if request.resume else {}
     with interruptible() as check, _progress(check) as progress:
         run = Run(study.name, values, plan, seed, folder, progress, request.claims)
         try:
-            _write_down(folder, recipe, plan)
+            write_down(folder, recipe, plan)
             solutions = run.solve(request.jobs, finished)
             result = run.finish(solutions, FORMATS, begun)
         except KeyboardInterrupt:
@@ -83,20 +86,6 @@ def _chosen(plan: Plan, request: Request) -> Plan:
     return plan.only(request.claims) if request.claims else plan
 
 
-def _recipe(
-    study: Study, request: Request, settings: dict[str, Any], records: tuple[Record, ...]
-) -> Recipe:
-    """The run as it can be run again; no absolute path."""
-    given = {key: value for key, value in settings.items() if value is not None}
-    return Recipe(
-        study=study.name,
-        seed=request.seed or 0,
-        settings=given,
-        claims=list(request.claims),
-        log=log_entries(request, records),
-    )
-
-
 def _finished(folder: RunFolder, recipe: Recipe) -> dict[tuple[str, str], Solution]:
     """What an interrupted run of this very recipe had finished.
 
@@ -111,13 +100,6 @@ def _finished(folder: RunFolder, recipe: Recipe) -> dict[tuple[str, str], Soluti
     progress = folder.path / "progress.json"
     # A run that was interrupted as it began has written none.
     return recorded(progress.read_bytes()) if progress.exists() else {}
-
-
-def _write_down(folder: RunFolder, recipe: Recipe, plan: Plan) -> None:
-    """The recipe, and the environment it ran in."""
-    folder.write("study.toml", recipe.to_toml())
-    known = environment() | {"seed": recipe.seed, "log_sha256": plan.source.sha256}
-    folder.write("environment.json", pretty(known))
 
 
 def _how_to_go_on(request: Request, folder: RunFolder) -> str:

@@ -7,7 +7,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from tuner.certificate.solution import Status, range_in_words
+from tuner.certificate.solution import Status
+from tuner.certificate.table import range_in_words
 from tuner.run.result import ParameterRecord, Result, SolutionRecord
 
 _COLOURS = {

@@ -9,6 +9,8 @@ import numpy as np
 
 from filters import Channel, Param, channel_facts, parameter_facts
 from filters.declared import declaration
+from tuner.export.checks import require_name
+from tuner.export.tuned import LONGEST_NAME, Quantity
 
 
 def check_facts(cls: type[Any]) -> None:
@@ -18,6 +20,8 @@ def check_facts(cls: type[Any]) -> None:
         ValueError: one sentence: the class, the part, what is wrong, and the way out.
     """
     check_frozen(cls)
+    for part, kind in (("inputs", Channel), ("params", Param), ("outputs", Channel)):
+        _check_declared(cls, part, kind)
     if not is_dataclass(cls):
         raise ValueError(
             f"{cls.__name__} is no dataclass; write @dataclass(frozen=True) above the class"
@@ -27,9 +31,9 @@ def check_facts(cls: type[Any]) -> None:
             f"{cls.__name__}.dt is no field, so every recording would be taken at that step; "
             "write dt: float"
         )
-    for part, kind in (("params", Param), ("inputs", Channel), ("outputs", Channel)):
-        _check_declared(cls, part, kind)
+    require_name("a filter's class", cls.__name__, LONGEST_NAME)
     for name, fact in parameter_facts(cls).items():
+        Quantity(name, np.zeros(()), "")  # which refuses a name that no export can hold
         for words in _faults(fact):
             raise ValueError(f"the facts of {name} in {cls.__name__} have {words}")
     for part in ("inputs", "outputs"):

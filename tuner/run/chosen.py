@@ -1,14 +1,16 @@
 """Which filter is meant: a name, a class, a class in a file, or a model in a text file."""
 
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
+from importlib.metadata import entry_points
 from os import PathLike
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from tuner.catalogue import find
-from tuner.run.own_file import own_file
+from tuner.run.own_file import OwnFile, own_file
 
 
 @dataclass(frozen=True)
@@ -50,12 +52,12 @@ def chosen(model: Model, sha256: str | None = None) -> Chosen:
     if isinstance(model, Chosen):
         return model
     if isinstance(model, type):
-        return Chosen(model.__name__, model, {"filter": model.__name__})
+        return _of_class(model)
     if isinstance(model, Mapping):
         cls: type[Any] = models().model_filter(model)
         return Chosen(cls.__name__, cls, {"model": dict(model)})
     if not isinstance(model, str | PathLike):
-        raise ValueError(f"{model!r} is no filter's name or class; give {type(model).__name__}")
+        raise ValueError(_no_class(model))
     told = str(model)
     if told.endswith(".toml"):
         return replace(chosen(models().read_model(Path(told))), home=Path(told).name)
@@ -64,6 +66,38 @@ def chosen(model: Model, sha256: str | None = None) -> Chosen:
         settings = {"filter": told, "filter_sha256": file.sha256}
         return Chosen(file.name, file.load(sha256), settings, file.told)
     return Chosen(told, find("tuner.filters", told), {"filter": told})
+
+
+def _no_class(thing: Any) -> str:
+    """Why something is no filter to be tuned."""
+    cls = type(thing)
+    if hasattr(thing, "step") and not hasattr(thing, "params"):
+        return (
+            f"{cls.__name__} declares no parameters, which are its model's; make a class of it and "
+            "your build with filters.parametrised, or a Problem"
+        )
+    return f"{thing!r} is no filter's name or class; give {cls.__name__}"
+
+
+def _of_class(cls: type[Any]) -> Chosen:
+    """A class under the name that it has on the command line, if it has one there."""
+    value = f"{cls.__module__}:{cls.__qualname__}"
+    for point in entry_points(group="tuner.filters"):
+        if point.value == value:
+            return Chosen(point.name, cls, {"filter": point.name})
+    file = _file_of(cls)
+    told = {} if file is None else {"filter_sha256": file.sha256}
+    name = cls.__name__ if file is None else f"{file.path}:{file.name}"
+    return Chosen(cls.__name__, cls, {"filter": name, **told})
+
+
+def _file_of(cls: type[Any]) -> OwnFile | None:
+    """The Python file that a class is from; None of a notebook's, or one made by a function."""
+    module = sys.modules.get(cls.__module__)
+    if getattr(module, cls.__qualname__, None) is not cls:
+        return None
+    path = Path(getattr(module, "__file__", None) or "")
+    return OwnFile(path, cls.__qualname__) if path.suffix == ".py" and path.is_file() else None
 
 
 def models() -> Any:

@@ -1,9 +1,8 @@
-"""The main job: a recording and a filter go in, a tuned filter comes out."""
+"""The plan of a fit: what is posed, solved, drawn and judged."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,11 +17,10 @@ from tuner.identifiability.noise import NoModelError
 from tuner.problem.facts import check_facts
 from tuner.problem.problem import Problem
 from tuner.problem.surface import values
-from tuner.run.chosen import Model, chosen
 from tuner.run.figure import Figure
 from tuner.run.fit_figures import figures
 from tuner.run.fit_record import FitRecord
-from tuner.run.front import Against, in_order, picture_of, posed_against, trade
+from tuner.run.front import Against, picture_of, trade
 from tuner.run.held_out import judge_held_out
 from tuner.run.judged import Judged, filter_name, judge
 from tuner.run.parting import HeldOutBy, Parting, parting
@@ -71,99 +69,11 @@ class Fitting:
     against: Against | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """A filter tuned on a recording.
+class Found(NamedTuple):
+    """What the solutions of a fit's plan amount to: the one on all data, and what it is worth."""
 
-    Attributes:
-        posed: the problem and its data.
-        solution: the tuned values with their certificate.
-        judged: what they are worth.
-    """
-
-    posed: Posed
     solution: Solution
     judged: Judged
-
-    @property
-    def params(self) -> Any:
-        """The filter's parameters, as its ``init`` and ``step`` take them."""
-        return self.posed.problem.params(self.solution)
-
-    @cached_property
-    def outputs(self) -> Any:
-        """What the tuned filter returns over the recording, time first."""
-        return self.posed.problem.outputs(self.solution)
-
-    def summary(self) -> str:
-        """Five lines: use these numbers, how good, why trust them, what is open, what next."""
-        return "\n".join(five_lines(self.posed, self.solution, self.judged, folder=False))
-
-    def __str__(self) -> str:
-        return self.summary()
-
-
-def fit(
-    filter: Model,
-    record: Record | Iterable[Record],
-    *,
-    start: Mapping[str, float] | None = None,
-    fix: Mapping[str, float] | None = None,
-    bound: Mapping[str, tuple[float, float]] | None = None,
-    options: Mapping[str, Any] | None = None,
-    objective: str | None = None,
-    solver: str = "l-bfgs-b",
-    starts: int = 4,
-    seed: int = 0,
-    hold_out: bool = True,
-    held_out: HeldOutBy | None = None,
-    against: str | None = None,
-) -> Fit:
-    """Tune a filter on a recording, or on several with one set of numbers for all.
-
-    With a truth the filter's error is minimised, without one the likelihood of its innovations.
-
-    Args:
-        filter: a name of ``tuner list filters``, a class that declares its facts, FILE.py:CLASS,
-            or a model: the path of its TOML file, or what that holds.
-        record: recordings in SI (:func:`tuner.read_record`, :meth:`tuner.Record.of`).
-        start: where the search begins, by parameter.
-        fix: parameters that are held, and at what.
-        bound: the ends of the search, by parameter.
-        options: fields of the filter's class.
-        objective: of ``tuner list objectives``.
-        solver: of ``tuner list solvers``.
-        starts: of the search.
-        seed: where the random ones come from.
-        hold_out: whether a second fit on a part of the data is judged on the rest.
-        held_out: which part that is: the end of the ``time``, some whole recordings
-            (``recording``), each in turn (``leave-one-out``), ``none``; None decides by what
-            there is.
-        against: a second objective, of ``tuner list objectives``: the front of both, with its knee,
-            stands in ``judged.trade``.
-
-    Raises:
-        ValueError: for what does not go together, in one sentence with the way out.
-
-    >>> rng = np.random.default_rng(1)
-    >>> level = np.cumsum(0.1 * rng.standard_normal(400))
-    >>> record = Record.of({"z": level + rng.standard_normal(400)}, rate_hz=1.0)
-    >>> found = fit("local-level", record, starts=1, hold_out=False)
-    >>> 0.8 < float(found.solution.parameters["R"].value) < 1.2
-    True
-    """
-    objective, against = in_order(objective, against)
-    wishes = Wishes(start or {}, fix or {}, bound or {}, options or {}, objective)
-    which = chosen(filter)
-    records = (record,) if isinstance(record, Record) else tuple(record)
-    posed = pose_on(which.name, which.cls, records, wishes)
-    other = (
-        None if against is None else posed_against(which.name, which.cls, posed, wishes, against)
-    )
-    request = Request(solver, starts, seed, "", asked_for(hold_out, held_out))
-    plan = plan_fit(posed, request, other)
-    solved = {(t.problem.name, t.solver.name): t.solver(t.problem) for t in plan.tasks}
-    return concluded(plan.case, solved)
 
 
 def asked_for(hold_out: bool, held_out: HeldOutBy | None) -> HeldOutBy | None:
@@ -255,8 +165,8 @@ def report(case: Fitting, solutions: Solutions) -> FitRecord:
     return FitRecord.of(found.judged, filter_name(case.posed), lines)
 
 
-def concluded(case: Fitting, solutions: Solutions) -> Fit:
-    """The fit that solutions of its plan amount to."""
+def concluded(case: Fitting, solutions: Solutions) -> Found:
+    """What solutions of its plan amount to."""
     posed, parted = case.posed, case.parted
     solved = {name: best(name, solutions) for name, _ in solutions}
     held_out = None if parted is None else judge_held_out(posed, parted, solved)
@@ -266,7 +176,7 @@ def concluded(case: Fitting, solutions: Solutions) -> Fit:
         judged = replace(judged, rescaled=as_found(posed.problem, solution))
     if case.against is not None:
         judged = replace(judged, trade=trade(case.against))
-    return Fit(posed, solution, judged)
+    return Found(solution, judged)
 
 
 def screened(problem: Problem, request: Request) -> Problem:

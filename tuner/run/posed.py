@@ -16,7 +16,7 @@ from tuner.data.source import Source
 from tuner.data.units import change
 from tuner.names import unknown
 from tuner.problem.exported import exported_of
-from tuner.problem.problem import Problem
+from tuner.problem.problem import Problem, run_filter
 from tuner.problem.space import Space
 from tuner.run.careful import NAMES, care_of, guarded, with_noise
 from tuner.run.left_out import LeftOut, without_stretches
@@ -53,6 +53,12 @@ class Posed:
     notes: tuple[str, ...] = ()
     undetermined: tuple[str, ...] = ()
     left_out: LeftOut | None = None
+
+    def run(self, values: Mapping[str, Any]) -> Any:
+        """What the filter returns with some parameters, given by name, over all data."""
+        params = self.problem.static.build({n: jnp.asarray(v, float) for n, v in values.items()})
+        assert self.problem.filter is not None
+        return run_filter(self.problem.filter, params, self.problem.data.inputs)
 
 
 def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: Source) -> Posed:

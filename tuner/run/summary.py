@@ -5,7 +5,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from tuner.certificate.solution import Solution, Status, TunedParameter, range_in_words
+from tuner.certificate.solution import Solution, Status, TunedParameter
+from tuner.certificate.table import range_in_words
 from tuner.problem.parameters import Fixed
 from tuner.run.front import words as traded
 from tuner.run.held_out import HeldOut
@@ -190,7 +191,8 @@ def _at_bound(solution: Solution) -> list[str]:
 def _next(posed: Posed, solution: Solution, *, folder: bool) -> str:
     if solution.status.trusted:
         file = f"tuner export RUN --to c -o {posed.problem.name}.h"
-        return file if folder else "params are what the filter takes, outputs what it returned"
+        python = 'fit.export("c"), or fit.save(FOLDER) with all formats and pictures'
+        return file if folder else python
     if bounds := _at_bound(solution):
         return f"search again with a wider --bound, or --fix, for {' and '.join(bounds)}"
     return "search again from another --start, with more --starts, or by --solver nelder-mead"

@@ -2,7 +2,7 @@
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -87,6 +87,20 @@ class Recipe(_Entries):
         if self.log is not None and not self.log.files:
             raise ValueError('the log names no file; name one at least, files = ["log.csv"]')
         return self
+
+    @classmethod
+    def of(
+        cls,
+        study: str,
+        settings: BaseModel,
+        *,
+        seed: int,
+        log: LogEntries | None,
+        claims: Iterable[str] = (),
+    ) -> "Recipe":
+        """The recipe of a run; what is not set is left out."""
+        given = {n: v for n, v in settings.model_dump(mode="json").items() if v is not None}
+        return cls(study=study, seed=seed, settings=given, claims=list(claims), log=log)
 
     def to_toml(self) -> bytes:
         """The text of a study.toml."""
