@@ -27,8 +27,12 @@ Truths = Annotated[
     list[str] | None,
     typer.Option(metavar="NAME=COLUMN", help="What an output should have been."),
 ]
-Recordings = Annotated[list[Path], typer.Argument(help="Recordings: CSV, NPZ or MAT.")]
-Logs = Annotated[list[Path] | None, typer.Option("--log", help="Recordings: CSV, NPZ or MAT.")]
+Recordings = Annotated[
+    list[Path], typer.Argument(help="Recordings: of any format of docs/logs.md.")
+]
+Logs = Annotated[
+    list[Path] | None, typer.Option("--log", help="Recordings: of any format of docs/logs.md.")
+]
 Filter = Annotated[
     str | None, typer.Option(metavar="NAME|FILE.py:CLASS", help="Of tuner list filters, or yours.")
 ]
