@@ -9,7 +9,7 @@ from tuner.data.logs.error import LogError, counted
 from tuner.data.logs.formats import open_table
 from tuner.data.logs.table import Raw, Table
 from tuner.data.logs.timing import find_clock
-from tuner.data.logs.values import Columns
+from tuner.data.logs.values import Columns, load_columns
 
 
 @dataclass(frozen=True)
@@ -77,13 +77,13 @@ def _clocks(table: Table) -> list[ClockFound]:
 def _loaded(table: Table, names: list[str]) -> tuple[dict[str, Raw], list[str]]:
     """All columns of numbers, and the names of those that hold something else."""
     try:
-        return table.load(names), []
+        return load_columns(table, (), names).raw, []
     except LogError:
         raw: dict[str, Raw] = {}
         unread = []
         for name in names:
             try:
-                raw |= table.load([name])
+                raw |= load_columns(table, (), [name]).raw
             except LogError:
                 unread.append(name)
         return raw, unread

@@ -103,10 +103,10 @@ def read_records(
     from_s: float | None = None,
     to_s: float | None = None,
 ) -> tuple[Record, ...]:
-    """Read recordings: CSV or TXT (also compressed), NPZ, or MAT.
+    """Read recordings of any format of docs/logs.md.
 
     Files that all have all columns are recordings side by side; files that share the columns out
-    among them are one recording on one clock.
+    among them are one recording on one clock, and so do the topics of one file.
 
     Args:
         paths: the file, or several; their bytes tell the format, not their names.
