@@ -76,16 +76,17 @@ def test_suspicious_names(tmp_path, name, part):
     assert part in refusal(packed(tmp_path, {**FILES, name: "t,x\n0,1\n"}), ["omega=Gyroscope/x"])
 
 
-def test_what_would_unpack_to_gigabytes_is_not_unpacked(tmp_path):
+def test_what_would_unpack_to_gigabytes_is_not_unpacked(tmp_path, monkeypatch):
+    monkeypatch.setattr("tuner.data.logs.archive._SMALL", 1 << 20)  # a smaller bomb is as hostile
     path = tmp_path / "bomb.zip"
     with (
         zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive,
         archive.open("a.csv", "w", force_zip64=True) as member,
     ):
-        for _ in range(300):
+        for _ in range(30):
             member.write(bytes(1 << 20))
-    assert path.stat().st_size < 1 << 20
-    assert "would unpack to 0.3 GiB" in refusal(path, ["omega=x"])
+    assert path.stat().st_size < 1 << 17
+    assert "would unpack to 0.0 GiB, more than 100 times its size" in refusal(path, ["omega=x"])
 
 
 def test_what_declares_less_than_it_holds(tmp_path):
@@ -133,3 +134,11 @@ def test_raw_betaflight_is_named(tmp_path):
     assert "decode it by blackbox_decode" in refusal(path, ["omega=x"])
     path.write_bytes(b"H Product:Blackbox flight data recorder\nH Data version:2\n")
     assert "no line of the Betaflight log names columns" in refusal(path, ["omega=x"])
+
+
+def test_betaflight_without_loop_iterations(tmp_path):
+    path = tmp_path / "export.csv"
+    lines = [f"{1000 * k},{k},NaN" for k in range(20)]
+    head = ['"Firmware revision","Betaflight 4.5.0"', '"time","gyroADC[0]","rcCommand[3]"']
+    path.write_text("\n".join([*head, *lines]))
+    assert read_record(path, ["w=gyroADC[0]:deg/s"]).channels["w"].rate_hz == pytest.approx(1000.0)

@@ -209,7 +209,8 @@ def _text(rest: Parts, order: str) -> str:
     if len(rest) != 1 or rest[0][0] not in _TEXTS:
         raise ValueError("it holds a text of an unknown kind")
     kind, body = rest[0]
-    return body.decode(_TEXTS[kind].replace("native", {"<": "le", ">": "be"}[order]))
+    letters = _TEXTS[kind].replace("native", {"<": "le", ">": "be"}[order])
+    return body.decode(letters, errors="replace")
 
 
 def _structs(shape: tuple[int, ...], rest: Parts, order: str, deep: int) -> Structs:

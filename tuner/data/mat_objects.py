@@ -169,7 +169,7 @@ def _columns(objects: Objects, data: Value, names: list[str], units: list[str]) 
             columns[name] = value
         else:
             left.append(name)
-        if place < len(units) and units[place] and name not in told:
+        if place < len(units) and units[place] and name in columns and name not in told:
             told[name] = units[place]
     return Columns(columns, told, left=tuple(left))
 
@@ -199,9 +199,12 @@ def _number(value: Value) -> Any:
 
 def _times(objects: Objects, reference: Value) -> tuple[Numbers, str]:
     """A datetime in nanoseconds since 1970, or a duration in milliseconds."""
+    if objects.kind(reference) not in ("datetime", "duration"):
+        raise ValueError("it holds times that are neither dates nor durations")
     held = objects.properties(reference)
     name = "data" if objects.kind(reference) == "datetime" else "millis"
-    numbers = held.get(name)
+    # A duration of nothing is the default of its class, which no file repeats.
+    numbers = held.get(name, np.zeros((1, 1)) if name == "millis" else None)
     if not isinstance(numbers, np.ndarray):
         raise ValueError("it holds times that are no numbers")
     if name == "millis":

@@ -12,10 +12,14 @@ from tuner.data.logs.home import Home
 from tuner.data.logs.mapping import Mapping
 from tuner.data.logs.table import Raw, Table
 
-MAGICS = (b"H Product:Blackbox", b'"H Product:Blackbox', b'"Product","Blackbox')
+MAGICS = (
+    b"H Product:Blackbox", b'"H Product:Blackbox', b'"Product","Blackbox', b'"Firmware revision",',
+    b'"Firmware type",', b"loopIteration,", b'"loopIteration",',
+)  # fmt: skip
 _FORMAT = "Betaflight blackbox CSV"
 _MOST = 10_000
-_NAMES = ("loopIteration", "time")
+_TIMES = ("time", "time (us)")
+_FEWEST = 3
 
 
 def open_betaflight(path: Path) -> Table:
@@ -27,6 +31,13 @@ def open_betaflight(path: Path) -> Table:
         LogError: where it is the raw log, or no line names the columns.
     """
     above = _above(path)
+    table, notes = _below(path, above) if above else (open_csv(path), ())
+    time = Mapping("time", "time", unit="us") if "time" in table.names else table.time
+    return replace(table, time=time, format=_FORMAT, notes=(*table.notes, *notes))
+
+
+def _below(path: Path, above: int) -> tuple[Table, tuple[str, ...]]:
+    """The table below some lines: that of a copy in which they are comments."""
     home = Home()
     plain = Path(home.path, path.name)
     with path.open("rb") as stream, plain.open("wb") as out:
@@ -35,10 +46,8 @@ def open_betaflight(path: Path) -> Table:
             out.write(b"#\n")  # so that lines keep their numbers
         shutil.copyfileobj(stream, out)
     table = open_csv(plain)
-    time = Mapping("time", "time", unit="us") if "time" in table.names else table.time
-    notes = (*table.notes, f"{counted(above, 'line')} about the flight above the names")
-    load = partial(_load, home, table)
-    return replace(table, load=load, time=time, format=_FORMAT, notes=notes)
+    told = f"{counted(above, 'line')} about the flight above the names"
+    return replace(table, load=partial(_load, home, table)), (told,)
 
 
 def _load(_: Home, table: Table, names: Sequence[str]) -> dict[str, Raw]:
@@ -59,7 +68,7 @@ def _above(path: Path) -> int:
                     "name the CSV file that it writes"
                 )
             cells = [cell.strip().strip('"') for cell in line.decode().split(",")]
-            if cells[0] == _NAMES[0] and any(cell.startswith(_NAMES[1]) for cell in cells):
+            if len(cells) >= _FEWEST and set(cells) & set(_TIMES):
                 return number
     raise LogError(
         f"{path.name}: no line of the Betaflight log names columns (loopIteration, time, ...); "

@@ -81,12 +81,11 @@ def _sorted_out(
     left: list[str] = []
     groups: list[Group] = []
     subsystem = variables.get("")
-    objects = Objects.of(subsystem) if isinstance(subsystem, np.ndarray) else None
     for name, value in _flat(variables, "", _DEEPEST):
         if not isinstance(value, mat.Opaque):
             columns[name] = value
             continue
-        found = columns_of(objects, value) if objects is not None else None
+        found = _read(subsystem, value)
         if found is None:
             left.append(told(name, value.kind))
             continue
@@ -102,6 +101,16 @@ def _sorted_out(
     if plain:
         groups.insert(0, Group("", plain, units=units))
     return groups, columns, left
+
+
+def _read(subsystem: mat.Value, value: mat.Opaque) -> Columns | None:
+    """The columns of an object; None where it has none, or other ones than are known."""
+    if not isinstance(subsystem, np.ndarray):
+        return None
+    try:
+        return columns_of(Objects.of(subsystem), value)
+    except _DAMAGE:
+        return None
 
 
 def _timetable(name: str, found: Columns, own: dict[str, Raw]) -> Group:

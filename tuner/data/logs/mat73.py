@@ -57,8 +57,12 @@ def _datasets(group: Any, prefix: str, deep: int) -> Iterator[tuple[str, Any]]:
         part = group[name]
         if isinstance(part, h5py.Group) and deep:
             yield from _datasets(part, f"{prefix}{name}.", deep - 1)
-        elif isinstance(part, h5py.Dataset) and _kind(part) not in ("char", "cell"):
+        elif isinstance(part, h5py.Dataset) and _holds_numbers(part):
             yield prefix + name, part
+
+
+def _holds_numbers(dataset: Any) -> bool:
+    return _kind(dataset) not in ("char", "cell") and not dataset.dtype.hasobject
 
 
 def _kind(dataset: Any) -> str:
