@@ -162,7 +162,7 @@ def nees_of(problem: Problem, values: Mapping[str, Any]) -> float | None:
     outputs, truth = run_with(problem, values), np.asarray(problem.data.truth)
     estimate = getattr(outputs, getattr(problem.objective, "name", "") or "_", None)
     P = np.asarray(getattr(outputs, "P", np.zeros(0)))
-    if np.shape(estimate) == truth.shape and P.ndim == truth.ndim + 2:
+    if estimate is not None and np.shape(estimate) == truth.shape and P.ndim == truth.ndim + 2:
         estimate, truth, P = _one_of_them(problem, np.asarray(estimate), truth, P)
     if estimate is None or np.shape(estimate) != truth.shape or P.ndim != truth.ndim + 1:
         return None

@@ -100,20 +100,17 @@ def test_the_nees_of_one_state_is_told():
         objective = ChannelRmse.of(compass, "heading")
         problem = Problem("c", Space.of_filter(compass), compass(0.5), None, objective, data)
         found.append(nees_of(problem, values))
-    out = run(
-        compass(0.5), compass.params(**{n: jnp.array(v) for n, v in values.items()}), data[0]
-    )[1]
+    params = compass.params(*map(jnp.array, values.values()))
+    out = run(compass(0.5), params, compass.inputs(jnp.asarray(z)))[1]
     expected = np.mean((np.asarray(out.heading) - true) ** 2 / np.asarray(out.P)[:, 0, 0])
     assert found == pytest.approx([expected, expected], rel=1e-12)
 
 
 def test_a_gate_takes_a_group_as_missing():
-    """And never a known input, or what tells how noisy a measurement is by itself."""
-    wheels = made(WHEELS)
-    rng = np.random.default_rng(4)
-    inputs = wheels.inputs(
-        *map(jnp.asarray, (*rng.uniform(1, 2, (3, 9)), np.zeros((9, 2)), np.zeros(9)))
-    )
+    """With the accuracy that belongs to it, by which its parts go together; no known input."""
+    wheels, rng = made(WHEELS), np.random.default_rng(4)
+    given = *rng.uniform(1, 2, (3, 9)), np.zeros((9, 2)), np.zeros(9)
+    inputs = wheels.inputs(*map(jnp.asarray, given))
     params = wheels.params(*map(jnp.array, (0.1, 0.1, 1.0)))
     parts = measured(wheels(0.1), params, inputs)
     # Leaves 0 to 4 are speed, turn, accuracy, gps and compass.
