@@ -37,7 +37,7 @@ def model_filter(document: Mapping[str, Any]) -> type[Any]:
     >>> run(level(dt=1.0), noise, level.inputs(jnp.array([8.0, jnp.nan, 9.0])))[1].level
     Array([8.        , 8.        , 8.66666667], dtype=float64)
     """
-    from tuner.model.filter import class_of
+    from tuner.model.classes import class_of
     from tuner.model.lines import Lines
     from tuner.model.reading import described
 

@@ -42,12 +42,22 @@ def read_model(path: Path) -> dict[str, Any]:
     if NAME.fullmatch(path.stem):
         document.setdefault("name", path.stem)
     described(document, Lines.of(text), path.name)
-    return document
+    plain: dict[str, Any] = _plain(document)
+    return plain
+
+
+def _plain(value: Any) -> Any:
+    """The same with infinity as a text, for what is kept of a run holds finite numbers alone."""
+    if isinstance(value, dict):
+        return {key: _plain(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_plain(each) for each in value]
+    return "inf" if value == float("inf") else value
 
 
 def _text(path: Path) -> str:
     if not path.is_file():
-        why = "is a folder" if path.is_dir() else "is not there" if not path.exists() else "no file"
+        why = "is no file" if path.exists() else "is not there"
         raise ValueError(f"{path} {why}; give a model in TOML, tuner init writes one to begin with")
     try:
         with path.open("rb") as stream:

@@ -116,4 +116,4 @@ def _without_infinite(given: Any, states: Sequence[str]) -> tuple[Any, tuple[int
 
 
 def _infinite(value: Any) -> bool:
-    return isinstance(value, float) and value == float("inf")
+    return value == "inf" or (isinstance(value, float) and value == float("inf"))
