@@ -35,6 +35,7 @@ from objectives.linear_systems.response import (
 from objectives.linear_systems.riccati import bucy_gain, care, dare, steady_gain, updated
 from objectives.linear_systems.steady import SteadyKalman, steady_kalman
 from objectives.linear_systems.subspaces import Subspace, unobservable
+from objectives.linear_systems.tracker import tracker_gains
 from objectives.linear_systems.variance_ratio import VarianceRatio
 from objectives.records import Records
 from objectives.rmse import ChannelRmse
@@ -120,6 +121,7 @@ __all__ = [
     "steady_kalman",
     "steady_variance",
     "stein",
+    "tracker_gains",
     "undriven_modes",
     "unobservable",
     "unseen_modes",

@@ -248,21 +248,35 @@ def compare(
 @app.command()
 def export(
     run: Annotated[Path, typer.Argument(help="Folder of a run, or its result.json.")],
-    to: Annotated[str, typer.Option(metavar="FORMAT", help="json, toml, npz, csv, mat or c.")],
+    to: Annotated[
+        str | None, typer.Option(metavar="FORMAT", help="json, toml, npz, csv, mat or c.")
+    ] = None,
     output: Annotated[
         str | None, typer.Option("-o", "--output", metavar="FILE|-", help="- is stdout.")
     ] = None,
     problem: Annotated[
         str | None, typer.Option(help="Which one, where the run has several.")
     ] = None,
+    rate: Annotated[
+        float | None, typer.Option(metavar="HZ", help="For another sample rate: Q, K, alpha, beta.")
+    ] = None,
+    density: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="With --rate: a variance that grows with the rate."),
+    ] = None,
+    filter: Annotated[
+        str | None, typer.Option(help="With --rate: FILE.py:CLASS, where the run is of one.")
+    ] = None,
     force: Annotated[
         bool, typer.Option(help="Replace the file; export what did not converge.")
     ] = False,
 ) -> None:
-    """Write a tuned filter as a file and read it back."""
-    from tuner.cli.export import write
+    """Write a tuned filter as a file and read it back; or show it at another rate."""
+    from tuner.cli.export import Wanted, write
+    from tuner.cli.which import Which
 
-    write(run, to, output, problem=problem, force=force)
+    wanted = Wanted(to, output, problem, rate, tuple(density or ()), Which(filter), force)
+    write(run, wanted)
 
 
 @app.command()

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from filters.declared import channel_facts
-from tuner.certificate.solution import Solution
+from filters.declared import bare, channel_facts
+from tuner.certificate.solution import Solution, Status
 from tuner.data.merge import stacked, timeline
 from tuner.data.plausible import implausible
 from tuner.data.record import Record
@@ -18,11 +18,13 @@ from tuner.problem.facts import check_facts
 from tuner.problem.problem import Problem
 from tuner.problem.surface import values
 from tuner.run.figure import Figure
+from tuner.run.finding import Finding
 from tuner.run.fit_figures import figures
 from tuner.run.fit_record import FitRecord
 from tuner.run.front import Against, picture_of, trade
 from tuner.run.held_out import judge_held_out
 from tuner.run.judged import Judged, filter_name, judge
+from tuner.run.noise_told import gains_told, noise_told
 from tuner.run.parting import HeldOutBy, Parting, parting
 from tuner.run.posed import Posed, check_channels, pose
 from tuner.run.rescaled import ThenRescaled, as_found, may_be_rescaled
@@ -138,6 +140,7 @@ def plan_fit(posed: Posed, request: Request, other: Posed | None = None) -> Plan
         figures=_figures,
         report=report,
         notes=posed.notes,
+        findings=findings,
     )
 
 
@@ -156,6 +159,19 @@ def _figures(case: Fitting, solutions: Solutions) -> Iterator[Figure]:
     yield from figures(case.posed, solutions)
     if case.against is not None:
         yield from picture_of(case.posed, trade(case.against))
+
+
+def findings(case: Fitting, solutions: Solutions) -> Iterator[Finding]:
+    """The noise a sample and as densities, and the gains, in the units that people take them in."""
+    problem = case.posed.problem
+    solution = best(problem.name, solutions)
+    filter = bare(problem.filter)
+    if solution.status is Status.FAILED or not getattr(filter, "dt", None):
+        return
+    values = {name: p.value for name, p in solution.parameters.items()}
+    units = {name: p.unit for name, p in solution.parameters.items()}
+    yield from noise_told(filter, values, units, float(filter.dt))
+    yield from gains_told(problem.what_is_exported().derived(problem.params(solution)))
 
 
 def report(case: Fitting, solutions: Solutions) -> FitRecord:

@@ -1,12 +1,14 @@
 """The one generic study: any filter that declares its facts, on a user's own recordings."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from pydantic import Field, field_serializer, model_validator
 
 from filters.declared import Channel, channel_facts
 from tuner.data.record import Record
+from tuner.export.tuned import Tuned
+from tuner.run.at_rate import AtRate, filter_at_rate
 from tuner.run.chosen import Chosen, chosen
 from tuner.run.fit import Request, asked_for, plan_fit, pose_on
 from tuner.run.front import in_order, posed_against
@@ -93,6 +95,13 @@ def plan(settings: FitSettings, records: tuple[Record, ...], seed: int, storage:
     return plan_fit(posed, request, other)
 
 
+def at_rate(
+    settings: FitSettings, tuned: Tuned, rate_hz: float, densities: Collection[str]
+) -> AtRate:
+    """The filter that a fit tuned, at another rate."""
+    return filter_at_rate(settings.which, settings.options, tuned, rate_hz, densities)
+
+
 STUDY = Study(
     name="fit",
     title="Any filter, tuned on a recording of your own: tuner fit LOG --filter NAME",
@@ -101,4 +110,5 @@ STUDY = Study(
     plan=plan,
     channels=channels,
     truths=truths,
+    at_rate=at_rate,
 )
