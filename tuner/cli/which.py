@@ -35,9 +35,9 @@ class Which:
             return {}
         model = None
         if self.model is not None:
-            from tuner.run.chosen import models
+            from tuner.model import read_model
 
-            model = models().read_model(self.model)
+            model = read_model(self.model)
         sha256 = None if self.file is None else self.file.sha256
         return {"filter": self.filter, "filter_sha256": sha256, "model": model}
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from pydantic import Field, field_serializer, model_validator
+from pydantic import Field, field_serializer, field_validator, model_validator
 
 from filters.declared import Channel, channel_facts
 from tuner.data.record import Record
@@ -15,6 +15,8 @@ from tuner.run.parting import HeldOutBy
 from tuner.run.searched import Wishes
 from tuner.run.settings import StudySettings
 from tuner.run.study import Plan, Study
+
+INFINITE = float("inf")
 
 
 class FitSettings(StudySettings):
@@ -47,6 +49,17 @@ class FitSettings(StudySettings):
             raise ValueError(f"{self.filter} is a model and no filter; give --model {self.filter}")
         return self
 
+    @field_validator("model", mode="before")
+    @classmethod
+    def _infinite(cls, model: Any) -> Any:
+        """Results are JSON, which has no infinite numbers: there they are words."""
+        return _replaced(model, {"inf": INFINITE, "-inf": -INFINITE})
+
+    @field_serializer("model")
+    def _in_words(self, model: dict[str, Any] | None) -> dict[str, Any] | None:
+        found: dict[str, Any] | None = _replaced(model, {INFINITE: "inf", -INFINITE: "-inf"})
+        return found
+
     @field_serializer("filter")
     def _without_folder(self, filter: str | None) -> str | None:
         """Results and recipes are passed on, and hold no path of a machine."""
@@ -65,6 +78,15 @@ class FitSettings(StudySettings):
         """What the user decides of the problem."""
         objective, _ = in_order(self.objective, self.against)
         return Wishes(self.start, self.fix, self.bound, self.options, objective)
+
+
+def _replaced(value: Any, words: Mapping[Any, Any]) -> Any:
+    """A document with some of its values in other words."""
+    if isinstance(value, dict):
+        return {key: _replaced(each, words) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_replaced(each, words) for each in value]
+    return words.get(value, value) if isinstance(value, str | float) else value
 
 
 def channels(settings: FitSettings) -> Mapping[str, Channel]:
