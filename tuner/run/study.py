@@ -184,6 +184,8 @@ class Study:
         plan: from settings, recordings (none: its own data), seed and database URL to the plan.
         channels: what ``--map`` may name, nothing for any name; None if it takes no recording.
         truths: what ``--truth`` may name.
+        faults: what is wrong with settings that are well formed, and with mappings of channels and
+            of truths, a sentence each; None: that shows as it is planned.
     """
 
     name: str
@@ -193,6 +195,7 @@ class Study:
     plan: "Callable[[Any, tuple[Record, ...], int, str], Plan]"
     channels: "Callable[[Any], Mapping[str, Channel]] | None" = None
     truths: "Callable[[Any], Mapping[str, Channel]] | None" = None
+    faults: "Callable[[Any, Iterable[str], Iterable[str]], Iterable[str]] | None" = None
 
 
 def study_names() -> list[str]:
