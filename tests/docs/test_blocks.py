@@ -96,9 +96,9 @@ def test_models_can_be_read(text, tmp_path):
 
 
 @pytest.mark.parametrize("text", DESIGNS)
-def test_designs_can_be_planned(text, tmp_path, capfd):
-    (tmp_path / "design.toml").write_text(text)
-    assert invoke(["run", str(tmp_path / "design.toml"), "--dry-run"]) == 0
+def test_designs_can_be_planned(text, desk, capfd):
+    (desk / "design.toml").write_text(text)
+    assert invoke(["run", str(desk / "design.toml"), "--dry-run"]) == 0
     assert "would solve" in capfd.readouterr().out
 
 
