@@ -60,7 +60,8 @@ def desk(tmp_path, monkeypatch):
     np.savez("rest.npz", gyr=draw.standard_normal((600, 3)))
     rows = np.arange(200)
     walk = np.cumsum(draw.standard_normal(200))
-    _csv("level.csv", millis=100 * rows, pressure=101325 + walk, reference=101325 + 0.9 * walk)
+    pressure = 101325 + walk + draw.standard_normal(200)
+    _csv("level.csv", millis=100 * rows, pressure=pressure, reference=101325 + 0.9 * walk)
     heights = [f"{z:.2f}" if k % 5 == 0 else "" for k, z in enumerate(walk)]
     _csv("vario.csv", t_ms=20 * rows, acc_up=draw.standard_normal(200).round(3), height=heights)
     _csv("track.csv", t=rows, lat=48 + 1e-5 * walk, lon=11 + 1e-5 * walk, accuracy=3 + rows % 4)
@@ -96,9 +97,9 @@ def test_models_can_be_read(text, tmp_path):
 
 
 @pytest.mark.parametrize("text", DESIGNS)
-def test_designs_can_be_planned(text, tmp_path, capfd):
-    (tmp_path / "design.toml").write_text(text)
-    assert invoke(["run", str(tmp_path / "design.toml"), "--dry-run"]) == 0
+def test_designs_can_be_planned(text, desk, capfd):
+    (desk / "design.toml").write_text(text)
+    assert invoke(["run", str(desk / "design.toml"), "--dry-run"]) == 0
     assert "would solve" in capfd.readouterr().out
 
 
@@ -113,9 +114,14 @@ def test_readme_commands_run_one_after_another(desk):
     lines = [
         c for block in re.findall(r"```sh\n(.*?)```", text, re.DOTALL) for c in commands(block)
     ]
-    fits, others = lines[:4], lines[4:]
+    fits, own, others = lines[:4], lines[4:7], lines[7:]
     assert [line[0] for line in fits] == ["fit"] * 4
+    assert [line[0] for line in own] == ["init", "fit", "export"]
     assert [line[0] for line in others] == ["run", "export", "run", "compare"]
+    for line in own:
+        quick = ["--starts", "1", "--no-hold-out"] if line[0] == "fit" else []
+        assert invoke([*line, *quick]) == 0
+    assert "tuner.tuned/1" in Path("own.h").read_text()
     for line in fits:  # what noise alone makes of a filter may lie at a bound, which is 1
         assert invoke([*line, "--starts", "1", "--no-hold-out"]) in (0, 1)
     for line in others:

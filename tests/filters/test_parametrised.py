@@ -16,6 +16,7 @@ from filters import (
     Timed,
     TimedSample,
     Transition,
+    UnscentedKalman,
     assembled,
     channel_facts,
     parametrised,
@@ -169,6 +170,17 @@ def test_an_extended_filter_with_vectors():
     expected = robot_loop(z, u, 0.1, 0.05, 0.02, 0.4)
     # The textbook's update takes both coordinates at once: to rounding the same.
     np.testing.assert_allclose(np.stack([out.x, out.y, out.h], axis=1), expected, atol=1e-11)
+    points = parametrised(
+        UnscentedKalman(drive, spread, seen),
+        robot,
+        params=params,
+        measured={"gps": Channel("m", "position", ("x", "y"))},
+        known={"speed": Channel("m/s", "wheel speed"), "turn_rate": Channel("rad/s", "yaw rate")},
+        states=cls.states,
+    )
+    sigma = run(points(dt=0.1), points.params(*values), inputs)[1]
+    # Nearly linear over a step: sigma points and Jacobians differ by little.
+    assert abs(sigma.x - out.x).max() < 0.2
     record = tuner.Record.of(
         {"gps": z, "speed": u[:, 0], "turn_rate": u[:, 1]}, rate_hz=10.0, units={"gps": "m"}
     )

@@ -79,7 +79,7 @@ def test_settings_of_the_file_are_checked_like_those_of_the_command_line(cli, he
     (here / "my.toml").write_text("study = 'toy'\n[settings]\nstart = 3\n")
     code, _, err = cli("run", "my.toml")
     assert code == 2
-    assert err.startswith("tuner: unknown setting 'start'; did you mean starts?")
+    assert err.startswith("tuner: my.toml: unknown setting 'start'; did you mean starts?")
     assert not (here / "runs").exists()
 
 

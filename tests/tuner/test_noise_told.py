@@ -1,4 +1,4 @@
-"""Noise as variance, density and deviation, in data sheets' units, and units as they are written."""
+"""Noise as variance, density and deviation, in data sheets' units and as they are written."""
 
 import numpy as np
 import pytest

@@ -136,7 +136,7 @@ def _of_run(run: Path, request: Request) -> InUse:
             f"{run} is a run of {result.study} and not of tuner fit; give its filter and values "
             "with --filter NAME --set NAME=VALUE"
         )
-    refuse_code(result.settings, asked, run, f"tuner check {run}")
+    refuse_code({"settings": result.settings}, asked, run, f"tuner check {run}")
     settings = FitSettings.model_validate(result.settings | asked.settings())
     which = settings.which
     solutions = {(s.problem, s.solver): s.solution() for s in result.solutions}

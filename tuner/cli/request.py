@@ -7,8 +7,10 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from tuner.cli.settings import told
 from tuner.cli.which import Which, refuse_code
-from tuner.run.recipe import LogEntries, logs_beside, read_recipe
+from tuner.cli.whole import read_whole
+from tuner.run.recipe import LogEntries, logs_beside, read_document
 
 if TYPE_CHECKING:
     from tuner.data.record import Record
@@ -81,8 +83,10 @@ def from_toml(request: Request) -> tuple[Request, dict[str, Any]]:
     path = Path(request.study)
     if path.suffix != ".toml":
         return request, {}
-    recipe = read_recipe(path)
-    refuse_code(recipe.settings, request.which, path, f"tuner run {path}")
+    document = read_document(path)
+    refuse_code(document, request.which, path, f"tuner run {path}")
+    more = {**request.values, **request.which.settings(), **told(request.sets)}
+    recipe = read_whole(path, document, more)
     filled = replace(
         request,
         study=recipe.study,

@@ -35,18 +35,18 @@ class Which:
             return {}
         model = None
         if self.model is not None:
-            from tuner.run.chosen import models
+            from tuner.model import read_model
 
-            model = models().read_model(self.model)
+            model = read_model(self.model)
         sha256 = None if self.file is None else self.file.sha256
         return {"filter": self.filter, "filter_sha256": sha256, "model": model}
 
 
-def refuse_code(settings: Mapping[str, Any], which: Which, where: Path, command: str) -> None:
-    """Refuse settings out of a file that name a Python file, unless a person names one as well.
+def refuse_code(document: Mapping[str, Any], which: Which, where: Path, command: str) -> None:
+    """Refuse a file whose settings name a Python file, unless a person names one as well.
 
     Args:
-        settings: what the file holds.
+        document: what the file holds.
         which: what the command line names.
         where: the file, or its folder.
         command: what was asked for, such as ``tuner run study.toml``.
@@ -54,7 +54,8 @@ def refuse_code(settings: Mapping[str, Any], which: Which, where: Path, command:
     Raises:
         ValueError: with the way out.
     """
-    filter = settings.get("filter")
+    settings = document.get("settings")
+    filter = settings.get("filter") if isinstance(settings, Mapping) else None
     file = own_file(filter) if isinstance(filter, str) else None
     if file is not None and not which.named:
         raise ValueError(

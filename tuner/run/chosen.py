@@ -3,7 +3,6 @@
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from importlib import import_module
 from importlib.metadata import entry_points
 from os import PathLike
 from pathlib import Path
@@ -54,13 +53,17 @@ def chosen(model: Model, sha256: str | None = None) -> Chosen:
     if isinstance(model, type):
         return _of_class(model)
     if isinstance(model, Mapping):
-        cls: type[Any] = models().model_filter(model)
+        from tuner.model import model_filter
+
+        cls: type[Any] = model_filter(model)
         return Chosen(cls.__name__, cls, {"model": dict(model)})
     if not isinstance(model, str | PathLike):
         raise ValueError(_no_class(model))
     told = str(model)
     if told.endswith(".toml"):
-        return replace(chosen(models().read_model(Path(told))), home=Path(told).name)
+        from tuner.model import read_model
+
+        return replace(chosen(read_model(Path(told))), home=Path(told).name)
     file = own_file(told)
     if file is not None:
         settings = {"filter": told, "filter_sha256": file.sha256}
@@ -98,8 +101,3 @@ def _file_of(cls: type[Any]) -> OwnFile | None:
         return None
     path = Path(getattr(module, "__file__", None) or "")
     return OwnFile(path, cls.__qualname__) if path.suffix == ".py" and path.is_file() else None
-
-
-def models() -> Any:
-    """What makes filters of models, loaded when the first one is met."""
-    return import_module("tuner.model")

@@ -1,14 +1,19 @@
 """The one generic study: any filter that declares its facts, on a user's own recordings."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import fields
 from typing import Any
 
-from pydantic import Field, field_serializer, model_validator
+from pydantic import Field, field_serializer, field_validator, model_validator
 
-from filters.declared import Channel, channel_facts
+from filters.declared import Channel, channel_facts, parameter_facts
+from tuner.catalogue import names
 from tuner.data.record import Record
 from tuner.export.tuned import Tuned
+from tuner.names import unknown
+from tuner.problem.facts import check_facts
 from tuner.run.at_rate import AtRate, filter_at_rate
+from tuner.run.careful import NAMES
 from tuner.run.chosen import Chosen, chosen
 from tuner.run.fit import Request, asked_for, plan_fit, pose_on
 from tuner.run.front import in_order, posed_against
@@ -17,6 +22,9 @@ from tuner.run.parting import HeldOutBy
 from tuner.run.searched import Wishes
 from tuner.run.settings import StudySettings
 from tuner.run.study import Plan, Study
+from tuner.solvers import SOLVERS
+
+INFINITE = float("inf")
 
 
 class FitSettings(StudySettings):
@@ -49,6 +57,17 @@ class FitSettings(StudySettings):
             raise ValueError(f"{self.filter} is a model and no filter; give --model {self.filter}")
         return self
 
+    @field_validator("model", mode="before")
+    @classmethod
+    def _infinite(cls, model: Any) -> Any:
+        """Results are JSON, which has no infinite numbers: there they are words."""
+        return _replaced(model, {"inf": INFINITE, "-inf": -INFINITE})
+
+    @field_serializer("model")
+    def _in_words(self, model: dict[str, Any] | None) -> dict[str, Any] | None:
+        found: dict[str, Any] | None = _replaced(model, {INFINITE: "inf", -INFINITE: "-inf"})
+        return found
+
     @field_serializer("filter")
     def _without_folder(self, filter: str | None) -> str | None:
         """Results and recipes are passed on, and hold no path of a machine."""
@@ -69,6 +88,15 @@ class FitSettings(StudySettings):
         return Wishes(self.start, self.fix, self.bound, self.options, objective)
 
 
+def _replaced(value: Any, words: Mapping[Any, Any]) -> Any:
+    """A document with some of its values in other words."""
+    if isinstance(value, dict):
+        return {key: _replaced(each, words) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_replaced(each, words) for each in value]
+    return words.get(value, value) if isinstance(value, str | float) else value
+
+
 def channels(settings: FitSettings) -> Mapping[str, Channel]:
     """What ``--map`` may name: the filter's inputs."""
     return channel_facts(settings.which.cls, "inputs")
@@ -76,8 +104,46 @@ def channels(settings: FitSettings) -> Mapping[str, Channel]:
 
 def truths(settings: FitSettings) -> Mapping[str, Channel]:
     """What ``--truth`` may name: the filter's outputs that can be compared."""
-    outputs = channel_facts(settings.which.cls, "outputs")
+    return _compared(settings.which.cls)
+
+
+def _compared(cls: type[Any]) -> dict[str, Channel]:
+    outputs = channel_facts(cls, "outputs")
     return {name: fact for name, fact in outputs.items() if fact.kind != "detail"}
+
+
+def faults(settings: FitSettings, maps: Iterable[str], truths: Iterable[str]) -> Iterator[str]:
+    """The names in a fit's recipe that nothing has, with the near ones."""
+    solvers, objectives = SOLVERS, names("tuner.objectives")
+    if settings.solver not in solvers:
+        yield str(unknown("solver", settings.solver, solvers))
+    for objective in (settings.objective, settings.against):
+        if objective is not None and objective not in objectives:
+            yield str(unknown("objective", objective, objectives))
+    try:
+        which = settings.which
+        check_facts(which.cls)
+    except ValueError as error:
+        yield str(error)
+        return
+    named = {part: list(getattr(settings, part)) for part in ("start", "fix", "bound")}
+    for part, given in named.items():
+        yield from _strangers(part, "parameter", given, parameter_facts(which.cls))
+    options = {each.name for each in fields(which.cls)} - {"dt"} | {*NAMES}
+    yield from _strangers("options", f"option of {which.name}", settings.options, options)
+    yield from _strangers("log.map", "channel", _mapped(maps), channels(settings))
+    yield from _strangers("log.truth", "output", _mapped(truths), _compared(which.cls))
+
+
+def _strangers(
+    where: str, kind: str, given: Iterable[str], known: Collection[str]
+) -> Iterator[str]:
+    return (f"{where}: {unknown(kind, name, known)}" for name in given if name not in known)
+
+
+def _mapped(mappings: Iterable[str]) -> list[str]:
+    """The names before the "=" of mappings."""
+    return [name.strip() for text in mappings for name in str(text).partition("=")[0].split(",")]
 
 
 def plan(settings: FitSettings, records: tuple[Record, ...], seed: int, storage: str) -> Plan:
@@ -111,4 +177,5 @@ STUDY = Study(
     channels=channels,
     truths=truths,
     at_rate=at_rate,
+    faults=faults,
 )

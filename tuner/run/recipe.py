@@ -12,6 +12,8 @@ from tuner.data.source import file_digest
 from tuner.names import unknown
 
 LARGEST_SEED = 2**31 - 1
+LARGEST_FILE = 10_000_000
+"""Bytes of a study.toml."""
 
 
 class _Entries(BaseModel):
@@ -117,16 +119,32 @@ def read_recipe(path: Path) -> Recipe:
         ValueError: where the file is not one, or names what a study.toml does not have.
     """
     try:
-        return Recipe.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
+        return Recipe.model_validate(read_document(path))
+    except ValidationError as error:
+        raise ValueError(f"{path.name} is no study.toml: {'; '.join(faults_of(error))}") from None
+
+
+def read_document(path: Path) -> dict[str, Any]:
+    """What a study.toml holds, not looked at yet.
+
+    Raises:
+        ValueError: for a file that is not there, is too large, or is no TOML.
+    """
+    try:
+        if path.stat().st_size > LARGEST_FILE:
+            raise ValueError(f"it has more than {LARGEST_FILE} bytes; a study.toml is small")
+        return tomllib.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise ValueError(f"{path} is not there; name a study or a study.toml") from None
     except OSError as error:
         raise ValueError(f"{path} cannot be read: {error.strerror}") from None
-    except ValidationError as error:
-        told = "; ".join(dict.fromkeys(map(_fault, error.errors())))
-        raise ValueError(f"{path.name} is no study.toml: {told}") from None
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise ValueError(f"{path.name} is no study.toml: {error}") from None
+
+
+def faults_of(error: ValidationError) -> list[str]:
+    """All that is wrong with a recipe, each once."""
+    return [*dict.fromkeys(map(_fault, error.errors()))]
 
 
 def _fault(error: Mapping[str, Any]) -> str:

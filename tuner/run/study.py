@@ -188,6 +188,8 @@ class Study:
         truths: what ``--truth`` may name.
         at_rate: from settings, what is exported, another rate and the parameters that are densities
             times the rate to the same filter at that rate; None where there is no other rate.
+        faults: what is wrong with settings that are well formed, and with mappings of channels and
+            of truths, a sentence each; None: that shows as it is planned.
     """
 
     name: str
@@ -198,6 +200,7 @@ class Study:
     channels: "Callable[[Any], Mapping[str, Channel]] | None" = None
     truths: "Callable[[Any], Mapping[str, Channel]] | None" = None
     at_rate: "Callable[[Any, Tuned, float, Collection[str]], AtRate] | None" = None
+    faults: "Callable[[Any, Iterable[str], Iterable[str]], Iterable[str]] | None" = None
 
 
 def study_names() -> list[str]:
