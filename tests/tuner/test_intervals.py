@@ -223,3 +223,26 @@ def test_of_two_variances_whose_sum_is_known_each_is_below_it():
         assert low == 0.0
         # The mean of 500 squares has a deviation of sqrt(2 / 500); 1.645 of them to one side.
         assert high == pytest.approx(total * (1 + 1.645 * np.sqrt(2 / 500)), rel=0.03)
+
+
+def shown(v):
+    return jnp.stack([jnp.log(v["a"]), jnp.log(v["b"])])
+
+
+def bowl(point, _):
+    return 10.0 + (point[0] - 0.3) ** 2 + (point[0] + point[1]) ** 2
+
+
+def test_of_a_long_record_the_ends_of_a_cost_lie_on_the_ridge(monkeypatch):
+    space = Space.of(a=Positive(0.5, 0.01, 100.0), b=Positive(0.5, 0.01, 100.0))
+    problem = Problem("bowl", space, None, shown, bowl)
+    full = Gradient("l-bfgs-b", seed=0, starts=1)(problem).parameters["a"].interval
+    monkeypatch.setattr("tuner.certificate.profile.LONG", -1)
+    monkeypatch.setattr(
+        "tuner.certificate.profile._Profile._followed",
+        lambda *_: pytest.fail("the others are moved"),
+    )
+    short = Gradient("l-bfgs-b", seed=0, starts=1)(problem).parameters["a"].interval
+    reach = 0.1**0.5  # (ln a - 0.3)^2 = 0.1, where ln b = -ln a
+    np.testing.assert_allclose(np.log(full), [0.3 - reach, 0.3 + reach], atol=2e-3)
+    np.testing.assert_allclose(short, full, rtol=2e-3)
