@@ -10,6 +10,8 @@ from tuner.run.figure import Chart, Figure, Line
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
+    from matplotlib.lines import Line2D
+    from matplotlib.transforms import Bbox
 
 MANY = 6
 """A legend of more entries than this stands beside the axes."""
@@ -57,13 +59,28 @@ def picture(figure: Figure) -> bytes:
 
 
 def _explain(canvas: "Canvas", axes: "Axes") -> None:
-    """The legend: where it covers least, or beside the axes if it would cover much anywhere."""
+    """The legend: within the axes where it covers no curve, or else beside them."""
     entries = len(axes.get_legend_handles_labels()[0])
     if entries > MANY:
         canvas.legend(fontsize=8, loc="outside right upper")
     elif entries:
         # Left to its default, which is the same, matplotlib warns where finding it took a second.
-        axes.legend(fontsize=8, framealpha=0.9, loc="best")
+        legend = axes.legend(fontsize=8, framealpha=0.9, loc="best")
+        if axes.collections:  # a map's right side is its colours'
+            return
+        canvas.draw_without_rendering()
+        box = legend.get_window_extent()
+        if any(_covered(line, box) for line in axes.lines):
+            legend.remove()
+            axes.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def _covered(line: "Line2D", box: "Bbox") -> bool:
+    """Whether a box on the picture covers some of a curve, or one of a row of points."""
+    drawn = line.get_transform().transform_path(line.get_path())
+    if line.get_linestyle() == "None":
+        return bool(box.count_contains(drawn.vertices))
+    return bool(drawn.intersects_bbox(box, filled=False))
 
 
 def _draw_chart(chart: Chart, axes: "Axes") -> None:
