@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 MANY = 6
 """A legend of more entries than this stands beside the axes."""
+FEW = 50
+"""So many points at most are drawn large."""
 WIDTH = 0.7
 """Share of the distance between numbers over which the points of several lines spread."""
 
@@ -115,7 +117,8 @@ def _draw_lines(lines: tuple[Line, ...], axes: "Axes", *, on_map: bool) -> None:
             axes.plot(line.x, line.y, "--", label=line.label, color="0.4", lw=1.0, zorder=3)
             continue
         if line.drawn == "points":
-            axes.plot(line.x, line.y, "os^Dv"[i % 5], label=line.label, ms=2.5, alpha=0.7)
+            size = 2.5 if np.size(line.x) > FEW else 5.0
+            axes.plot(line.x, line.y, "os^Dv"[i % 5], label=line.label, ms=size, alpha=0.7)
             continue
         # Thinner dashes over thicker lines: curves that coincide all stay visible.
         style = "o" if np.size(line.x) == 1 else ("-", "--", ":", "-.")[i % 4]
