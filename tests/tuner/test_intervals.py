@@ -233,11 +233,11 @@ def bowl(point, _):
     return 10.0 + (point[0] - 0.3) ** 2 + (point[0] + point[1]) ** 2
 
 
-def test_of_a_long_record_the_ends_of_a_cost_lie_on_the_ridge(monkeypatch):
+def test_of_many_numbers_the_ends_of_a_cost_lie_on_the_ridge(monkeypatch):
     space = Space.of(a=Positive(0.5, 0.01, 100.0), b=Positive(0.5, 0.01, 100.0))
     problem = Problem("bowl", space, None, shown, bowl)
     full = Gradient("l-bfgs-b", seed=0, starts=1)(problem).parameters["a"].interval
-    monkeypatch.setattr("tuner.certificate.profile.LONG", -1)
+    monkeypatch.setattr("tuner.certificate.profile.MANY", {"cost": 2})
     monkeypatch.setattr(
         "tuner.certificate.profile._Profile._followed",
         lambda *_: pytest.fail("the others are moved"),

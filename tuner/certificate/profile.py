@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import jax
 import numpy as np
 
 from tuner.certificate.certify import TENFOLD
@@ -12,11 +11,9 @@ from tuner.problem.problem import Problem
 
 INNER = {"likelihood": 6}
 """Steps of the other parameters towards their best, at each point of a profile; of a cost, 2."""
-MANY = 8
-"""From so many coordinates on, the others follow along the ridge of the quadratic model alone."""
-LONG = 1_000_000
-"""Of a cost of so many numbers of data they follow the ridge as well: to move the others at each
-point would cost many times what the search did. The ends are evaluated all the same."""
+MANY = {"likelihood": 8}
+"""From so many coordinates on, of a cost from 3 on, the others follow along the ridge of the
+quadratic model alone: to move them at each point would cost many times what the search did."""
 APART = 24
 """Points at which a coordinate that hardly matters is tried anew."""
 PRECISION = 1e-3
@@ -152,18 +149,12 @@ class _Profile:
             near.z + self.ridge * (coordinate - near.z[self.held]), *self.problem.space.box()
         )
         start[self.held] = coordinate
-        if not self.others.any() or len(start) > MANY or self._long():
+        if not self.others.any() or len(start) >= MANY.get(self.yard.kind, 3):
             return self._measured(start)
         point = self._followed(start)
         if len(self.idle):
             point = self._from_afar(point)
         return self._measured(point)
-
-    def _long(self) -> bool:
-        """Whether to move the others at every point would take too long."""
-        if self.yard.kind == "likelihood":
-            return False
-        return sum(np.size(leaf) for leaf in jax.tree.leaves(self.problem.data.inputs)) > LONG
 
     def _from_afar(self, point: np.ndarray) -> np.ndarray:
         """The point with what hardly matters at the best tried anew all through its range.
