@@ -458,9 +458,10 @@ def test_a_truth_that_does_not_fit():
         posed(linear(), objective=mean_square, data=tuner.Data(nine(), np.zeros((9, 3))))
     for word in ("the objective mean_square on LinearKalman", "(9, 3)", "compare the shapes"):
         assert word in str(caught.value)
+    build = linear(H=jnp.ones((2, 2)), R=jnp.ones(2))
+    data = tuner.Data(Measurement(jnp.zeros((9, 2))), np.zeros((9, 3)))
     with pytest.raises(ValueError, match=r"the objective InnovationLikelihood on LinearKalman"):
-        build = linear(H=jnp.ones((2, 2)), R=jnp.ones(2))
-        posed(build, data=tuner.Data(Measurement(jnp.zeros((9, 2))), np.zeros((9, 3))))
+        posed(build, data=data)
     with pytest.raises(ValueError, match="returns one Array .* and one number is needed"):
         posed(linear(), objective=lambda outputs, truth: outputs.x, data=tuner.Data(nine(), two))
 
