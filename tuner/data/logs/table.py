@@ -1,7 +1,8 @@
 """A log file as every format presents it: named raw columns that load on demand."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping as Mapping_
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -20,26 +21,46 @@ def array_row(row: int) -> str:
 
 
 @dataclass(frozen=True)
+class Loaded:
+    """Columns as they were read.
+
+    Attributes:
+        raw: the arrays by name.
+        notes: what was found and done, a sentence each.
+    """
+
+    raw: dict[str, Raw]
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Table:
     """The columns of one file before anything is mapped.
 
     Attributes:
         file: name of the file without its folder, for the sentences.
         names: the columns (and scalars) in the order of the file, each once.
-        load: reads the named ones; scalars come as arrays of size 1.
+        load: reads the named ones; scalars come as arrays of size 1. What is to be said of them
+            comes with them as a :class:`Loaded`.
         place: where a row, counted from 0, stands in the file: ``line 7``.
         numbered: columns may also be named by their number, from 1.
         texts: the columns that are known to hold text.
         labels: reads one column as text, ``(N,)`` of str, where the format knows a way.
+        moments: the columns that hold dates or times of day; they are loaded as bytes.
+        units: what the file itself says of its columns.
+        part: the table of the rows that have a word in a column, where the format knows a way.
     """
 
     file: str
     names: tuple[str, ...]
-    load: Callable[[Sequence[str]], dict[str, Raw]]
+    load: Callable[[Sequence[str]], dict[str, Raw] | Loaded]
     place: Callable[[int], str] = array_row
     numbered: bool = False
     texts: frozenset[str] = frozenset()
     labels: Callable[[str], Raw] | None = None
+    moments: frozenset[str] = frozenset()
+    units: Mapping_[str, str] = field(default_factory=dict)
+    part: "Callable[[str, str], Table] | None" = None
 
     def find(self, mapping: Mapping) -> Mapping | None:
         """The mapping with its column as the file names it; None where there is none.

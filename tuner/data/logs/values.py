@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from tuner.data.logs.error import LogError, counted, suggest
 from tuner.data.logs.mapping import Mapping
-from tuner.data.logs.table import Floats, Raw, Table
+from tuner.data.logs.table import Floats, Loaded, Raw, Table
 
 _EXACT = 1 << 53
 _HUGE = 1e150
@@ -30,10 +30,12 @@ class Columns:
     Attributes:
         table: where they come from.
         raw: the arrays by name, with samples along the first axis; scalars of size 1.
+        notes: what was found and done as they were read.
     """
 
     table: Table
     raw: dict[str, Raw]
+    notes: tuple[str, ...] = ()
 
     def error(self, mapping: Mapping, rest: str) -> LogError:
         """A sentence about one mapping."""
@@ -49,7 +51,7 @@ class Columns:
         }
         place = self.table.place
         table = replace(self.table, place=lambda row: place(int(rows[row])))
-        return Columns(table, raw)
+        return Columns(table, raw, self.notes)
 
 
 def load_columns(table: Table, mappings: Iterable[Mapping], extra: Iterable[str]) -> Columns:
@@ -63,7 +65,9 @@ def load_columns(table: Table, mappings: Iterable[Mapping], extra: Iterable[str]
         names[mapping.column] = None
         if isinstance(mapping.factor, str) and mapping.factor in table.names:
             names[mapping.factor] = None
-    return Columns(table, table.load(tuple(names)))
+    found = table.load(tuple(names))
+    loaded = found if isinstance(found, Loaded) else Loaded(found)
+    return Columns(table, loaded.raw, loaded.notes)
 
 
 def pick(columns: Columns, mapping: Mapping) -> Raw:
