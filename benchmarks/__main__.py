@@ -9,7 +9,18 @@ from pathlib import Path
 
 from rich.console import Console
 
-from benchmarks import accuracy, batch, cliff, equations, extended, others, single, startup, tanaka
+from benchmarks import (
+    accuracy,
+    batch,
+    cliff,
+    equations,
+    extended,
+    others,
+    single,
+    startup,
+    tanaka,
+    unscented,
+)
 from benchmarks.baseline import Baseline, NoCompilerError, baseline
 from benchmarks.machine import machine
 from benchmarks.page import page
@@ -64,6 +75,7 @@ def _measure(work: Work, limit: Baseline | None, said: Console) -> list[Row]:
         "accuracy": lambda: accuracy.rows(work, limit),
         "compilation and start": lambda: startup.rows(work),
         "the extended filter": lambda: extended.rows(limit),
+        "the unscented filter": unscented.rows,
         "equations": equations.rows,
         "Tanaka's regression": tanaka.rows,
         "the loop option": lambda: cliff.rows(work),

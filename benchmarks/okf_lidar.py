@@ -25,7 +25,8 @@ from rich.table import Table
 
 from filters import Estimate, LinearKalman, LinearModel, Sample, Transition
 from objectives import ChannelRmse, Data, InnovationLikelihood
-from tuner.certificate.solution import Solution, TunedParameter, range_in_words
+from tuner.certificate.solution import Solution, TunedParameter
+from tuner.certificate.table import range_in_words
 from tuner.problem.parameters import Covariance, Fixed, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.space import Space

@@ -39,6 +39,7 @@ SPANS = (
 )
 """Of jackpot_2: port errors to 46 m from the ejection on, to 575 m from burnout on."""
 WAYS: Mapping[str, Mapping[str, Any]] = {
+    "stretches 4": {"stretches": 4},
     "gate 4, patience 2": {"gate": 4, "patience": 2},
     "gate 4, patience 3": {"gate": 4, "patience": 3},
     "gate 4, patience 10": {"gate": 4},
@@ -104,8 +105,8 @@ def fitted(
         solver="nelder-mead",
     )
     q, R = (float(fit.solution.parameters[name].value) for name in ("q", "R"))
-    said = "" if fit.judged.refused is None else fit.judged.refused.words
-    return Row(span, way, q, R, fit.solution.status.value, said)
+    told = [each.words for each in (fit.judged.left_out, fit.judged.refused) if each is not None]
+    return Row(span, way, q, R, fit.solution.status.value, "; ".join(told))
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -125,6 +125,7 @@ from filters.local_level import (  # noqa: E402
     LocalLevelOutputs,
 )
 from filters.measured import measured  # noqa: E402
+from filters.parametrised import parametrised  # noqa: E402
 from filters.pi_complementary import (  # noqa: E402
     PiComplementary,
     PiGains,
@@ -149,6 +150,7 @@ from filters.tilt_euler import (  # noqa: E402
     tilt_transition,
 )
 from filters.timed import Timed, TimedSample  # noqa: E402
+from filters.unscented import UnscentedKalman  # noqa: E402
 from filters.varying_noise import channel_noise, level_noise  # noqa: E402
 from filters.vertical import (  # noqa: E402
     Vertical,
@@ -258,6 +260,7 @@ __all__ = [
     "TimedSample",
     "Transition",
     "Uncertainty",
+    "UnscentedKalman",
     "VelocityNoise",
     "Vertical",
     "VerticalNoise",
@@ -288,6 +291,7 @@ __all__ = [
     "optional",
     "output",
     "parameter_facts",
+    "parametrised",
     "predict",
     "regression",
     "riccati_flow",

@@ -17,6 +17,7 @@ _ALPHA = Param(
     high=1.0,
     smaller="smooths more",
     larger="follows the measurements closer",
+    per_sample=True,
 )
 _BETA = Param(
     "",
@@ -26,6 +27,7 @@ _BETA = Param(
     high=2.0,
     smaller="lags more when the velocity changes",
     larger="follows faster and overshoots",
+    per_sample=True,
 )
 _Z = {"z": Channel("unit", "measured position")}
 _POSITION = Channel("unit", "estimated position; 0 before the first measurement")
@@ -57,6 +59,7 @@ class AlphaBetaGammaGains(NamedTuple):
             high=2.0,
             smaller="lags more when the acceleration changes",
             larger="follows faster; unstable from 4 alpha beta / (2 - alpha) on",
+            per_sample=True,
         ),
     ]
 

@@ -36,6 +36,7 @@ class AttitudeNoise(NamedTuple):
             high=1e-1,
             smaller="gyroscopes are trusted more",
             larger="the attitude follows the accelerometers faster",
+            sensor="gyroscope",
         ),
     ]
     bias: Annotated[
@@ -48,6 +49,7 @@ class AttitudeNoise(NamedTuple):
             high=1e-3,
             smaller="the bias is taken as constant",
             larger="the bias follows faster, accelerations too",
+            sensor="gyroscope bias",
         ),
     ]
     accelerometer: Annotated[

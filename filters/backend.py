@@ -9,6 +9,9 @@ from functools import cache
 
 LOOP_OPTION = "xla_cpu_small_while_loop_byte_threshold"
 _FLAG = "--xla_backend_extra_options="
+FUSION = "--xla_cpu_experimental_ynn_fusion_type"
+"""Which operations XLA hands to the YNN library; such a fusion keeps the loop that holds it from
+being compiled as a whole: from seven states on in a gradient, from nine in a value."""
 
 
 class LoopOption(Enum):
@@ -30,7 +33,8 @@ def prepare(environment: MutableMapping[str, str]) -> LoopOption:
 
     XLA compiles a loop into one native loop only where the loop's state is below
     1 kB; every larger scan is interpreted operation by operation, 10 to 100 times
-    slower. The threshold is read once, when the backend starts.
+    slower. The threshold is read once, when the backend starts. Nor is a loop that
+    holds a fusion of the YNN library, so there are none.
 
     Args:
         environment: where ``XLA_FLAGS`` is read and written.
@@ -63,11 +67,15 @@ def prepare(environment: MutableMapping[str, str]) -> LoopOption:
 def with_loop_option(flags: str) -> str:
     """Add the loop option to the text of ``XLA_FLAGS``, beside what is there already.
 
-    >>> with_loop_option("--xla_foo=1")
-    '--xla_foo=1 --xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=1000000000'
+    >>> with_loop_option("--xla_foo=1").split()[:2]
+    ['--xla_foo=1', '--xla_cpu_experimental_ynn_fusion_type=']
+    >>> with_loop_option("--xla_foo=1").split()[2]
+    '--xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=1000000000'
     """
     ours = f"{LOOP_OPTION}=1000000000"
     words = flags.split()
+    if FUSION not in flags:
+        words.append(f"{FUSION}=")
     # XLA keeps the last occurrence of a flag, so ours has to join a list that is there already.
     for i, word in reversed(list(enumerate(words))):
         if word.startswith(_FLAG):

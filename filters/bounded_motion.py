@@ -78,6 +78,7 @@ class BoundedMotionNoise(NamedTuple):
             high=1e1,
             smaller="accelerometers are trusted more",
             larger="gyroscopes are trusted more",
+            sensor="accelerometer",
         ),
     ]
     gyroscope: Annotated[
@@ -90,6 +91,7 @@ class BoundedMotionNoise(NamedTuple):
             high=1e-1,
             smaller="gyroscopes are trusted more",
             larger="accelerometers are trusted more",
+            sensor="gyroscope",
         ),
     ]
     turning: Annotated[
@@ -114,6 +116,7 @@ class BoundedMotionNoise(NamedTuple):
             high=1e-1,
             smaller="the bias is taken as constant",
             larger="the bias follows faster",
+            sensor="gyroscope bias",
         ),
     ]
     matrix0: Annotated[

@@ -21,6 +21,12 @@ Kind: TypeAlias = Literal["number", "angle", "attitude", "detail"]
 angle between quaternions; a detail is not compared with a truth at all."""
 
 
+Sensor: TypeAlias = Literal[
+    "", "gyroscope", "gyroscope bias", "accelerometer", "accelerometer bias"
+]
+"""Of which sensor a parameter is the noise density, or the density of its bias's drift; in SI."""
+
+
 class Param(NamedTuple):
     """A parameter of a filter.
 
@@ -34,6 +40,8 @@ class Param(NamedTuple):
         larger: what a larger value does.
         shape: of what the filter takes; a single number fills it.
         channel: the optional input that it belongs to; without that it idles, and is not tuned.
+        sensor: whose noise density it is, or its root, so that it can be told as data sheets do.
+        per_sample: whether it belongs to one sample time, and at another rate means something else.
     """
 
     unit: str
@@ -45,6 +53,8 @@ class Param(NamedTuple):
     larger: str = ""
     shape: tuple[int, ...] = ()
     channel: str = ""
+    sensor: Sensor = ""
+    per_sample: bool = False
 
 
 class Channel(NamedTuple):

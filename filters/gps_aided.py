@@ -93,6 +93,7 @@ class GpsAidedNoise(NamedTuple):
             high=1e-1,
             smaller="the bias is taken as constant",
             larger="the bias follows faster",
+            sensor="gyroscope bias",
         ),
     ]
     floor_quaternion: Annotated[

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
+from filters.angles import wrapped
 from filters.ins_motion import POSITION, SIZE, TURN, VELOCITY, Motion, matrix
 from filters.kalman import Estimate, update_large
 from filters.rotation import cross
@@ -114,13 +115,3 @@ def taken(P: Array, aids: Sequence[Aid | None]) -> Brought:
         found.append((new.value, new.variance))
     innovation, variance = (jnp.stack(part) for part in zip(*found, strict=True))
     return Brought(estimate.x, estimate.P, innovation, variance)
-
-
-def wrapped(angle: Array) -> Array:
-    """An angle within half a turn.
-
-    >>> wrapped(jnp.array(5.0)).round(3).item()
-    -1.283
-    """
-    turn = 2 * jnp.pi
-    return angle - turn * jnp.round(angle / turn)

@@ -28,6 +28,7 @@ class InsNoise(NamedTuple):
             high=1.0,
             smaller=_LESS_GYR,
             larger="the attitude follows the aiding faster, with its noise",
+            sensor="gyroscope",
         ),
     ]
     q_acc: Annotated[
@@ -40,6 +41,7 @@ class InsNoise(NamedTuple):
             high=1e3,
             smaller=_LESS_ACC,
             larger="the velocity follows the aiding faster, with its noise",
+            sensor="accelerometer",
         ),
     ]
     q_gyr_bias: Annotated[
@@ -52,6 +54,7 @@ class InsNoise(NamedTuple):
             high=1e-2,
             smaller="the bias settles",
             larger="the bias follows what looks like one",
+            sensor="gyroscope bias",
         ),
     ]
     q_acc_bias: Annotated[
@@ -64,6 +67,7 @@ class InsNoise(NamedTuple):
             high=1e2,
             smaller="the bias settles",
             larger="the bias follows what looks like one",
+            sensor="accelerometer bias",
         ),
     ]
     R_gps: Annotated[

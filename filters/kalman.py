@@ -47,7 +47,16 @@ def predict(estimate: Estimate, F: Array, W: Array) -> Estimate:
         estimate: the estimate after the last measurement.
         F: transition matrix, ``(n, n)``.
         W: covariance of the noise that enters in this step, ``(n, n)``.
+
+    Raises:
+        ValueError: for a covariance of another shape, which would be added to every entry.
     """
+    if jnp.shape(W) != estimate.P.shape:
+        needed = estimate.P.shape
+        raise ValueError(
+            f"the covariance of the noise has shape {jnp.shape(W)}, and {needed} is needed; of a "
+            f"number q that is q * jnp.eye({needed[0]})"
+        )
     P = matmul(matmul(F, estimate.P), F.T) + W
     return Estimate(matmul(F, estimate.x), (P + P.T) / 2)
 

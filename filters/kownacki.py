@@ -47,6 +47,7 @@ class KownackiNoise(NamedTuple):
             high=1e9,
             smaller="the output is smoother and lags",
             larger="the output follows the measurements",
+            per_sample=True,
         ),
     ]
     P0: Annotated[
@@ -213,6 +214,7 @@ class FixedGains(NamedTuple):
             high=1.0,
             smaller="the output is smoother and lags",
             larger="the output follows the measurements",
+            per_sample=True,
         ),
     ]
     K2: Annotated[
@@ -225,6 +227,7 @@ class FixedGains(NamedTuple):
             high=1e3,
             smaller="the derivative is smoother and lags",
             larger="the derivative follows the measurements",
+            per_sample=True,
         ),
     ]
 

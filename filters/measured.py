@@ -171,29 +171,23 @@ def _taken_away(
     holes = [np.zeros((len(numbers), leaf[0].size), bool) for leaf in leaves]
     for row, (i, entry) in enumerate(numbers):
         holes[i][row, entry] = True
-    left = np.asarray(
-        _without(filter, params, inputs, jnp.asarray(at), tuple(map(jnp.asarray, holes)))
-    )
+    before = _state(filter, params, jax.tree.map(lambda leaf: leaf[:at], inputs))
+    sample = jax.tree.map(lambda leaf: leaf[at], inputs)
+    left = np.asarray(_without(filter, params, before, sample, tuple(map(jnp.asarray, holes))))
     return [(number, left[row] == 0) for row, number in enumerate(numbers)]
 
 
 @_quickly
+def _state(filter: AnyFilter, params: Any, inputs: Any) -> Any:
+    return run(filter, params, inputs)[0]
+
+
+@_quickly
 def _without(
-    filter: AnyFilter, params: Any, inputs: Any, at: Array, holes: tuple[Array, ...]
+    filter: AnyFilter, params: Any, before: Any, sample: Any, holes: tuple[Array, ...]
 ) -> Array:
     """Variances at a sample with each of the holes, ``(B, m)``."""
-
-    def through(
-        carry: tuple[Any, Any], numbered: tuple[Array, Any]
-    ) -> tuple[tuple[Any, Any], None]:
-        (state, kept), (k, sample) = carry, numbered
-        kept = jax.tree.map(lambda old, new: jnp.where(k == at, new, old), kept, state)
-        return (filter.step(params, state, sample)[0], kept), None
-
-    start = filter.init(params)
-    count = jnp.arange(jax.tree.leaves(inputs)[0].shape[0])
-    (_, before), _ = jax.lax.scan(through, (start, start), (count, inputs))
-    leaves, tree = jax.tree.flatten(jax.tree.map(lambda leaf: leaf[at], inputs))
+    leaves, tree = jax.tree.flatten(sample)
 
     def variances(holes: tuple[Array, ...]) -> Array:
         made = [

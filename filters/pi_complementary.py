@@ -36,6 +36,7 @@ class VelocityNoise(NamedTuple):
             high=1e3,
             smaller="the velocity follows the accelerometers",
             larger="the velocity follows the airspeed",
+            per_sample=True,
         ),
     ]
     R_k: Annotated[Array, Param("m^2/s^2", "variance of the airspeed", typical=1.0)]

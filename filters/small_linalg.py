@@ -121,3 +121,35 @@ def _eliminate(k: Array, work: Array) -> Array:
     factor = jnp.where(rows == chosen, column[k], column)
     swapped = jnp.where((rows == chosen)[:, None], own, work)
     return jnp.where((rows == k)[:, None], row, swapped - factor[:, None] * row)
+
+
+def semidefinite_root(P: Array) -> Array:
+    """The lower triangular root of a covariance, ``P = root root'``, also where it is singular.
+
+    Cholesky's factorisation, with a column of zeros where rounding alone is left of a variance.
+
+    Args:
+        P: ``(n, n)``, symmetric, positive semi-definite.
+
+    Returns:
+        ``(n, n)``. Its derivatives are finite everywhere; where a column is 0 they are 0 as well.
+
+    >>> semidefinite_root(jnp.array([[4.0, 2.0], [2.0, 1.0]])).tolist()
+    [[2.0, 0.0], [1.0, 0.0]]
+    """
+    n = P.shape[0]
+    rows = jnp.arange(n)
+    least = 8 * n * jnp.finfo(P.dtype).eps * jnp.diagonal(P)
+
+    def column(j: Array, work: tuple[Array, Array]) -> tuple[Array, Array]:
+        left, root = work
+        own = jax.lax.dynamic_index_in_dim(left, j, 1, keepdims=False)
+        pivot = jax.lax.dynamic_index_in_dim(own, j, 0, keepdims=False)
+        there = pivot > jax.lax.dynamic_index_in_dim(least, j, 0, keepdims=False)
+        over = jnp.where(there, 1 / jnp.sqrt(jnp.where(there, pivot, 1.0)), 0.0)
+        found = jnp.where(rows >= j, own, 0.0) * over
+        root = jax.lax.dynamic_update_index_in_dim(root, found, j, 1)
+        return left - jnp.outer(found, found), root
+
+    found: Array = jax.lax.fori_loop(0, n, column, (P, jnp.zeros_like(P)))[1]
+    return found

@@ -79,6 +79,7 @@ class TiltNoise(NamedTuple):
             high=1.0,
             smaller="a disturbance is forgotten sooner",
             larger="a disturbance is distrusted longer",
+            per_sample=True,
         ),
     ]
     alpha2: Annotated[

@@ -44,6 +44,7 @@ class VerticalNoise(NamedTuple):
             high=1e3,
             smaller="trusts the accelerometer",
             larger="follows the barometer",
+            sensor="accelerometer",
         ),
     ]
     q_bias: Annotated[
@@ -56,6 +57,7 @@ class VerticalNoise(NamedTuple):
             high=1.0,
             smaller="keeps the offset once found",
             larger="lets it wander",
+            sensor="accelerometer bias",
         ),
     ]
     R_baro: Annotated[
@@ -137,6 +139,7 @@ class Vertical:
         {
             "Q": Channel("m^2 .. m^2/s^4", "covariance that enters in a sample, (3, 3)"),
             "K": Channel("1, 1/s, 1/s^2", "steady gains, a height with every sample, (3,)"),
+            "L": Channel("1, 1/s, 1/s^2", "the same moved on by a sample, F K, (3,)"),
         },
     )
 
@@ -184,7 +187,8 @@ class Vertical:
         K = steady_gain(full(self._noise(params, params.R_baro)), self.dt)
         Q = full(self._noise(params, 1.0))
         turned = jnp.array([1.0, 1.0, -1.0], Q.dtype)
-        return {"Q": Q * jnp.outer(turned, turned), "K": K * turned}
+        ahead = integration(3, jnp.asarray(self.dt)) @ K
+        return {"Q": Q * jnp.outer(turned, turned), "K": K * turned, "L": ahead * turned}
 
     def _pull(self) -> float:
         return G if self.gravity == "included" else 0.0

@@ -35,10 +35,11 @@ from objectives.linear_systems.response import (
 from objectives.linear_systems.riccati import bucy_gain, care, dare, steady_gain, updated
 from objectives.linear_systems.steady import SteadyKalman, steady_kalman
 from objectives.linear_systems.subspaces import Subspace, unobservable
+from objectives.linear_systems.tracker import tracker_gains
 from objectives.linear_systems.variance_ratio import VarianceRatio
 from objectives.records import Records
 from objectives.rmse import ChannelRmse
-from objectives.robust import GatedLikelihood, StudentLikelihood
+from objectives.robust import HeavyTails, PartlyWrong
 from objectives.score import (
     Data,
     Fold,
@@ -74,12 +75,13 @@ __all__ = [
     "Factors",
     "Fold",
     "Folded",
-    "GatedLikelihood",
+    "HeavyTails",
     "InnovationLikelihood",
     "Kind",
     "LinearSystem",
     "Mode",
     "Objective",
+    "PartlyWrong",
     "Reading",
     "Records",
     "Reduction",
@@ -89,7 +91,6 @@ __all__ = [
     "StepResponse",
     "StepSum",
     "StepTruth",
-    "StudentLikelihood",
     "Subspace",
     "Transfer",
     "VarianceRatio",
@@ -120,6 +121,7 @@ __all__ = [
     "steady_kalman",
     "steady_variance",
     "stein",
+    "tracker_gains",
     "undriven_modes",
     "unobservable",
     "unseen_modes",

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import jax.numpy as jnp
 from jax import Array
@@ -17,19 +17,44 @@ class Likely(NamedTuple):
     numbers: Array
 
 
+class Law(Protocol):
+    """The law of innovations: what each number of a sample adds to the likelihood."""
+
+    def added(self, output: Any, wanted: Array) -> tuple[Array, Array]:
+        """The nats of each number, 0 where it does not count, and whether it counts, ``(m,)``."""
+
+
+@dataclass(frozen=True)
+class Normal:
+    """Innovations y of variances s are normal: y^2 / s + ln s + ln 2 pi, halved.
+
+    The outputs need ``innovation`` and ``variance``, ``(m,)``; a variance of 0 does not count,
+    which a filter's is where nothing was measured.
+    """
+
+    def added(self, output: Any, wanted: Array) -> tuple[Array, Array]:
+        """The nats of each number, 0 where it does not count, and whether it counts."""
+        seen = wanted & (output.variance != 0)
+        variance = jnp.where(seen, output.variance, 1.0)
+        nats = (output.innovation**2 / variance + jnp.log(variance) + math.log(2 * math.pi)) / 2
+        return jnp.where(seen, nats, 0.0), seen
+
+
 @dataclass(frozen=True)
 class InnovationLikelihood:
-    """Mean negative logarithm of the Gaussian density of a measured number, in nats.
+    """Mean negative logarithm of the density of a measured number, in nats.
 
-    For innovations y of variances s, taken one after another, it is
+    For normal innovations y of variances s, taken one after another, it is
     L = mean(y^2 / s + ln s + ln 2 pi) / 2, which may be negative. A difference of 1 / N, N numbers
     counting, is one nat of the whole record: the likelihood differs by a factor e. The unit of y
     shifts L and moves no optimum. :meth:`deviation` says L in the unit of y.
 
-    The outputs need ``innovation`` and ``variance``, ``(m,)``. A number counts where the truth is
-    not NaN and its variance is not 0, which a filter's is where nothing was measured. The truth is
-    the measurement ``(m,)``, or ``()``, which stands for all m: zeros ``(N,)`` leave it to the
-    filter what counts. Source: Schweppe, IEEE Transactions on Information Theory 11, 1965.
+    A number counts where the truth is not NaN and its law says so. The truth is the measurement
+    ``(m,)``, or ``()``, which stands for all m: zeros ``(N,)`` leave it to the filter what counts.
+    Source: Schweppe, IEEE Transactions on Information Theory 11, 1965.
+
+    Attributes:
+        law: normal, or one of :mod:`objectives.robust` for measurements of which some are wrong.
 
     >>> from typing import NamedTuple
     >>> class Outputs(NamedTuple):
@@ -42,6 +67,7 @@ class InnovationLikelihood:
     3.0
     """
 
+    law: Law = Normal()
     kind: ClassVar[Kind] = "likelihood"
 
     def init(self) -> Likely:
@@ -50,14 +76,12 @@ class InnovationLikelihood:
 
     def added(self, output: Any, truth: Array) -> tuple[Array, Array]:
         """The nats of each number, 0 where it does not count, and whether it counts."""
-        seen = ~jnp.isnan(truth) & (output.variance != 0)
-        variance = jnp.where(seen, output.variance, 1.0)
-        nats = (output.innovation**2 / variance + jnp.log(variance) + math.log(2 * math.pi)) / 2
-        return jnp.where(seen, nats, 0.0), seen
+        return self.law.added(output, ~jnp.isnan(truth))
 
     def update(self, total: Likely, output: Any, truth: Array) -> tuple[Likely, None]:
         """Add one sample."""
-        return added_up(total, self.added(output, truth)), None
+        nats, counted = self.added(output, truth)
+        return Likely(total.nats + nats.sum(), total.numbers + counted.sum()), None
 
     def value(self, total: Likely, kept: None) -> Array:
         """The mean, ``()``; NaN where nothing counts."""
@@ -69,19 +93,4 @@ class InnovationLikelihood:
         It is sqrt(s) for a filter whose s is constant and right, and larger for one that foretells
         worse, or that is surer or less sure than it may be. Infinite beyond all numbers.
         """
-        return deviation_of(value)
-
-
-def added_up(total: Likely, added: tuple[Array, Array]) -> Likely:
-    """One sample's numbers added to a sum."""
-    amounts, counted = added
-    return Likely(total.nats + amounts.sum(), total.numbers + counted.sum())
-
-
-def deviation_of(value: Array | float) -> Array:
-    """exp(L) / sqrt(2 pi e).
-
-    >>> round(float(deviation_of(jnp.log(jnp.sqrt(2 * jnp.pi * jnp.e)) + jnp.log(3.0))), 12)
-    3.0
-    """
-    return jnp.exp(jnp.asarray(value) - math.log(2 * math.pi * math.e) / 2)
+        return jnp.exp(jnp.asarray(value) - math.log(2 * math.pi * math.e) / 2)

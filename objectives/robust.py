@@ -1,21 +1,19 @@
-"""Likelihoods of innovations of which some are wrong: behind a gate, and with heavy tails."""
+"""Laws of innovations of which some are wrong: behind a gate, and with heavy tails."""
 
 from dataclasses import dataclass
 from math import log, pi
-from typing import Any, ClassVar
+from typing import Any
 
 import jax.numpy as jnp
 from jax import Array
 from jax.scipy.special import gammaln
 
 from filters.student import spreads
-from objectives.kinds import Kind
-from objectives.likelihood import Likely, added_up, deviation_of
 
 
 @dataclass(frozen=True)
-class GatedLikelihood:
-    """How well a gated filter foretells its measurements, in nats a number.
+class PartlyWrong:
+    """Innovations of a gated filter, of which some are wrong.
 
     A number is right with probability 1 - share, and then its innovation y has the filter's
     variance s; or it is wrong and lies anywhere in a range of some width: the density is
@@ -26,8 +24,7 @@ class GatedLikelihood:
     number passes it. The share is small: where nothing is wrong it moves a variance by less than
     1 %. Source: Box and Tiao, Biometrika 55(1), 1968, with an even density of what is wrong.
 
-    The outputs are those of :class:`filters.Gated`. Truth as in
-    :class:`objectives.InnovationLikelihood`.
+    The outputs are those of :class:`filters.Gated`.
 
     Attributes:
         widths: of each innovation, ``(m,)``: how far apart wrong numbers may lie, in its unit.
@@ -35,70 +32,47 @@ class GatedLikelihood:
 
     >>> from collections import namedtuple
     >>> far = namedtuple("O", "offered foretold")(jnp.array([1e9]), jnp.ones(1))
-    >>> likelihood = GatedLikelihood(widths=(200.0,))
-    >>> round(float(likelihood.added(far, jnp.zeros(1))[0][0]), 2)  # ln (200 / 0.001)
+    >>> law = PartlyWrong(widths=(200.0,))
+    >>> round(float(law.added(far, jnp.array([True]))[0][0]), 2)  # ln (200 / 0.001)
     12.21
     """
 
     widths: tuple[float, ...]
     share: float = 1e-3
-    kind: ClassVar[Kind] = "likelihood"
 
-    def init(self) -> Likely:
-        """Nothing yet."""
-        return Likely(jnp.zeros(()), jnp.zeros(()))
-
-    def added(self, output: Any, truth: Array) -> tuple[Array, Array]:
+    def added(self, output: Any, wanted: Array) -> tuple[Array, Array]:
         """What each number adds, nats, and whether it counts, ``(m,)``."""
-        seen = ~jnp.isnan(truth) & (output.foretold != 0)
+        seen = wanted & (output.foretold != 0)
         s = jnp.where(seen, output.foretold, 1.0)
         right = log(1 - self.share) - (output.offered**2 / s + jnp.log(s) + log(2 * pi)) / 2
         wrong = jnp.log(self.share / jnp.asarray(self.widths, right.dtype))
         return jnp.where(seen, -jnp.logaddexp(right, wrong), 0.0), seen
 
-    def update(self, total: Likely, output: Any, truth: Array) -> tuple[Likely, None]:
-        """Add one sample."""
-        return added_up(total, self.added(output, truth)), None
-
-    def value(self, total: Likely, kept: None) -> Array:
-        """Nats a number, ``()``; NaN where nothing counts."""
-        return total.nats / total.numbers
-
-    def deviation(self, value: Array) -> Array:
-        """The deviation of a Gaussian as likely as that, in the innovations' unit."""
-        return deviation_of(value)
-
 
 @dataclass(frozen=True)
-class StudentLikelihood:
-    """How well a filter that weighs by Student's t foretells its measurements, nats a number.
+class HeavyTails:
+    """Innovations of Student's t distribution, of a filter that weighs by it.
 
     The m innovations of a sample are one draw of a multivariate t distribution of nu degrees of
     freedom and the scales c s_i, c by :func:`filters.student.spread`; each number adds the negative
     logarithm of its density given those before it in the sample. Together with the update of
     :class:`filters.Student`: alone, with an update that takes outliers whole, it makes q too large,
-    for the filter has to come back from every one of them. Outputs as of that filter, truth as in
-    :class:`objectives.InnovationLikelihood`.
+    for the filter has to come back from every one of them. Outputs as of that filter.
 
     Attributes:
         nu: degrees of freedom, those of the filter.
 
     >>> from collections import namedtuple
     >>> seen = namedtuple("O", "offered foretold")(jnp.array([100.0]), jnp.ones(1))
-    >>> round(float(StudentLikelihood(nu=4.0).added(seen, jnp.zeros(1))[0][0]), 2)  # normal: 5001
+    >>> round(float(HeavyTails(nu=4.0).added(seen, jnp.array([True]))[0][0]), 2)  # normal: 5001
     21.28
     """
 
     nu: float = 4.0
-    kind: ClassVar[Kind] = "likelihood"
 
-    def init(self) -> Likely:
-        """Nothing yet."""
-        return Likely(jnp.zeros(()), jnp.zeros(()))
-
-    def added(self, output: Any, truth: Array) -> tuple[Array, Array]:
+    def added(self, output: Any, wanted: Array) -> tuple[Array, Array]:
         """What each number adds, nats, and whether it counts, ``(m,)``."""
-        seen = ~jnp.isnan(truth) & (output.foretold != 0)
+        seen = wanted & (output.foretold != 0)
         s = jnp.where(seen, output.foretold, 1.0)
         k = jnp.cumsum(seen) - seen  # those before it
         size = jnp.where(seen, output.offered**2 / s, 0.0)
@@ -108,15 +82,3 @@ class StudentLikelihood:
         each = (jnp.log(s) + log(pi)) / 2 + gammaln(free) - gammaln(free + 0.5)
         each += (free + 0.5) * jnp.log(after) - free * jnp.log(after - size)
         return jnp.where(seen, each, 0.0), seen
-
-    def update(self, total: Likely, output: Any, truth: Array) -> tuple[Likely, None]:
-        """Add one sample."""
-        return added_up(total, self.added(output, truth)), None
-
-    def value(self, total: Likely, kept: None) -> Array:
-        """Nats a number, ``()``; NaN where nothing counts."""
-        return total.nats / total.numbers
-
-    def deviation(self, value: Array) -> Array:
-        """The deviation of a Gaussian as likely as that, in the innovations' unit."""
-        return deviation_of(value)

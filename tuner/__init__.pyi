@@ -35,8 +35,8 @@ from tuner.run.check import Check as Check
 from tuner.run.check import check as check
 from tuner.run.comparison import Comparison as Comparison
 from tuner.run.comparison import Verdict as Verdict
-from tuner.run.fit import Fit as Fit
-from tuner.run.fit import fit as fit
+from tuner.run.fitted import Fit as Fit
+from tuner.run.fitted import fit as fit
 from tuner.run.study import Study as Study
 from tuner.run.study import find_study as find_study
 from tuner.solvers import Alternating as Alternating

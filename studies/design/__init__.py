@@ -6,6 +6,7 @@ equation, by a search and by a matrix inequality that proves it. With a settling
 variance among those that settle in time. docs/design.md shows how.
 """
 
+from studies.design.at_rate import at_rate
 from studies.design.claims import claims_of
 from studies.design.figures import figures
 from studies.design.findings import findings
@@ -39,4 +40,5 @@ STUDY = Study(
     paper="none: a study.toml with A, C, Q, R",
     settings=Settings,
     plan=plan,
+    at_rate=at_rate,
 )

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from filters import GainedSample, StoredGains
-from objectives import LinearSystem
+from objectives import LinearSystem, tracker_gains
 from tuner.export.tuned import Quantity
 from tuner.observers.gains import Observer
 from tuner.problem.exported import Exported, Trial, Weighed
@@ -53,6 +53,11 @@ class Designed:
             return None
         return np.linalg.solve(self.full.A, self.gain(observer))
 
+    def tracker(self, K: np.ndarray) -> dict[str, float]:
+        """A gain on a sample by the names of trackers, where the model is one of theirs."""
+        full = self.full
+        return {} if full.dt is None else tracker_gains(full.A, full.C, K, full.dt)
+
     @property
     def exported(self) -> Exported:
         """Model, gain, poles and covariance; a discrete observer is tried on simulated samples."""
@@ -74,6 +79,8 @@ class Designed:
         K = self.sample_gain(observer)
         if K is not None:
             yield Quantity("K", K, "", "gain on a sample: x+ = x + K (y - C x), L = A K")
+            for name, value in self.tracker(K).items():
+                yield Quantity(name, np.array(value), "", "the same gain, as trackers name it")
 
     def _noise(self, observer: Observer) -> Iterator[Quantity]:
         full, P = self.full, self.covariance(observer)

@@ -1,7 +1,6 @@
 """What is programmed of a design: both gains, named as trackers have them where they are one."""
 
 from collections.abc import Iterator
-from math import factorial
 
 import numpy as np
 
@@ -11,8 +10,6 @@ from tuner.observers import settling_time
 from tuner.run.finding import Finding
 from tuner.run.study import Solutions, best
 
-_GREEK = ("alpha", "beta", "gamma")
-_SAME = 1e-9
 _SHOWN = 3  # of a larger model the exports have the noise
 
 
@@ -48,21 +45,8 @@ def _entries(
 
 
 def _tracker(designed: Designed, K: np.ndarray) -> Iterator[Finding]:
-    """Alpha, beta and gamma where the model is a position with one or two derivatives.
-
-    K is (alpha, beta / T, gamma / (2 T^2)): Bar-Shalom, Li and Kirubarajan 2001, 6.5.
-    """
-    full, T = designed.full, designed.full.dt
-    n = len(full.A)
-    if T is None or n not in (2, 3) or K.shape[1] != 1:
-        return
-    chain = np.array(
-        [[T ** (j - i) / factorial(j - i) if j >= i else 0.0 for j in range(n)] for i in range(n)]
-    )
-    first = np.eye(n)[:1]
-    if not (np.allclose(full.A, chain, rtol=_SAME, atol=0) and np.array_equal(full.C, first)):
-        return
-    what = "constant velocity" if n == 2 else "constant acceleration"
-    for i, name in enumerate(_GREEK[:n]):
-        value = float(K[i, 0]) * T**i * factorial(i)
-        yield Finding(name, value, "", f"of the {'-'.join(_GREEK[:n])} filter: {what}")
+    """Alpha, beta and gamma where the model is one of trackers."""
+    found = designed.tracker(K)
+    what = "constant velocity" if len(found) == 2 else "constant acceleration"
+    for name, value in found.items():
+        yield Finding(name, value, "", f"of the {'-'.join(found)} filter: {what}")

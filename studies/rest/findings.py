@@ -4,15 +4,21 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from filters.declared import Sensor
 from studies.rest import requirement as asked
 from studies.rest.curve import Limited
 from studies.rest.problems import Rest
+from tuner.data.sensor_units import Told, told_as
 from tuner.run.finding import Finding
 from tuner.run.study import Solutions, best
 
 _DEGREES = 180 / np.pi
 _HOUR = 3600.0
-_KALIBR = {"rad/s": "gyroscope", "m/s^2": "accelerometer"}
+_KALIBR: dict[str, Sensor] = {"rad/s": "gyroscope", "m/s^2": "accelerometer"}
+_DRIFT: dict[Sensor, Sensor] = {
+    "gyroscope": "gyroscope bias",
+    "accelerometer": "accelerometer bias",
+}
 
 
 def findings(rests: tuple[Rest, ...], solutions: Solutions) -> Iterator[Finding]:
@@ -75,13 +81,14 @@ def _units(rest: Rest) -> Iterator[tuple[tuple[float, float], tuple[str, str], s
     if axis.unit not in _KALIBR:
         return
     sensor = _KALIBR[axis.unit]
-    units = f"{axis.unit}/sqrt(Hz)", f"{per_second(axis.unit)}/sqrt(Hz)"
-    yield (1.0, 1.0), units, f"{sensor}_noise_density", f"{sensor}_random_walk"
-    if sensor == "gyroscope":
-        factors = _DEGREES * 60, _DEGREES * _HOUR * 60
-        yield factors, ("deg/sqrt(h)", "deg/h/sqrt(h)"), "ARW", "RRW"
-    else:
-        yield (60.0, 60.0), ("m/s/sqrt(h)", "m/s^2/sqrt(h)"), "VRW", "RRW"
+    whites, walks = _named(sensor), _named(_DRIFT[sensor])
+    for white, walk in zip(whites, walks, strict=True):
+        yield (white.factor, walk.factor), (white.unit, walk.unit), white.name, walk.name
+
+
+def _named(sensor: Sensor) -> list[Told]:
+    """The ways that have a name; of the others the record's own unit is one."""
+    return [told for told in told_as(sensor) if told.name]
 
 
 def _sampled(rest: Rest) -> Iterator[Finding]:

@@ -19,7 +19,7 @@ from studies.uav.judging import (
 from studies.uav.prediction import Predicted, predicted
 from studies.uav.problems import LAWS, PROCESS, Tuned
 from studies.uav.settings import ANGLES
-from tuner.certificate.solution import range_in_words
+from tuner.certificate.table import range_in_words
 from tuner.run.comparison import Comparison, claim, undecided
 from tuner.run.study import Claim, Solutions, best
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from benchmarks import unscented
 from benchmarks.baseline import NoCompilerError, Weights, baseline
 from benchmarks.guard import verdict
 from benchmarks.loops import exact, matrix_loop, scalar_loop
@@ -213,3 +214,15 @@ def test_loop_flags_keep_what_was_given(given):
         assert flags.count(LOOP_OPTION) == 1
         assert f"{LOOP_OPTION}={value}" in flags
         assert all(part in flags for part in given.replace(f",{LOOP_OPTION}=7", "").split())
+
+
+def test_unscented_and_extended_filter_do_the_same_work(monkeypatch):
+    monkeypatch.setattr(unscented, "SAMPLES", 200)
+    inputs, noise = unscented.record(2), jnp.asarray(unscented.NOISE)
+    found = {
+        name: np.asarray(unscented.passed(filter, 2, noise, inputs))
+        for name, filter in unscented.filters().items()
+    }
+    for name, estimates in found.items():
+        apart = np.abs(estimates - found["extended"]).max()
+        assert apart <= unscented.AGREED, name

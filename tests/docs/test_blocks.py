@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tuner.cli import invoke
+from tuner.model import model_filter, read_model
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -23,12 +24,11 @@ def blocks(language):
     return found
 
 
-FILES = {  # blocks that begin with a file's name, which other blocks may import
+_FILE = r"```(?:python|toml)\n# (\w+\.(?:py|toml))\n(.*?)```"
+FILES = {  # blocks that begin with a file's name, which other blocks may import, or read
     match[1]: match[2]
     for page in PAGES
-    for match in re.finditer(
-        r"```python\n# (\w+\.py)\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL
-    )
+    for match in re.finditer(_FILE, page.read_text(encoding="utf-8"), re.DOTALL)
 }
 
 
@@ -60,7 +60,8 @@ def desk(tmp_path, monkeypatch):
     np.savez("rest.npz", gyr=draw.standard_normal((600, 3)))
     rows = np.arange(200)
     walk = np.cumsum(draw.standard_normal(200))
-    _csv("level.csv", millis=100 * rows, pressure=101325 + walk, reference=101325 + 0.9 * walk)
+    pressure = 101325 + walk + draw.standard_normal(200)
+    _csv("level.csv", millis=100 * rows, pressure=pressure, reference=101325 + 0.9 * walk)
     heights = [f"{z:.2f}" if k % 5 == 0 else "" for k, z in enumerate(walk)]
     _csv("vario.csv", t_ms=20 * rows, acc_up=draw.standard_normal(200).round(3), height=heights)
     _csv("track.csv", t=rows, lat=48 + 1e-5 * walk, lon=11 + 1e-5 * walk, accuracy=3 + rows % 4)
@@ -84,13 +85,21 @@ def commands(code):
     ]
 
 
-DESIGNS = [block for block in blocks("toml") if "[project]" not in block.values[0]]
+DESIGNS = [block for block in blocks("toml") if "study =" in block.values[0]]
+MODELS = [block for block in blocks("toml") if "[model]" in block.values[0]]
+
+
+@pytest.mark.parametrize("text", MODELS)
+def test_models_can_be_read(text, tmp_path):
+    path = tmp_path / "model.toml"
+    path.write_text(text)
+    assert model_filter(read_model(path)).states
 
 
 @pytest.mark.parametrize("text", DESIGNS)
-def test_designs_can_be_planned(text, tmp_path, capfd):
-    (tmp_path / "design.toml").write_text(text)
-    assert invoke(["run", str(tmp_path / "design.toml"), "--dry-run"]) == 0
+def test_designs_can_be_planned(text, desk, capfd):
+    (desk / "design.toml").write_text(text)
+    assert invoke(["run", str(desk / "design.toml"), "--dry-run"]) == 0
     assert "would solve" in capfd.readouterr().out
 
 
@@ -105,9 +114,14 @@ def test_readme_commands_run_one_after_another(desk):
     lines = [
         c for block in re.findall(r"```sh\n(.*?)```", text, re.DOTALL) for c in commands(block)
     ]
-    fits, others = lines[:4], lines[4:]
+    fits, own, others = lines[:4], lines[4:7], lines[7:]
     assert [line[0] for line in fits] == ["fit"] * 4
+    assert [line[0] for line in own] == ["init", "fit", "export"]
     assert [line[0] for line in others] == ["run", "export", "run", "compare"]
+    for line in own:
+        quick = ["--starts", "1", "--no-hold-out"] if line[0] == "fit" else []
+        assert invoke([*line, *quick]) == 0
+    assert "tuner.tuned/1" in Path("own.h").read_text()
     for line in fits:  # what noise alone makes of a filter may lie at a bound, which is 1
         assert invoke([*line, "--starts", "1", "--no-hold-out"]) in (0, 1)
     for line in others:
@@ -135,6 +149,13 @@ def test_study_page_command_runs(desk, page):
     assert lines
     for line in lines:
         assert invoke([*line, "--dry-run"]) == 0
+
+
+def test_the_commands_of_the_page_of_models_run(desk):
+    text = (ROOT / "docs" / "models.md").read_text(encoding="utf-8")
+    init, fit = commands(re.search(r"```sh\n(.*?)```", text, re.DOTALL)[1])
+    assert invoke(init) == 0
+    assert invoke([*fit, "--dry-run"]) == 0
 
 
 def test_links_between_pages_exist():

@@ -79,6 +79,7 @@ from filters import (
     Timed,
     TimedSample,
     Transition,
+    UnscentedKalman,
     VelocityNoise,
     Vertical,
     VerticalNoise,
@@ -208,6 +209,12 @@ def shaken(p, x, u):
 
 def seen_from_the_side(p, x, u):
     return jnp.stack([jnp.sin(x[0]), x[1]])
+
+
+def bearing_and_range(p, x, u):
+    """From a mast that stands close by; the bearing goes beyond half a turn."""
+    east, north = x[0] - 1.5, x[1] + 0.1
+    return jnp.stack([jnp.arctan2(north, east), jnp.sqrt(east**2 + north**2)])
 
 
 def _pendulum(point):
@@ -360,6 +367,10 @@ _GAINS = jnp.asarray(0.3 * np.random.default_rng(1981).normal(size=(N, 2, 2)))
 _TWO_RATES = 0.4 * np.random.default_rng(1970).normal(size=(N, 2))
 _TWO_RATES[np.arange(N) % 3 != 1, 1] = np.nan  # the second sensor is three times as slow
 
+# Bearings on both sides of half a turn, about which the state swings.
+_BEARINGS = np.array([0.0, 1.5]) + 0.3 * np.random.default_rng(1993).normal(size=(N, 2))
+_BEARINGS[:, 0] += np.pi * (1 - 2 * (np.arange(N) % 2))
+
 # What is detected depends on the record, on delta and on gravity. No point moves delta, and these
 # samples are further from it than a step of gravity reaches, so no difference crosses it. Half of
 # the samples are disturbed. Where a residual is zero abs(e) has a kink: these seeds have none
@@ -435,6 +446,30 @@ CASES = [
         _pendulum,
         np.log([4.0, 0.3, 1.0]),
         _TWO_RATES,
+        lambda z: ExtendedSample(jnp.asarray(z)),
+    ),
+    Case(
+        "extended, iterated, a bearing",
+        ExtendedKalman(swung, shaken, bearing_and_range, iterations=3, angles=(True, False)),
+        _pendulum,
+        np.log([4.0, 0.3, 1.0]),
+        _BEARINGS,
+        lambda z: ExtendedSample(jnp.asarray(z)),
+    ),
+    Case(
+        "unscented, two rates",
+        UnscentedKalman(swung, shaken, seen_from_the_side),
+        _pendulum,
+        np.log([4.0, 0.3, 1.0]),
+        _TWO_RATES,
+        lambda z: ExtendedSample(jnp.asarray(z)),
+    ),
+    Case(
+        "unscented, a bearing",
+        UnscentedKalman(swung, shaken, bearing_and_range, 0.5, angles=(True, False)),
+        _pendulum,
+        np.log([4.0, 0.3, 1.0]),
+        _BEARINGS,
         lambda z: ExtendedSample(jnp.asarray(z)),
     ),
     # A gradient takes seconds to compile, so one law stands for all, and a gravity filter that

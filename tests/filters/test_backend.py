@@ -10,10 +10,11 @@ import jax.numpy as jnp
 import pytest
 
 from filters import LoopOption, loop_option
-from filters.backend import LOOP_OPTION, prepare, with_loop_option
+from filters.backend import FUSION, LOOP_OPTION, prepare, with_loop_option
 
 ROOT = Path(__file__).parents[2]
 OURS = f"{LOOP_OPTION}=1000000000"
+NONE = f"{FUSION}="
 LIST = "--xla_backend_extra_options="
 OTHER = "xla_cpu_option_of_the_user=1"
 
@@ -70,13 +71,15 @@ def late():
 @pytest.mark.parametrize(
     ("flags", "expected"),
     [
-        ("", f"{LIST}{OURS}"),
-        ("   ", f"{LIST}{OURS}"),
-        ("--xla_a=1 --xla_b", f"--xla_a=1 --xla_b {LIST}{OURS}"),
-        (f"{LIST}x=1", f"{LIST}x=1,{OURS}"),
-        (f"--xla_a=1 {LIST}x=1,y --xla_b", f"--xla_a=1 {LIST}x=1,y,{OURS} --xla_b"),
+        ("", f"{NONE} {LIST}{OURS}"),
+        ("   ", f"{NONE} {LIST}{OURS}"),
+        ("--xla_a=1 --xla_b", f"--xla_a=1 --xla_b {NONE} {LIST}{OURS}"),
+        (f"{LIST}x=1", f"{LIST}x=1,{OURS} {NONE}"),
+        (f"--xla_a=1 {LIST}x=1,y --xla_b", f"--xla_a=1 {LIST}x=1,y,{OURS} --xla_b {NONE}"),
         # XLA reads the last of two lists, so that is the one to join.
-        (f"{LIST}x=1 {LIST}y=2", f"{LIST}x=1 {LIST}y=2,{OURS}"),
+        (f"{LIST}x=1 {LIST}y=2", f"{LIST}x=1 {LIST}y=2,{OURS} {NONE}"),
+        # What the user says of fusions stays.
+        (f"{FUSION}=dot", f"{FUSION}=dot {LIST}{OURS}"),
     ],
 )
 def test_the_option_joins_what_is_there(flags, expected):
@@ -114,7 +117,9 @@ def test_this_process_has_float64_and_the_option():
 
 def test_a_fresh_process_gets_the_option_without_a_word(fresh):
     assert fresh["option"] == fresh["again"] == "SET"
-    assert fresh["flags"] == f"--xla_force_host_platform_device_count=1 {LIST}{OTHER},{OURS}"
+    assert fresh["flags"] == (
+        f"--xla_force_host_platform_device_count=1 {LIST}{OTHER},{OURS} {NONE}"
+    )
     assert fresh["warnings"] == []
     assert fresh["dtype"] == "float64"
 

@@ -26,6 +26,7 @@ BUILDING_BLOCKS = {
     "RiccatiCovariance",
     "StoredGains",
     "TableCovariance",
+    "UnscentedKalman",
 }
 """They take a model, or another filter, and say so in their docstrings: no parameters to name."""
 MEASURING = [case for case in CASES if case.holes]

@@ -11,13 +11,13 @@ from scipy.stats import multivariate_t, norm
 
 from filters import Gated, LevelSample, LocalLevel, LocalLevelNoise
 from filters.student import spread
-from objectives import Data, GatedLikelihood, StudentLikelihood, score
+from objectives import Data, HeavyTails, InnovationLikelihood, PartlyWrong, score
 
 Seen = namedtuple("Seen", "offered foretold")
 
 
 def amount(y, s, width=100.0, **more):
-    likelihood = GatedLikelihood((width,), **more)
+    likelihood = InnovationLikelihood(PartlyWrong((width,), **more))
     return likelihood.added(Seen(jnp.array([y]), jnp.array([s])), jnp.zeros(1))[0][0]
 
 
@@ -33,7 +33,7 @@ def test_it_is_a_density():
 
 
 def test_numbers_that_are_missing_or_held_out_do_not_count():
-    likelihood = GatedLikelihood((10.0, 10.0, 10.0))
+    likelihood = InnovationLikelihood(PartlyWrong((10.0, 10.0, 10.0)))
     seen = Seen(jnp.array([1.0, 0.0, 1.0]), jnp.array([1.0, 0.0, 1.0]))
     amounts, counted = likelihood.added(seen, jnp.array([0.0, 0.0, jnp.nan]))
     assert counted.tolist() == [True, False, False]
@@ -45,7 +45,7 @@ def scale_of(y, width):
 
     def mean(log_s):
         s = jnp.full_like(y, jnp.exp(log_s))
-        likelihood = GatedLikelihood((width,) * len(y))
+        likelihood = InnovationLikelihood(PartlyWrong((width,) * len(y)))
         return float(likelihood.added(Seen(y, s), jnp.zeros(len(y)))[0].mean())
 
     return np.exp(minimize_scalar(mean, bounds=(-3, 3), options={"xatol": 1e-6}).x)
@@ -72,7 +72,7 @@ def test_to_refuse_everything_costs_more_than_to_refuse_what_is_wrong():
     z[::20] += 50 * draw.standard_normal(20)
     filter = Gated(LocalLevel(1.0), (((0, 0),),), 4.0)
     data = Data(LevelSample(jnp.asarray(z)), jnp.zeros((400, 1)))
-    likelihood = GatedLikelihood((200.0,))
+    likelihood = InnovationLikelihood(PartlyWrong((200.0,)))
 
     def at(q, R):
         return float(score(filter, likelihood, LocalLevelNoise(jnp.array(q), jnp.array(R)), data))
@@ -83,7 +83,7 @@ def test_to_refuse_everything_costs_more_than_to_refuse_what_is_wrong():
 
 
 def test_its_deviation_is_that_of_the_gaussian_as_likely():
-    likelihood = GatedLikelihood((1.0,))
+    likelihood = InnovationLikelihood(PartlyWrong((1.0,)))
     nats = -norm.logpdf(0.3 * norm.ppf((np.arange(100000) + 0.5) / 100000), scale=0.3).mean()
     assert float(likelihood.deviation(nats)) == pytest.approx(0.3, rel=1e-4)
 
@@ -91,7 +91,7 @@ def test_its_deviation_is_that_of_the_gaussian_as_likely():
 def test_student_is_the_multivariate_distribution_of_scipy():
     y, s, nu = np.array([0.7, -4.0, 2.0]), np.array([0.5, 2.0, 3.0]), 4.0
     seen = Seen(jnp.array([*y, 0.0]), jnp.array([*s, 0.0]))
-    amounts, counted = StudentLikelihood(nu).added(seen, jnp.zeros(4))
+    amounts, counted = InnovationLikelihood(HeavyTails(nu)).added(seen, jnp.zeros(4))
     law = multivariate_t(np.zeros(3), spread(nu, 3) * np.diag(s), df=nu)
     assert counted.tolist() == [True, True, True, False]
     assert float(amounts.sum()) == pytest.approx(-law.logpdf(y), rel=1e-12)
@@ -100,5 +100,5 @@ def test_student_is_the_multivariate_distribution_of_scipy():
 
 def test_student_of_many_degrees_is_normal():
     seen = Seen(jnp.array([1.3]), jnp.array([2.0]))
-    amount = StudentLikelihood(1e7).added(seen, jnp.zeros(1))[0][0]
+    amount = InnovationLikelihood(HeavyTails(1e7)).added(seen, jnp.zeros(1))[0][0]
     assert float(amount) == pytest.approx(-norm.logpdf(1.3, scale=2**0.5), rel=1e-6)

@@ -434,3 +434,82 @@ def test_settling_times_that_no_observer_meets(change, words, tmp_path, capfd):
     path = written(tmp_path / "design.toml", **PLANT | change)
     assert invoke(["run", str(path), "--out", str(tmp_path / "run")]) == 2
     assert words in capfd.readouterr().err
+
+
+# --- at another rate ----------------------------------------------------------------------------
+
+TRACKED = {
+    "states": ["position", "velocity"],
+    "A": [[0, 1], [0, 0]],
+    "G": [[0], [1]],
+    "C": [[1, 0]],
+    "Q": [[6.0]],
+    "R": [[100.0]],
+    "error": "position",
+}
+
+
+def kalata(index):
+    """Alpha and beta of constant velocity with an acceleration that is constant over a sample.
+
+    Kalata 1984, of the tracking index T^2 sigma_w / sigma_v.
+    """
+    r = (4 + index - np.sqrt(8 * index + index**2)) / 4
+    alpha = 1 - r**2
+    return alpha, 2 * (2 - alpha) - 4 * np.sqrt(1 - alpha)
+
+
+@pytest.mark.parametrize("rate", [0.25, 2.0, 60.0])
+def test_an_acceleration_constant_over_a_sample_has_kalatas_gains(rate, tmp_path):
+    T, variance, R = 1 / rate, 3.0, 100.0
+    model = {"A": [[1, T], [0, 1]], "G": [[T**2 / 2], [T]], "Q": [[variance]], "R": [[R]]}
+    result = ran(tmp_path, **(TRACKED | model | {"dt": T}))
+    found = exported(result)
+    alpha, beta = kalata(T**2 * np.sqrt(variance / R))
+    assert found["alpha"] == pytest.approx(alpha, rel=1e-8)
+    assert found["beta"] == pytest.approx(beta, rel=1e-8)
+    code = invoke(["export", str(tmp_path / "run"), "--rate", "7"])
+    assert code == 2  # nothing says what it is between
+
+
+@pytest.fixture(scope="module")
+def measured_slowly(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("sampled")
+    ran(folder, **TRACKED, sample_time=2.0)
+    return folder / "run"
+
+
+@pytest.mark.parametrize("averaged", [False, True], ids=["stays", "density"])
+@pytest.mark.parametrize("rate", [0.5, 5.0, 60.0])
+def test_a_continuous_model_is_sampled_at_any_rate(rate, averaged, measured_slowly, capfdbinary):
+    words = ["--density", "R"] if averaged else []
+    capfdbinary.readouterr()
+    asked = ["--rate", str(rate), "--to", "json", "-o", "-", *words]
+    assert invoke(["export", str(measured_slowly), *asked]) == 0
+    document = json.loads(capfdbinary.readouterr().out)
+    found = {q["name"]: np.array(q["value"]) for q in document["quantities"]}
+    T, q, R = 1 / rate, 6.0, 100.0 * (2.0 * rate if averaged else 1.0)
+    F, C = np.array([[1.0, T], [0.0, 1.0]]), np.array([[1.0, 0.0]])
+    W = q * np.array([[T**3 / 3, T**2 / 2], [T**2 / 2, T]])
+    P = solve_discrete_are(F.T, C.T, W, [[R]])
+    K = P @ C.T / (P[0, 0] + R)
+    assert document["dt"] == pytest.approx(T)
+    np.testing.assert_allclose(found["W"], W, rtol=1e-12)
+    np.testing.assert_allclose(found["K"], K, rtol=1e-7)
+    np.testing.assert_allclose(found["L"], F @ K, rtol=1e-7)
+    assert found["alpha"] == pytest.approx(K[0, 0], rel=1e-7)
+    assert found["beta"] == pytest.approx(K[1, 0] * T, rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"sample_time": 2.0, "bound": 300.0}, "is another search at another rate; run it with"),
+        ({"sample_time": 2.0, "settles_s": 30.0}, "is another search at another rate; run it with"),
+    ],
+)
+def test_what_takes_a_search_is_run_anew(more, words):
+    from studies.design.at_rate import at_rate
+
+    with pytest.raises(ValueError, match=words):
+        at_rate(Settings.model_validate(TRACKED | more), None, 60.0, ())

@@ -12,7 +12,7 @@ import pytest
 from tests.tuner.helpers import Solved, snapshot, toy_study, write_csv
 from tuner import export
 from tuner.cli import invoke
-from tuner.cli.recipe import read_recipe
+from tuner.run.recipe import read_recipe
 from tuner.run.result import read_result
 from tuner.solvers import Sampler
 

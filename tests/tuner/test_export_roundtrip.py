@@ -143,7 +143,7 @@ def test_reads_packed_numbers_and_wide_text_of_either_byte_order(order, mark):
     packed = element(order, 1, bytes([1, 2, 3, 4]))
     data = b"MATLAB 5.0 MAT-file".ljust(124) + mark
     data += variable(order, b"n", 6, (2, 2), packed) + variable(order, b"t", 4, (1, 1), utf16)
-    matrices, texts = variables(data + variable(order, b"s", 2, (1, 1), packed))
+    matrices, texts = variables(data + variable(order, b"s", 5, (1, 1), packed))
     assert matrices["n"].tolist() == [[1.0, 3.0], [2.0, 4.0]]
     assert texts == {"t": "µ"}
 

@@ -18,7 +18,8 @@ from filters import (
 )
 from objectives import Data, InnovationLikelihood
 from tuner.certificate.sandwich import long_run
-from tuner.certificate.solution import Status, range_in_words
+from tuner.certificate.solution import Status
+from tuner.certificate.table import range_in_words
 from tuner.problem.parameters import Covariance, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.samples import added, numbers, slopes

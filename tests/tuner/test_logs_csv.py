@@ -140,7 +140,7 @@ def test_missing_file_and_folder(tmp_path):
     assert refusal(tmp_path / "none.csv", ["omega=gx"]) == (
         "none.csv: there is no such file; check the path"
     )
-    assert "not a file" in refusal(tmp_path, ["omega=gx"])
+    assert "folder of text files holds none" in refusal(tmp_path, ["omega=gx"])
     assert "cannot be opened" in refusal(tmp_path / ("x" * 300), ["omega=gx"])
 
 

@@ -104,7 +104,7 @@ def test_time_inside_a_struct(tmp_path, save):
 def test_damaged_files(tmp_path, save):
     path = save(tmp_path, CONTENT)
     path.write_bytes(path.read_bytes()[:900])
-    assert "the MAT file is damaged" in refused(path, "omega=gyr[0]")
+    assert "file is damaged" in refused(path, "omega=gyr[0]")
 
 
 def test_files_without_arrays(tmp_path):

@@ -217,3 +217,17 @@ def test_a_run_exports_what_was_rescaled(cli, here):
     assert found.nis == pytest.approx((factor, 1.0), rel=1e-9)
     for written in result.exports:
         assert abs(written.relative_change) < 1e-6
+
+
+def test_what_the_error_leaves_open_and_the_innovations_settle_is_not_called_open():
+    draw = np.random.default_rng(1)
+    level = np.cumsum(0.1 * draw.standard_normal(600))
+    z = level + 2.0 * draw.standard_normal(600)
+    record = tuner.Record.of({"z": z}, rate_hz=10.0, truth={"level": level})
+    lines = tuner.fit("local-level", record, starts=2, hold_out=False).summary().splitlines()
+    assert "not determined" not in lines[0]
+    assert lines[3].endswith(
+        "only R/q is determined by the error, and the common factor by the innovations (NIS 1)"
+    )
+    held = tuner.fit("local-level", record, fix={"R": 2.0}, starts=1, hold_out=False)
+    assert "NIS 1)" not in held.summary()

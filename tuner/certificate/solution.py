@@ -1,11 +1,12 @@
 """What a solver returns: the best point, how it ended, and what speaks for it."""
 
-import math
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
+
+from tuner.certificate.table import as_html, as_text
 
 
 class Status(Enum):
@@ -93,31 +94,6 @@ class TunedParameter:
     deviation: np.ndarray | None = None
 
 
-def range_in_words(interval: tuple[float | None, float | None], kind: str) -> str:
-    """An interval in brackets, or the one limit that it has, and what it is a range of.
-
-    Args:
-        interval: lowest and highest value; None stands for infinite.
-        kind: of the interval, as :class:`TunedParameter` has it.
-
-    >>> range_in_words((1.0, 2.5), "95 %, likelihood ratio")
-    '[1, 2.5] (95 %)'
-    >>> range_in_words((0.0, 2e-4), "95 %, sandwich")
-    '[below 0.0002] (95 %)'
-    >>> range_in_words((3.0, None), "1 % of the cost")
-    '[above 3] (1 % of the cost)'
-    """
-    low, high = interval
-    short = kind.partition(",")[0]
-    if high is None or high == math.inf:
-        told = f"[above {low:.3g}]"
-    elif low is None or low in (0.0, -math.inf):
-        told = f"[below {high:.3g}]"
-    else:
-        told = f"[{low:.3g}, {high:.3g}]"
-    return f"{told} ({short})" if short else told
-
-
 @dataclass(frozen=True)
 class Starts:
     """Whether several starts came to the same end.
@@ -167,7 +143,7 @@ class Certificate:
 
 @dataclass(frozen=True)
 class Solution:
-    """The best point that a solver found.
+    """The best point that a solver found; it shows itself as a table.
 
     Attributes:
         problem, solver: the names of both.
@@ -193,3 +169,9 @@ class Solution:
     evaluations: int
     seconds: float
     certificate: Certificate
+
+    def __repr__(self) -> str:
+        return as_text(self)
+
+    def _repr_html_(self) -> str:
+        return as_html(self)

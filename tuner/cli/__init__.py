@@ -27,7 +27,17 @@ Truths = Annotated[
     list[str] | None,
     typer.Option(metavar="NAME=COLUMN", help="What an output should have been."),
 ]
-Rate = Annotated[float | None, typer.Option(metavar="HZ", help="Sample rate of the log.")]
+Recordings = Annotated[
+    list[Path], typer.Argument(help="Recordings: of any format of docs/logs.md.")
+]
+Logs = Annotated[
+    list[Path] | None, typer.Option("--log", help="Recordings: of any format of docs/logs.md.")
+]
+Filter = Annotated[
+    str | None, typer.Option(metavar="NAME|FILE.py:CLASS", help="Of tuner list filters, or yours.")
+]
+Model = Annotated[Path | None, typer.Option(metavar="FILE.toml", help="A model of your own.")]
+Rate = Annotated[float | None, typer.Option("--rate", metavar="HZ", help="Sample rate of the log.")]
 Time = Annotated[str | None, typer.Option(metavar="COLUMN", help="Time column.")]
 By = Annotated[
     str | None, typer.Option(metavar="COLUMN", help="Tells the recordings of a file apart.")
@@ -68,22 +78,40 @@ def list_(
 
 
 @app.command()
+def columns(
+    log: Annotated[Path, typer.Argument(help="A log of any format.")], json: Json = False
+) -> None:
+    """Show what a log holds: its columns, clocks, rates and units."""
+    from tuner.cli.columns import show
+
+    show(log, json=json)
+
+
+@app.command()
 def run(
+    ctx: typer.Context,
     study: Annotated[
         str, typer.Argument(help="A study's name, or a study.toml of an earlier run.")
     ],
-    log: Annotated[list[Path] | None, typer.Option(help="Sensor log: CSV, NPZ or MAT.")] = None,
+    logs: Logs = None,
+    filter: Filter = None,
+    model: Model = None,
     map: Maps = None,
-    rate: Rate = None,
+    truth: Truths = None,
+    rate_hz: Rate = None,
     time: Time = None,
-    from_: From = None,
-    to: To = None,
-    set: Annotated[
-        list[str] | None, typer.Option(metavar="KEY=VALUE", help="A setting of the study.")
-    ] = None,
-    claim: Annotated[
+    by: By = None,
+    from_s: From = None,
+    to_s: To = None,
+    sets: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="Try this row of the comparison alone; * for any."),
+        typer.Option("--set", metavar="KEY=VALUE", help="A setting of the study."),
+    ] = None,
+    claims: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--claim", metavar="NAME", help="Try this row of the comparison alone; * for any."
+        ),
     ] = None,
     out: Out = None,
     seed: Seed = None,
@@ -95,42 +123,25 @@ def run(
     json: Json = False,
 ) -> None:
     """Run a study, on its own data or on a log; write a folder with results and exports."""
-    from tuner.cli.request import Request
+    from tuner.cli.request import asked
     from tuner.cli.run import execute
 
-    request = Request(
-        study=study,
-        logs=tuple(log or ()),
-        maps=tuple(map or ()),
-        rate=rate,
-        time=time,
-        from_s=from_,
-        to_s=to,
-        sets=tuple(set or ()),
-        claims=tuple(claim or ()),
-        out=out,
-        seed=seed,
-        storage=storage,
-        jobs=jobs or os.cpu_count() or 1,
-        resume=resume,
-        dry_run=dry_run,
-        force=force,
-        json=json,
-    )
-    raise typer.Exit(execute(request))
+    raise typer.Exit(execute(asked(study, ctx.params)))
 
 
 @app.command()
 def fit(
-    logs: Annotated[list[Path], typer.Argument(help="Recordings: CSV, NPZ or MAT.")],
-    filter: Annotated[str, typer.Option(help="Of tuner list filters.")],
+    ctx: typer.Context,
+    logs: Recordings,
+    filter: Filter = None,
+    model: Model = None,
     map: Maps = None,
     truth: Truths = None,
-    rate: Rate = None,
+    rate_hz: Rate = None,
     time: Time = None,
     by: By = None,
-    from_: From = None,
-    to: To = None,
+    from_s: From = None,
+    to_s: To = None,
     start: Annotated[
         list[str] | None, typer.Option(metavar="NAME=VALUE", help="Where the search begins.")
     ] = None,
@@ -140,9 +151,9 @@ def fit(
     bound: Annotated[
         list[str] | None, typer.Option(metavar="NAME=LOW..HIGH", help="Ends of the search.")
     ] = None,
-    set: Annotated[
+    options: Annotated[
         list[str] | None,
-        typer.Option(metavar="KEY=VALUE", help="A filter's option; held_out, against."),
+        typer.Option("--set", metavar="KEY=VALUE", help="A filter's option; held_out, against."),
     ] = None,
     objective: Annotated[
         list[str] | None,
@@ -161,65 +172,51 @@ def fit(
     json: Json = False,
 ) -> None:
     """Tune a filter on recordings of your own; write a folder with results and exports."""
-    from tuner.cli.pairs import apart, bounds, numbers, two_at_most, words
-    from tuner.cli.request import Request
+    from tuner.cli.pairs import wishes
+    from tuner.cli.request import asked
     from tuner.cli.run import execute
 
-    options, settings = apart(words("--set", set or ()))
-    first, settings = two_at_most(objective or (), settings)
+    raise typer.Exit(execute(asked("fit", ctx.params, wishes(ctx.params))))
 
-    request = Request(
-        study="fit",
-        logs=tuple(logs),
-        maps=tuple(map or ()),
-        truths=tuple(truth or ()),
-        rate=rate,
-        time=time,
-        by=by,
-        from_s=from_,
-        to_s=to,
-        values={
-            "filter": filter,
-            "start": numbers("--start", start or ()),
-            "fix": numbers("--fix", fix or ()),
-            "bound": bounds("--bound", bound or ()),
-            "options": options,
-            "objective": first,
-            "solver": solver,
-            "starts": starts,
-            "hold_out": hold_out,
-            **settings,
-        },
-        out=out,
-        seed=seed,
-        storage=storage,
-        jobs=jobs or os.cpu_count() or 1,
-        resume=resume,
-        dry_run=dry_run,
-        force=force,
-        json=json,
-    )
-    raise typer.Exit(execute(request))
+
+@app.command()
+def init(
+    kind: Annotated[str, typer.Option(help="level, tracking, robot or pendulum.")] = "level",
+    output: Annotated[
+        str | None, typer.Option("-o", "--output", metavar="FILE", help="Instead of stdout.")
+    ] = None,
+    force: Force = False,
+) -> None:
+    """Write a commented model of your own to begin with."""
+    from tuner.cli.init import show
+
+    show(kind, output, force=force)
 
 
 @app.command()
 def check(
+    ctx: typer.Context,
     run: Annotated[
         Path | None, typer.Argument(help="Folder of a fit, whose values are checked.")
     ] = None,
-    log: Annotated[list[Path] | None, typer.Option(help="Recordings: CSV, NPZ or MAT.")] = None,
-    filter: Annotated[str | None, typer.Option(help="Of tuner list filters, without RUN.")] = None,
-    set: Annotated[
+    logs: Logs = None,
+    filter: Filter = None,
+    model: Model = None,
+    sets: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME=VALUE", help="A parameter in use, or an option of the filter."),
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            help="A parameter in use, or an option of the filter.",
+        ),
     ] = None,
     map: Maps = None,
     truth: Truths = None,
-    rate: Rate = None,
+    rate_hz: Rate = None,
     time: Time = None,
     by: By = None,
-    from_: From = None,
-    to: To = None,
+    from_s: From = None,
+    to_s: To = None,
     objective: Annotated[
         str | None, typer.Option(help="Of tuner list objectives; the error or the likelihood.")
     ] = None,
@@ -227,21 +224,9 @@ def check(
 ) -> None:
     """Check values in use on a recording that they were not tuned on."""
     from tuner.cli.check import show
-    from tuner.cli.request import Request
+    from tuner.cli.request import asked
 
-    request = Request(
-        study="fit",
-        logs=tuple(log or ()),
-        maps=tuple(map or ()),
-        truths=tuple(truth or ()),
-        rate=rate,
-        time=time,
-        by=by,
-        from_s=from_,
-        to_s=to,
-        json=json,
-    )
-    raise typer.Exit(show(run, filter, set or (), request, objective))
+    raise typer.Exit(show(run, asked("fit", ctx.params), objective))
 
 
 @app.command()
@@ -263,21 +248,35 @@ def compare(
 @app.command()
 def export(
     run: Annotated[Path, typer.Argument(help="Folder of a run, or its result.json.")],
-    to: Annotated[str, typer.Option(metavar="FORMAT", help="json, toml, npz, csv, mat or c.")],
+    to: Annotated[
+        str | None, typer.Option(metavar="FORMAT", help="json, toml, npz, csv, mat or c.")
+    ] = None,
     output: Annotated[
         str | None, typer.Option("-o", "--output", metavar="FILE|-", help="- is stdout.")
     ] = None,
     problem: Annotated[
         str | None, typer.Option(help="Which one, where the run has several.")
     ] = None,
+    rate: Annotated[
+        float | None, typer.Option(metavar="HZ", help="For another sample rate: Q, K, alpha, beta.")
+    ] = None,
+    density: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="With --rate: a variance that grows with the rate."),
+    ] = None,
+    filter: Annotated[
+        str | None, typer.Option(help="With --rate: FILE.py:CLASS, where the run is of one.")
+    ] = None,
     force: Annotated[
         bool, typer.Option(help="Replace the file; export what did not converge.")
     ] = False,
 ) -> None:
-    """Write a tuned filter as a file and read it back."""
-    from tuner.cli.export import write
+    """Write a tuned filter as a file and read it back; or show it at another rate."""
+    from tuner.cli.export import Wanted, write
+    from tuner.cli.which import Which
 
-    write(run, to, output, problem=problem, force=force)
+    wanted = Wanted(to, output, problem, rate, tuple(density or ()), Which(filter), force)
+    write(run, wanted)
 
 
 @app.command()

@@ -2,7 +2,7 @@
 
 import json as json_
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
@@ -11,16 +11,21 @@ from typing import Any
 from objectives.kinds import kind_of
 from tuner.certificate.solution import Status
 from tuner.cli.pairs import words
-from tuner.cli.recipe import LogEntries, read_recipe
 from tuner.cli.request import Request, load_records
 from tuner.cli.run import describe
+from tuner.cli.settings import parse_settings
 from tuner.cli.tables import console, number_text, show_grid
+from tuner.cli.which import changed, refuse_code
 from tuner.data.record import Record
 from tuner.names import unknown
 from tuner.run.cache import use_cache
 from tuner.run.check import Check
+from tuner.run.chosen import Chosen
+from tuner.run.fit_record import DiagnosticsRecord
 from tuner.run.fit_study import STUDY, FitSettings
-from tuner.run.result import DiagnosticsRecord, read_result
+from tuner.run.own_file import own_file
+from tuner.run.recipe import LogEntries, read_recipe
+from tuner.run.result import read_result
 from tuner.run.study import best
 from tuner.run.summary import WORDS
 
@@ -30,31 +35,25 @@ class InUse:
     """A filter with the values that it runs with.
 
     Attributes:
-        filter: its name.
+        which: the filter.
         values: parameters by name.
         units: of those that a run tuned; they have to be the same here.
         options: fields of the filter's class.
         objective: its name, None for what there is.
         log: how the run read its recording; None without a run.
-        note: what should be known; "" for nothing.
+        notes: what should be known, a sentence each.
     """
 
-    filter: str
+    which: Chosen
     values: Mapping[str, Any]
     units: Mapping[str, str]
     options: Mapping[str, Any]
     objective: str | None = None
     log: LogEntries | None = None
-    note: str = ""
+    notes: tuple[str, ...] = ()
 
 
-def show(
-    run: Path | None,
-    filter: str | None,
-    sets: Iterable[str],
-    request: Request,
-    objective: str | None,
-) -> int:
+def show(run: Path | None, request: Request, objective: str | None) -> int:
     """Print what a recording says about values in use; always 0, for a bad filter is a result.
 
     Raises:
@@ -64,14 +63,14 @@ def show(
     from tuner.run.check import check
 
     use_cache()
-    used = _told(filter, tuple(sets)) if run is None else _of_run(run, filter, tuple(sets))
+    used = _told(request) if run is None else _of_run(run, request)
     used = replace(used, objective=objective or used.objective)
     request = _filled(request, used)
     if not request.logs:
         raise ValueError("a check needs a recording; give it with --log FILE")
-    records = load_records(STUDY, FitSettings.model_validate({"filter": used.filter}), request)
+    records = load_records(STUDY, FitSettings.model_validate(used.which.settings), request)
     describe(records)
-    found = check(used.filter, records, used.values, options=used.options, objective=used.objective)
+    found = check(used.which, records, used.values, options=used.options, objective=used.objective)
     _same_units(used, found)
     notes = [*found.posed.notes, *_notes(used, records)]
     print("".join(f"{note}\n" for note in notes), end="", file=sys.stderr)
@@ -82,22 +81,21 @@ def show(
     return 0
 
 
-def _told(filter: str | None, sets: tuple[str, ...]) -> InUse:
+def _told(request: Request) -> InUse:
     """A filter with the values of the command line; --set names parameters and options alike."""
     from filters.declared import parameter_facts
-    from tuner.catalogue import find
 
-    if filter is None:
+    if not request.which.named:
         raise ValueError("name the run whose values are checked, or give --filter NAME with --set")
-    cls = find("tuner.filters", filter)
-    facts, options = parameter_facts(cls), _options(cls)
-    given = words("--set", sets)
+    which = parse_settings(FitSettings, (), request.which.settings()).which
+    facts, options = parameter_facts(which.cls), _options(which.cls)
+    given = words("--set", request.sets)
     for name in given:
         if name not in facts and name not in options:
-            raise unknown(f"parameter or option of {filter}", name, [*facts, *options])
+            raise unknown(f"parameter or option of {which.name}", name, [*facts, *options])
     values = {name: _value(name, value) for name, value in given.items() if name in facts}
     own = {name: value for name, value in given.items() if name not in facts}
-    return InUse(filter, values, {}, own)
+    return InUse(which, values, {}, own)
 
 
 def _options(cls: type[Any]) -> list[str]:
@@ -121,35 +119,40 @@ def _value(name: str, value: Any) -> Any:
     return float(array) if array.ndim == 0 else array
 
 
-def _of_run(run: Path, filter: str | None, sets: tuple[str, ...]) -> InUse:
+def _of_run(run: Path, request: Request) -> InUse:
     """The filter that a fit tuned.
 
     Raises:
-        ValueError: for a run of another study, one that found nothing, and --filter or --set
-            beside it.
+        ValueError: for a run of another study, one that found nothing, --set or another filter
+            beside it, and one whose class is in a Python file that is not named.
     """
-    if filter is not None or sets:
-        raise ValueError(f"{run} brings its filter and values; leave out --filter and --set")
     result = read_result(run)
+    asked, own = request.which, own_file(str(result.settings.get("filter")))
+    same = own is not None and asked.file is not None and asked.file.told == own.told
+    if request.sets or (asked.named and not same):
+        raise ValueError(f"{run} brings its filter and values; leave out --filter and --set")
     if result.study != STUDY.name:
         raise ValueError(
             f"{run} is a run of {result.study} and not of tuner fit; give its filter and values "
             "with --filter NAME --set NAME=VALUE"
         )
-    settings = FitSettings.model_validate(result.settings)
+    refuse_code({"settings": result.settings}, asked, run, f"tuner check {run}")
+    settings = FitSettings.model_validate(result.settings | asked.settings())
+    which = settings.which
     solutions = {(s.problem, s.solver): s.solution() for s in result.solutions}
-    found = best(settings.filter.replace("-", "_"), solutions)
+    found = best(which.name.replace("-", "_"), solutions)
     if found.status is Status.FAILED:
         raise ValueError(f"{run} found no values ({found.message}); tune again")
     recipe = (run if run.is_dir() else run.parent) / "study.toml"
+    untrusted = [] if found.status.trusted else [f"the run's values are {found.status.value!r}"]
     return InUse(
-        settings.filter,
+        which,
         {name: parameter.value for name, parameter in found.parameters.items()},
         {name: parameter.unit for name, parameter in found.parameters.items()},
         settings.options,
         settings.objective,
         read_recipe(recipe).log if recipe.exists() else None,
-        "" if found.status.trusted else f"the run's values are {found.status.value!r}",
+        (*changed(result.settings, asked), *untrusted),
     )
 
 
@@ -157,15 +160,8 @@ def _filled(request: Request, used: InUse) -> Request:
     """The request with what the run's recording was read by, where nothing else is told."""
     if used.log is None:
         return request
-    log = used.log
-    return replace(
-        request,
-        maps=request.maps or tuple(log.map),
-        truths=request.truths or tuple(log.truth),
-        rate=log.rate_hz if request.rate is None else request.rate,
-        time=log.time if request.time is None else request.time,
-        by=log.by if request.by is None else request.by,
-    )
+    whole = used.log.model_copy(update={"from_s": None, "to_s": None})
+    return replace(request, reading=request.reading.over(whole))
 
 
 def _same_units(used: InUse, found: Check) -> None:
@@ -180,8 +176,7 @@ def _same_units(used: InUse, found: Check) -> None:
 
 
 def _notes(used: InUse, records: tuple[Record, ...]) -> Iterator[str]:
-    if used.note:
-        yield used.note
+    yield from used.notes
     if used.log is not None:
         for part in {part.name: part for record in records for part in record.sources}.values():
             if part.sha256 in used.log.sha256:
@@ -195,7 +190,7 @@ def _document(used: InUse, found: Check, notes: list[str]) -> dict[str, Any]:
     record = None if judged is None else DiagnosticsRecord.of(judged)
     return {
         "schema": "tuner.check/1",
-        "filter": used.filter,
+        "filter": used.which.name,
         "options": dict(used.options),
         "log": asdict(found.posed.source),
         "values": {
@@ -214,7 +209,7 @@ def _document(used: InUse, found: Check, notes: list[str]) -> dict[str, Any]:
 def _print(used: InUse, found: Check) -> None:
     out, space = console(), found.posed.problem.space
     told = [f"{n} = {_text(found.values[n])} {k.unit}".rstrip() for n, k in space.parameters]
-    out.print(f"{used.filter} with {', '.join(told)}", soft_wrap=True, highlight=False)
+    out.print(f"{used.which.name} with {', '.join(told)}", soft_wrap=True, highlight=False)
     unit = f" {found.posed.unit}" if found.posed.unit else ""
     words = WORDS.get(found.posed.objective, found.posed.objective)
     out.print(f"{words} {found.shown:.5g}{unit}", highlight=False)

@@ -10,6 +10,9 @@ from tuner.run.environment import environment
 
 _OPTIONAL = {
     "h5py": "MAT v7.3 logs: pip install 'filter-tuner[mat73]'",
+    "pyarrow": "Parquet and Feather: pip install 'filter-tuner[arrow]'",
+    "pyulog": "PX4 logs: pip install 'filter-tuner[ulog]'",
+    "rosbags": "ROS bags and MCAP: pip install 'filter-tuner[ros]'",
     "cc": "a C compiler, for the benchmark's speed limit",
     "octave": "Octave, for the comparison with its fminsearch",
 }
@@ -62,7 +65,7 @@ def _cache() -> bool:
 def _optional() -> dict[str, bool]:
     compilers = any(shutil.which(name) for name in ("cc", "gcc", "clang"))
     return {
-        "h5py": find_spec("h5py") is not None,
+        **{name: find_spec(name) is not None for name in ("h5py", "pyarrow", "pyulog", "rosbags")},
         "cc": compilers,
         "octave": shutil.which("octave") is not None,
     }

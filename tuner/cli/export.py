@@ -1,37 +1,105 @@
-"""tuner export: one tuned filter of a run as a file, read back."""
+"""tuner export: one tuned filter of a run as a file, read back; at another rate if asked for."""
 
 import json
 import sys
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from tuner import export
+from tuner.cli.tables import show_findings
+from tuner.cli.which import Which, refuse_code
 from tuner.export import Tuned
 from tuner.names import unknown
 from tuner.run.result import Result, read_result
 
 
-def write(run: Path, to: str, output: str | None, *, problem: str | None, force: bool) -> None:
+@dataclass(frozen=True)
+class Wanted:
+    """What a command line asks of an export.
+
+    Attributes:
+        to: the format; None: no file.
+        output: the file; None: named for the filter; ``-``: stdout.
+        problem: which one, where a run has several.
+        rate_hz: the sample rate; None: the one that it was tuned at.
+        densities: parameters that grow with the rate.
+        which: the file of the filter's class, where it is from one.
+        force: whether a file is replaced, and what did not converge is exported.
+    """
+
+    to: str | None
+    output: str | None = None
+    problem: str | None = None
+    rate_hz: float | None = None
+    densities: tuple[str, ...] = ()
+    which: Which = field(default_factory=Which)
+    force: bool = False
+
+
+def write(run: Path, wanted: Wanted) -> None:
     """Write a tuned filter of a run, read it back and compare it with what the run found.
 
     Raises:
         ValueError: for an unknown problem or format, a run that exports nothing, a solution that
-            did not converge, a file that is there already, or one that was written wrong.
+            did not converge, a file that is there already, one that was written wrong, and a filter
+            that there is not at another rate.
     """
+    if wanted.to is None and wanted.rate_hz is None:
+        raise ValueError(
+            f"give the format, --to {'|'.join(export.FORMATS)}, or --rate HZ to see the numbers at "
+            "another rate"
+        )
     result = read_result(run)
-    tuned = _choose(result, problem)
+    tuned = _choose(result, wanted.problem)
     status = tuned.provenance.status
-    if status != "converged" and not force:
+    if status != "converged" and not wanted.force:
         raise ValueError(
             f"the solution of {tuned.name} is {status!r}, not converged; --force exports it anyway"
         )
+    if wanted.rate_hz is not None:
+        tuned = _at_rate(run, result, tuned, wanted.rate_hz, wanted)
+    elif wanted.densities:
+        raise ValueError("--density says what grows with the rate; give --rate HZ with it")
+    if wanted.to is not None:
+        _write(tuned, wanted.to, wanted)
+
+
+def _write(tuned: Tuned, to: str, wanted: Wanted) -> None:
     data = export.dump(tuned, to)
-    if output == "-":
+    if wanted.output == "-":
         sys.stdout.buffer.write(data)
         return
-    path = Path(output) if output else Path(f"{tuned.name}{export.suffix(to)}")
-    export.write(tuned, path, to, overwrite=force)
+    at = "" if wanted.rate_hz is None else f"_{wanted.rate_hz:g}hz"
+    path = Path(wanted.output) if wanted.output else Path(f"{tuned.name}{at}{export.suffix(to)}")
+    export.write(tuned, path, to, overwrite=wanted.force)
     export.read_back(tuned, path, to)
     print(f"wrote {path}: {len(tuned.quantities)} quantities, read back equal", file=sys.stderr)
+
+
+def _at_rate(run: Path, result: Result, tuned: Tuned, rate_hz: float, wanted: Wanted) -> Tuned:
+    """The filter at another rate; its numbers are shown where no file is asked for."""
+    from tuner.cli.settings import parse_settings
+    from tuner.run.cache import use_cache
+    from tuner.run.study import find_study
+
+    if not 0 < rate_hz < float("inf"):
+        raise ValueError(f"--rate is {rate_hz:g}; give a positive number of samples a second")
+    use_cache()
+    study = find_study(result.study)
+    if study.at_rate is None:
+        raise ValueError(
+            f"{tuned.name} of {result.study} holds for its own rate; tuner fit and tuner run "
+            "design.toml tune filters that hold for any"
+        )
+    refuse_code(result.settings, wanted.which, run, f"tuner export {run} --rate {rate_hz:g}")
+    chosen = wanted.which.settings() if wanted.which.named else {}
+    settings = parse_settings(study.settings, (), result.settings | chosen)
+    found = study.at_rate(settings, tuned, rate_hz, wanted.densities)
+    for note in found.notes:
+        print(note, file=sys.stderr)
+    if wanted.to is None:
+        show_findings(found.findings)
+    return found.tuned
 
 
 def _choose(result: Result, problem: str | None) -> Tuned:

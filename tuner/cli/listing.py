@@ -43,10 +43,12 @@ def _show_list(what: str, json: bool) -> None:
         print(f"{name:{width}}  {line}")
 
 
-def _show_facts(chosen: list[str], *, json: bool, md: bool) -> None:
+def _show_facts(names_: list[str], *, json: bool, md: bool) -> None:
     from tuner.cli.sheet import as_json, grids, page, sheet_of
+    from tuner.run.chosen import chosen
 
-    sheets = [sheet_of(name, find("tuner.filters", name)) for name in chosen]
+    found = [chosen(name) for name in names_]
+    sheets = [sheet_of(each.name, each.cls, each.home) for each in found]
     if json:
         _print_json({"filters": {sheet.name: as_json(sheet) for sheet in sheets}})
         return

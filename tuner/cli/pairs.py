@@ -30,6 +30,25 @@ def words(option: str, pairs: Iterable[str]) -> dict[str, Any]:
     return found
 
 
+def wishes(options: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings of a fit that its options on the command line say.
+
+    Raises:
+        ValueError: as the functions below, for what is no NAME=VALUE.
+    """
+    own, settings = apart(words("--set", options["options"] or ()))
+    first, settings = two_at_most(options["objective"] or (), settings)
+    return {
+        "start": numbers("--start", options["start"] or ()),
+        "fix": numbers("--fix", options["fix"] or ()),
+        "bound": bounds("--bound", options["bound"] or ()),
+        "options": own,
+        "objective": first,
+        **{name: options[name] for name in ("solver", "starts", "hold_out")},
+        **settings,
+    }
+
+
 def apart(options: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """The filter's own options, and settings of the fit that have no option of their own.
 

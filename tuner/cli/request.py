@@ -1,11 +1,16 @@
 """What was asked for on the command line, and the recordings that it names."""
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from tuner.cli.recipe import LogEntries, logs_beside, read_recipe
+from tuner.cli.settings import told
+from tuner.cli.which import Which, refuse_code
+from tuner.cli.whole import read_whole
+from tuner.run.recipe import LogEntries, logs_beside, read_document
 
 if TYPE_CHECKING:
     from tuner.data.record import Record
@@ -14,17 +19,23 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Request:
-    """What was asked for on the command line; None where nothing was said."""
+    """What was asked for on the command line; None where nothing was said.
+
+    Attributes:
+        study: a study's name, or a study.toml.
+        logs: the recordings.
+        reading: how they are read.
+        which: the filter, where one is named.
+        sets: settings as ``--set KEY=VALUE``.
+        values: settings that have options of their own.
+        claims: rows that are tried alone.
+        out, seed, storage, jobs, resume, dry_run, force, json: as the options of these names.
+    """
 
     study: str
     logs: tuple[Path, ...] = ()
-    maps: tuple[str, ...] = ()
-    truths: tuple[str, ...] = ()
-    rate: float | None = None
-    time: str | None = None
-    by: str | None = None
-    from_s: float | None = None
-    to_s: float | None = None
+    reading: LogEntries = field(default_factory=LogEntries)
+    which: Which = field(default_factory=Which)
     sets: tuple[str, ...] = ()
     values: Mapping[str, Any] = field(default_factory=dict)
     claims: tuple[str, ...] = ()
@@ -38,17 +49,44 @@ class Request:
     json: bool = False
 
 
+def asked(
+    study: str, options: Mapping[str, Any], values: Mapping[str, Any] = MappingProxyType({})
+) -> Request:
+    """The request that a command's options make.
+
+    Args:
+        study: a study's name, or a study.toml.
+        options: the command's options, by the names of its parameters.
+        values: settings that are made of some of them.
+    """
+    how = ("out", "seed", "storage", "resume", "dry_run", "force", "json")
+    return Request(
+        study=study,
+        logs=tuple(options.get("logs") or ()),
+        reading=LogEntries.told(options),
+        which=Which(options.get("filter"), options.get("model")),
+        sets=tuple(options.get("sets") or ()),
+        values=values,
+        claims=tuple(options.get("claims") or ()),
+        jobs=options.get("jobs") or os.cpu_count() or 1,
+        **{name: options[name] for name in how if name in options},
+    )
+
+
 def from_toml(request: Request) -> tuple[Request, dict[str, Any]]:
     """Fill a request from a study.toml where one was named; the command line wins.
 
     Raises:
-        ValueError: where the file is not one, names what a study.toml does not have, or a log
-            that is not here.
+        ValueError: where the file is not one, names what a study.toml does not have, a log that is
+            not here, or code to run.
     """
     path = Path(request.study)
     if path.suffix != ".toml":
         return request, {}
-    recipe = read_recipe(path)
+    document = read_document(path)
+    refuse_code(document, request.which, path, f"tuner run {path}")
+    more = {**request.values, **request.which.settings(), **told(request.sets)}
+    recipe = read_whole(path, document, more)
     filled = replace(
         request,
         study=recipe.study,
@@ -59,13 +97,7 @@ def from_toml(request: Request) -> tuple[Request, dict[str, Any]]:
         filled = replace(
             filled,
             logs=request.logs or logs_beside(path, recipe.log),
-            maps=request.maps or tuple(recipe.log.map),
-            truths=request.truths or tuple(recipe.log.truth),
-            rate=recipe.log.rate_hz if request.rate is None else request.rate,
-            time=recipe.log.time if request.time is None else request.time,
-            by=recipe.log.by if request.by is None else request.by,
-            from_s=recipe.log.from_s if request.from_s is None else request.from_s,
-            to_s=recipe.log.to_s if request.to_s is None else request.to_s,
+            reading=request.reading.over(recipe.log),
         )
     return filled, recipe.settings
 
@@ -76,13 +108,17 @@ def load_records(study: "Study", settings: Any, request: Request) -> "tuple[Reco
     Raises:
         ValueError: where the study takes none, or the request says how to read none.
     """
+    reading = request.reading
     if not request.logs:
-        _refuse_stray(request)
+        if reading.options:
+            raise ValueError(
+                f"{reading.options[0]} says how to read a log, but there is no --log FILE"
+            )
         return ()
     if study.channels is None:
         raise ValueError(f"{study.name} takes no log")
     channels = study.channels(settings)
-    if not request.maps:
+    if not reading.map:
         known = ", ".join(f"{name} ({fact.meaning})" for name, fact in channels.items())
         knows = f"knows {known}" if channels else "takes any NAME"
         raise ValueError(f"a log needs --map NAME=COLUMN; {study.name} {knows}")
@@ -90,32 +126,16 @@ def load_records(study: "Study", settings: Any, request: Request) -> "tuple[Reco
 
     return read_records(
         request.logs,
-        request.maps,
-        truth=request.truths,
+        reading.map,
+        truth=reading.truth,
         inputs=channels or None,
         outputs={} if study.truths is None else study.truths(settings),
-        rate_hz=request.rate,
-        time=request.time,
-        by=request.by,
-        from_s=request.from_s,
-        to_s=request.to_s,
+        rate_hz=reading.rate_hz,
+        time=reading.time,
+        by=reading.by,
+        from_s=reading.from_s,
+        to_s=reading.to_s,
     )
-
-
-def _refuse_stray(request: Request) -> None:
-    """Refuse options that say how to read a log where there is none."""
-    told = {
-        "--map": request.maps,
-        "--truth": request.truths,
-        "--rate": request.rate,
-        "--time": request.time,
-        "--by": request.by,
-        "--from": request.from_s,
-        "--to": request.to_s,
-    }
-    stray = [option for option, given in told.items() if given is not None and given != ()]
-    if stray:
-        raise ValueError(f"{stray[0]} says how to read a log, but there is no --log FILE")
 
 
 def log_entries(request: Request, records: "tuple[Record, ...]") -> LogEntries | None:
@@ -124,14 +144,5 @@ def log_entries(request: Request, records: "tuple[Record, ...]") -> LogEntries |
         return None
     digests = {part.name: part.sha256 for record in records for part in record.sources}
     names = [log.name for log in request.logs]
-    return LogEntries(
-        files=names,
-        sha256=[digests[name] for name in names],
-        map=list(request.maps),
-        truth=list(request.truths),
-        rate_hz=request.rate,
-        time=request.time,
-        by=request.by,
-        from_s=request.from_s,
-        to_s=request.to_s,
-    )
+    files = {"files": names, "sha256": [digests[name] for name in names]}
+    return request.reading.model_copy(update=files)

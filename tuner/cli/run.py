@@ -5,21 +5,19 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
 
 from tuner.certificate.solution import Solution
 from tuner.cli.interrupt import interruptible
-from tuner.cli.recipe import Recipe
 from tuner.cli.request import Request, from_toml, load_records, log_entries
 from tuner.cli.settings import parse_settings
+from tuner.cli.which import changed
 from tuner.data.record import Record
 from tuner.export import FORMATS
 from tuner.problem.problem import Problem
 from tuner.run.cache import use_cache
-from tuner.run.environment import environment
 from tuner.run.folder import RunFolder, open_folder
-from tuner.run.pipeline import Progress, Run, recorded, trusted
-from tuner.run.result import pretty
+from tuner.run.pipeline import Progress, Run, recorded, trusted, write_down
+from tuner.run.recipe import Recipe
 from tuner.run.study import Plan, Study, find_study
 
 SHOWN = 3
@@ -32,10 +30,13 @@ def execute(request: Request) -> int:
     use_cache()
     request, base = from_toml(request)
     study = find_study(request.study)
-    settings = parse_settings(study.settings, request.sets, base | dict(request.values))
+    values = base | dict(request.values) | request.which.settings()
+    settings = parse_settings(study.settings, request.sets, values)
     seed = request.seed or 0
     records = load_records(study, settings, request)
     describe(records)
+    for note in changed(base, request.which):
+        print(note, file=sys.stderr)
     if request.dry_run:
         plan = _chosen(study.plan(settings, records, seed, ""), request)
         _say_notes(plan)
@@ -46,12 +47,18 @@ def execute(request: Request) -> int:
     plan = _chosen(study.plan(settings, records, seed, storage), request)
     _say_notes(plan)
     values = settings.model_dump(mode="json")
-    recipe = _recipe(study, request, values, records)
+    recipe = Recipe.of(
+        study.name,
+        settings,
+        seed=seed,
+        log=log_entries(request, records),
+        claims=request.claims,
+    )
     finished = _finished(folder, recipe) if request.resume else {}
     with interruptible() as check, _progress(check) as progress:
         run = Run(study.name, values, plan, seed, folder, progress, request.claims)
         try:
-            _write_down(folder, recipe, plan)
+            write_down(folder, recipe, plan)
             solutions = run.solve(request.jobs, finished)
             result = run.finish(solutions, FORMATS, begun)
         except KeyboardInterrupt:
@@ -79,20 +86,6 @@ def _chosen(plan: Plan, request: Request) -> Plan:
     return plan.only(request.claims) if request.claims else plan
 
 
-def _recipe(
-    study: Study, request: Request, settings: dict[str, Any], records: tuple[Record, ...]
-) -> Recipe:
-    """The run as it can be run again; no absolute path."""
-    given = {key: value for key, value in settings.items() if value is not None}
-    return Recipe(
-        study=study.name,
-        seed=request.seed or 0,
-        settings=given,
-        claims=list(request.claims),
-        log=log_entries(request, records),
-    )
-
-
 def _finished(folder: RunFolder, recipe: Recipe) -> dict[tuple[str, str], Solution]:
     """What an interrupted run of this very recipe had finished.
 
@@ -109,18 +102,13 @@ def _finished(folder: RunFolder, recipe: Recipe) -> dict[tuple[str, str], Soluti
     return recorded(progress.read_bytes()) if progress.exists() else {}
 
 
-def _write_down(folder: RunFolder, recipe: Recipe, plan: Plan) -> None:
-    """The recipe, and the environment it ran in."""
-    folder.write("study.toml", recipe.to_toml())
-    known = environment() | {"seed": recipe.seed, "log_sha256": plan.source.sha256}
-    folder.write("environment.json", pretty(known))
-
-
 def _how_to_go_on(request: Request, folder: RunFolder) -> str:
     if not (folder.path / "study.toml").exists():
         return "interrupted before anything was saved"
     words = ["tuner", "run", str(folder.path / "study.toml"), "--out", str(folder.path)]
     words += [word for log in request.logs for word in ("--log", str(log))]
+    if request.which.file is not None:
+        words += ["--filter", str(request.which.filter)]
     again = f"finished parts are saved; go on with: {shlex.join([*words, '--resume'])}"
     return again + (" and the same --storage" if request.storage else "")
 

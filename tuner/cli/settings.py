@@ -1,15 +1,17 @@
 """Settings of a study from --set, in one sentence where they are wrong."""
 
 import tomllib
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
 from tuner.names import unknown
 
+Some = TypeVar("Some", bound=BaseModel)
 
-def parse_settings(model: type[BaseModel], pairs: Sequence[str], base: dict[str, Any]) -> BaseModel:
+
+def parse_settings(model: type[Some], pairs: Sequence[str], base: dict[str, Any]) -> Some:
     """The settings that KEY=VALUE pairs make of a base.
 
     Values are read as TOML (numbers, true, [lists]), or as text where they are none.
@@ -17,28 +19,47 @@ def parse_settings(model: type[BaseModel], pairs: Sequence[str], base: dict[str,
     Raises:
         ValueError: for an unknown key, with the near ones, or a value that does not fit.
     """
-    values = dict(base)
+    values = {**base, **told(pairs)}
+    if faults := settings_faults(model, values):
+        raise ValueError("; ".join(faults))
+    return model.model_validate(values)
+
+
+def told(pairs: Sequence[str]) -> dict[str, Any]:
+    """The settings that KEY=VALUE pairs say.
+
+    Raises:
+        ValueError: for a pair without "=".
+    """
+    values = {}
     for pair in pairs:
         key, equals, text = pair.partition("=")
         if not equals:
             raise ValueError(f"--set {pair} has no '='; write --set KEY=VALUE")
         values[key.strip()] = value_of(text.strip())
-    for key in values:
-        if key not in model.model_fields:
-            raise unknown("setting", key, model.model_fields)
+    return values
+
+
+def settings_faults(model: type[BaseModel], values: Mapping[str, Any]) -> list[str]:
+    """All that is wrong with settings: unknown ones with the near ones, values that do not fit."""
+    names = model.model_fields
+    known = {key: value for key, value in values.items() if key in names}
+    faults = [str(unknown("setting", key, names)) for key in values if key not in names]
     try:
-        return model.model_validate(values)
+        model.model_validate(known)
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
-        if first["type"] == "missing":
-            raise ValueError(
-                f"setting {where} is missing; give it with --set {where}=... or in a study.toml"
-            ) from None
-        reason = first["msg"].removeprefix("Value error, ")
-        if not where:  # two settings that do not go together
-            raise ValueError(reason) from None
-        raise ValueError(f"setting {where}: {reason}, got {first['input']!r}") from None
+        faults += [_fault(each) for each in error.errors()]
+    return faults
+
+
+def _fault(error: Mapping[str, Any]) -> str:
+    where = ".".join(str(part) for part in error["loc"])
+    if error["type"] == "missing":
+        return f"setting {where} is missing; give it with --set {where}=... or in a study.toml"
+    reason = str(error["msg"]).removeprefix("Value error, ")
+    if not where:  # two settings that do not go together
+        return reason
+    return f"setting {where}: {reason}, got {error['input']!r}"
 
 
 def value_of(text: str) -> Any:

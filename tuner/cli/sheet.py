@@ -51,15 +51,20 @@ class Sheet:
     options: Mapping[str, Option]
 
 
-def sheet_of(name: str, filter: type[Any]) -> Sheet:
+def sheet_of(name: str, filter: type[Any], home: str = "") -> Sheet:
     """The facts of a filter's class.
+
+    Args:
+        name: what it is called.
+        filter: the class.
+        home: the file that it is from; "" for one of a package.
 
     Raises:
         ValueError: where it declares none.
     """
     return Sheet(
         name=name,
-        home=f"{filter.__module__}.{filter.__name__}",
+        home=home or f"{filter.__module__}.{filter.__name__}",
         about=first_line(filter),
         inputs=channel_facts(filter, "inputs"),
         optional=optional(filter),

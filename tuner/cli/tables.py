@@ -1,5 +1,6 @@
 """Tables for people, on stdout."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from rich import box
@@ -7,7 +8,10 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from tuner.certificate.solution import Status, range_in_words
+from tuner.certificate.solution import Status
+from tuner.certificate.table import range_in_words
+from tuner.run.finding import Finding
+from tuner.run.noise_told import COLUMNS
 from tuner.run.result import ParameterRecord, Result, SolutionRecord
 
 _COLOURS = {
@@ -82,9 +86,7 @@ def show_result(result: Result, folder: Path) -> None:
             "Comparison",
             [["quantity", "where", "paper", "ours", "verdict", "note"], *rows],
         )
-    found = [[f.name, number_text(f.value), f.limits, f.unit, f.meaning] for f in result.findings]
-    if found:
-        show_grid("Found", [["name", "value", "95 % limits", "unit", "meaning"], *found])
+    show_findings(result.findings)
     out = console()
     for export in result.exports:
         if abs(export.relative_change or 0.0) > 1e-12:
@@ -100,6 +102,47 @@ def show_result(result: Result, folder: Path) -> None:
     out.print(f"{result.seconds:.1f} s; all files are in {folder}", soft_wrap=True)
     for line in () if result.fit is None else result.fit.lines:
         out.print(line.replace(" RUN ", f" {folder} "), soft_wrap=True, highlight=False)
+
+
+def show_findings(findings: Iterable[Finding]) -> None:
+    """Print numbers that were found; noises with variance, density and deviation side by side."""
+    rest = list(findings)
+    noises = _noises(rest)
+    if noises:
+        head = ["noise", "variance a sample", "density", "deviation", "as data sheets tell it"]
+        used = len(head) if any(line[-1] for line in noises.values()) else len(head) - 1
+        show_grid("Noise", [line[:used] for line in (head, *noises.values())])
+    lines = [
+        [f.name, number_text(f.value), f.limits, f.unit, f.meaning]
+        for f in rest
+        if f.name.partition(".")[0] not in noises
+    ]
+    if lines:
+        show_grid("Found", [["name", "value", "95 % limits", "unit", "meaning"], *lines])
+
+
+def _noises(findings: list[Finding]) -> dict[str, list[str]]:
+    """A line for every noise of which there are a variance and a deviation."""
+    own: dict[str, dict[str, Finding]] = {}
+    for found in findings:
+        name, _, part = found.name.partition(".")
+        own.setdefault(name, {})[part] = found
+    return {
+        name: [name, *(_told(parts.get(column)) for column in COLUMNS), _sheet(parts)]
+        for name, parts in own.items()
+        if {"variance", "deviation"} <= parts.keys()
+    }
+
+
+def _sheet(parts: dict[str, Finding]) -> str:
+    """What is not side by side, each with its name where the unit does not say it."""
+    more = {part: found for part, found in parts.items() if part not in COLUMNS}
+    lines = [_told(f) if part == f.unit else f"{part} {_told(f)}" for part, f in more.items()]
+    return "\n".join(lines)
+
+
+def _told(finding: Finding | None) -> str:
+    return "" if finding is None else f"{number_text(finding.value)} {finding.unit}".rstrip()
 
 
 def _of(output: str) -> str:

@@ -135,6 +135,8 @@ def _changed(
         return _metres(columns, mapping, values, declared, zero)
     if unit is None and declared and (unit := unit_in_name(mapping)):
         note = f"{unit}, as the column's name says"
+    if unit is None and declared and (unit := _unit_told(columns, mapping)):
+        note = f"{unit}, as the file says"
     try:
         if declared == "m" and unit is not None and Unit.of(unit).si == "Pa":
             told = "height in the standard atmosphere, from a pressure"
@@ -144,6 +146,17 @@ def _changed(
         reason = str(error) if str(error).startswith("is ") else f"is in an {error}"
         raise columns.error(mapping, reason) from error
     return into(values), into.unit, note or into.note
+
+
+def _unit_told(columns: Columns, mapping: Column) -> str | None:
+    """The unit that the file tells of a column, where it is a known one."""
+    unit = columns.table.units.get(mapping.column)
+    if unit is None or mapping.factor is not None:
+        return None
+    try:
+        return Unit.of(unit).name
+    except ValueError:
+        return None
 
 
 def unit_in_name(mapping: Column) -> str | None:

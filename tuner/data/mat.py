@@ -1,20 +1,88 @@
-"""Reading MAT v5 within bounds: on a damaged file scipy's reader can end the whole process."""
+"""Reading MAT v5 within bounds: on a damaged file scipy's reader can end the whole process.
+
+Format: MathWorks, MAT-File Format (R2019b), chapter 1.
+"""
 
 import math
 import struct
 import zlib
 from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 _HEADER = 128
 _MATRIX, _COMPRESSED = 14, 15
-_CHAR, _DOUBLE, _UINT8 = 4, 6, 9  # classes of matrices; MATLAB's logical is the last
-_MAX_BYTES = 1 << 28
-# MATLAB packs the numbers of a double matrix into the smallest of these that holds them.
-_NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8"}
-_TEXTS = {2: "latin-1", 4: "utf-16-native", 16: "utf-8", 17: "utf-16-native"}
+_CELL, _STRUCT, _OBJECT, _CHAR, _OPAQUE = 1, 2, 3, 4, 17  # classes of matrices
+_COMPLEX, _LOGICAL = 0x08, 0x02
+_LARGE, _RATIO = 1 << 28, 100
+_DEEPEST = 24
+# MATLAB packs the numbers of a matrix into the smallest of these that holds them.
+_NUMBERS = {
+    1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8",
+}  # fmt: skip
+_CLASSES = {
+    6: "f8", 7: "f4", 8: "i1", 9: "u1", 10: "i2", 11: "u2", 12: "i4", 13: "u4", 14: "i8", 15: "u8",
+}  # fmt: skip
+_TEXTS = {1: "latin-1", 2: "latin-1", 4: "utf-16-native", 16: "utf-8", 17: "utf-16-native"}
+
+Numbers: TypeAlias = NDArray[Any]
+Parts: TypeAlias = list[tuple[int, bytes]]
+
+
+@dataclass(frozen=True)
+class Opaque:
+    """An object of a MATLAB class, such as a timetable.
+
+    Attributes:
+        kind: its class.
+        reference: where the file keeps its properties.
+    """
+
+    kind: str
+    reference: Any
+
+
+@dataclass(frozen=True)
+class Structs:
+    """A struct array, ``(1, 1)`` as a rule.
+
+    Attributes:
+        shape: of the array.
+        fields: the values of each field, in MATLAB's order.
+    """
+
+    shape: tuple[int, ...]
+    fields: dict[str, "list[Value]"]
+
+
+@dataclass(frozen=True)
+class Cells:
+    """A cell array: its values in MATLAB's order."""
+
+    shape: tuple[int, ...]
+    values: "list[Value]"
+
+
+Value: TypeAlias = Numbers | str | Structs | Cells | Opaque | None
+
+
+def read(data: bytes) -> dict[str, Value]:
+    """The variables of a MAT v5 file; sparse matrices and functions are None.
+
+    Raises:
+        ValueError: one sentence, where the file is damaged or none of this kind, or would unpack
+            to more than 256 MiB and to more than a hundredfold.
+        struct.error: where a size in it cannot be read.
+        zlib.error: where a compressed variable is damaged.
+    """
+    order = {b"IM": "<", b"MI": ">"}.get(data[_HEADER - 2 : _HEADER])
+    if order is None:
+        raise ValueError("it has no header of a MAT v5 file")
+    bodies = _variables(data[_HEADER:], order, max(_LARGE, _RATIO * len(data)))
+    return dict(_value(body, order, _DEEPEST) for body in bodies)
 
 
 def variables(data: bytes) -> tuple[dict[str, NDArray[np.float64]], dict[str, str]]:
@@ -25,27 +93,39 @@ def variables(data: bytes) -> tuple[dict[str, NDArray[np.float64]], dict[str, st
         struct.error: where a size in it cannot be read.
         zlib.error: where a compressed variable is damaged.
     """
-    order = {b"IM": "<", b"MI": ">"}.get(data[_HEADER - 2 : _HEADER])
-    if order is None:
-        raise ValueError("it has no header of a MAT v5 file")
-    matrices: dict[str, NDArray[np.float64]] = {}
-    texts: dict[str, str] = {}
-    for body in _variables(data[_HEADER:], order):
-        (_, flags), (_, sizes), (_, name), *rest = _elements(body, order)
-        kind = struct.unpack_from(f"{order}I", flags)[0] & 0xFF
-        if kind in (_DOUBLE, _UINT8):
-            matrices[name.decode()] = _matrix(sizes, rest, order)
-        elif kind == _CHAR:
-            texts[name.decode()] = _text(rest, order)
-    return matrices, texts
+    found = read(data)
+    matrices = {
+        name: value.astype(np.float64)
+        for name, value in found.items()
+        if isinstance(value, np.ndarray) and value.dtype in (np.float64, np.uint8, np.bool_)
+    }
+    return matrices, {name: text for name, text in found.items() if isinstance(text, str)}
 
 
-def _variables(data: bytes, order: str) -> Iterator[bytes]:
+def elements(data: bytes, order: str) -> Iterator[Value]:
+    """The values of matrices that follow one another, without a header.
+
+    Raises:
+        ValueError: one sentence, where they are damaged.
+        struct.error: where a size cannot be read.
+    """
+    for kind, body in _elements(data, order):
+        if kind == _MATRIX:
+            yield _value(body, order, _DEEPEST)[1]
+
+
+def _variables(data: bytes, order: str, budget: int) -> Iterator[bytes]:
     """The bodies of the variables, compressed ones unpacked."""
     for kind, body in _elements(data, order):
         if kind == _COMPRESSED:
-            unpacked = zlib.decompressobj().decompress(body, _MAX_BYTES)
-            yield from _variables(unpacked, order)
+            unpacker = zlib.decompressobj()
+            unpacked = unpacker.decompress(body, budget)
+            if unpacker.unconsumed_tail:
+                raise ValueError("it would unpack to more than a hundredfold")
+            if not unpacker.eof:
+                raise ValueError("it ends too early")
+            budget -= len(unpacked)
+            yield from (inner for kind, inner in _elements(unpacked, order) if kind == _MATRIX)
         elif kind == _MATRIX:
             yield body
 
@@ -67,19 +147,82 @@ def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
             at += -at % 8
 
 
-def _matrix(sizes: bytes, rest: list[tuple[int, bytes]], order: str) -> NDArray[np.float64]:
+def _value(body: bytes, order: str, deep: int) -> tuple[str, Value]:
+    """The name and the value of a matrix."""
+    if not body:
+        return "", np.empty((0, 0))
+    if deep == 0:
+        raise ValueError(f"it is nested more than {_DEEPEST} deep")
+    (_, flags), (_, second), (_, third), *rest = _elements(body, order)
+    word = struct.unpack_from(f"{order}I", flags)[0]
+    kind, marks = word & 0xFF, word >> 8 & 0xFF
+    if kind == _OPAQUE:  # it has no sizes: its name and the kind of system come next
+        (_, class_name), *held = rest
+        inner = _value(held[0][1], order, deep - 1)[1] if held and held[0][0] == _MATRIX else None
+        return _letters(second), Opaque(_letters(class_name), inner)
+    shape = _shape(second, order)
+    return _letters(third), _of_class(kind, marks, shape, rest, order, deep)
+
+
+def _of_class(
+    kind: int, marks: int, shape: tuple[int, ...], rest: Parts, order: str, deep: int
+) -> Value:
+    """The value of a matrix of some class; None of one that is passed over."""
+    if kind in _CLASSES:
+        return _matrix(shape, rest, order, kind, marks)
+    if kind == _CHAR:
+        return _text(rest, order)
+    if kind in (_STRUCT, _OBJECT):
+        return _structs(shape, rest[kind == _OBJECT :], order, deep)
+    if kind == _CELL:
+        return Cells(shape, [_value(part, order, deep - 1)[1] for _, part in rest])
+    return None
+
+
+def _letters(name: bytes) -> str:
+    return name.decode("latin-1")
+
+
+def _shape(sizes: bytes, order: str) -> tuple[int, ...]:
     shape = np.frombuffer(sizes, f"{order}i4").tolist()
-    if len(rest) != 1 or rest[0][0] not in _NUMBERS:
+    if min(shape, default=0) < 0 or len(shape) > 32:
+        raise ValueError("it holds a matrix of an impossible size")
+    return tuple(shape)
+
+
+def _matrix(shape: tuple[int, ...], rest: Parts, order: str, kind: int, marks: int) -> Numbers:
+    parts = []
+    for stored, body in rest[:2]:
+        if stored not in _NUMBERS:
+            raise ValueError("it holds a matrix that is not of numbers")
+        parts.append(np.frombuffer(body, order + _NUMBERS[stored]))
+    if len(parts) != 1 + bool(marks & _COMPLEX):
         raise ValueError("it holds a matrix that is not of real numbers")
-    kind, body = rest[0]
-    numbers = np.frombuffer(body, order + _NUMBERS[kind]).astype(np.float64)
-    if min(shape) < 0 or math.prod(shape) != numbers.size:
+    if any(math.prod(shape) != part.size for part in parts):
         raise ValueError("it holds a matrix with too many or too few numbers")
+    dtype = "?" if marks & _LOGICAL else _CLASSES[kind]
+    numbers = parts[0].astype(dtype) if len(parts) == 1 else parts[0] + 1j * parts[1]
     return numbers.reshape(shape, order="F")
 
 
-def _text(rest: list[tuple[int, bytes]], order: str) -> str:
+def _text(rest: Parts, order: str) -> str:
     if len(rest) != 1 or rest[0][0] not in _TEXTS:
         raise ValueError("it holds a text of an unknown kind")
     kind, body = rest[0]
-    return body.decode(_TEXTS[kind].replace("native", {"<": "le", ">": "be"}[order]))
+    letters = _TEXTS[kind].replace("native", {"<": "le", ">": "be"}[order])
+    return body.decode(letters, errors="replace")
+
+
+def _structs(shape: tuple[int, ...], rest: Parts, order: str, deep: int) -> Structs:
+    """The fields of a struct array, whose values stand element by element."""
+    (_, length), (_, letters), *values = rest
+    (width,) = struct.unpack_from(f"{order}i", length)
+    if width < 1 or len(letters) % width:
+        raise ValueError("it holds a struct whose names of fields do not fit")
+    names = [
+        _letters(letters[i : i + width].partition(b"\0")[0]) for i in range(0, len(letters), width)
+    ]
+    if len(values) != len(names) * math.prod(shape):
+        raise ValueError("it holds a struct with too many or too few values")
+    parts = [_value(body, order, deep - 1)[1] for _, body in values]
+    return Structs(shape, {name: parts[k :: len(names)] for k, name in enumerate(names)})

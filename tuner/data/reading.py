@@ -1,6 +1,5 @@
 """From files and mappings to records."""
 
-import hashlib
 import math
 from collections import Counter
 from collections.abc import Sequence
@@ -24,9 +23,9 @@ from tuner.data.logs.timing import timing_names
 from tuner.data.logs.values import Columns, load_columns
 from tuner.data.record import Record
 from tuner.data.signal import Signal
-from tuner.data.source import Source
+from tuner.data.source import Source, file_digest
 from tuner.data.splitting import labels_of, split
-from tuner.data.wanted import Declared, Wanted, all_of, asked, shared_out
+from tuner.data.wanted import Declared, Wanted, all_of, asked, by_clock, shared_out
 
 Paths: TypeAlias = "str | PathLike[str] | Sequence[str | PathLike[str]]"
 
@@ -104,10 +103,10 @@ def read_records(
     from_s: float | None = None,
     to_s: float | None = None,
 ) -> tuple[Record, ...]:
-    """Read recordings: CSV or TXT (also compressed), NPZ, or MAT.
+    """Read recordings of any format of docs/logs.md.
 
     Files that all have all columns are recordings side by side; files that share the columns out
-    among them are one recording on one clock.
+    among them are one recording on one clock, and so do the topics of one file.
 
     Args:
         paths: the file, or several; their bytes tell the format, not their names.
@@ -147,11 +146,12 @@ def read_records(
     if shares is not None and len(files) > 1:
         if by is not None:
             raise LogError(f"--by {by} splits one file, and {quoted(names)} are one recording")
-        return (cut(_merged(_files(files, tables, shares), timed), from_s, to_s),)
+        together = [part for parts in _files(files, tables, shares) for part in parts]
+        return (cut(_merged(together, timed), from_s, to_s),)
     alone = _files(files, tables, shares or [all_of(table, maps) for table in tables])
     if by is None:
-        return tuple(cut(_merged([file], timed), from_s, to_s) for file in alone)
-    parted = [record for file in alone for record in _parted(file, timed, by)]
+        return tuple(cut(_merged(parts, timed), from_s, to_s) for parts in alone)
+    parted = [record for parts in alone for record in _parted(_one_clock(parts, by), timed, by)]
     return tuple(cut(record, from_s, to_s) for record in parted)
 
 
@@ -162,11 +162,19 @@ def _check_rate(rate_hz: float) -> None:
 
 def _files(
     paths: Sequence[Path], tables: Sequence[Table], shares: Sequence[list[Wanted]]
-) -> list[_File]:
+) -> list[list[_File]]:
+    """What is read of each file, for each of its clocks."""
     return [
-        _File(path, table, tuple(share))
+        [_File(path, part, tuple(wanted)) for part, wanted in by_clock(table, share)]
         for path, table, share in zip(paths, tables, shares, strict=True)
     ]
+
+
+def _one_clock(parts: Sequence[_File], by: str) -> _File:
+    if len(parts) > 1:
+        groups = quoted(part.table.prefix for part in parts)
+        raise LogError(f"--by {by} splits columns on one clock, and {groups} have one each")
+    return parts[0]
 
 
 def _loaded(
@@ -193,15 +201,19 @@ def _merged(files: Sequence[_File], timed: _Timed) -> Record:
     for file in files:
         columns, clock_ = _loaded(file, timed, not several, ())
         rate = timed.rate_hz
-        if several and (clock_ is not None or any(map(is_time, file.table.names))):
+        if several and (clock_ is not None or _has_time(file.table)):
             rate = None
         found.append((file, read_channels(columns, file.wanted, clock_, rate)))
     _check_present(found)
     return _record(files[0].path.name if not several else _together(files), found)
 
 
+def _has_time(table: Table) -> bool:
+    return table.time is not None or any(is_time(n.removeprefix(table.prefix)) for n in table.names)
+
+
 def _together(files: Sequence[_File]) -> str:
-    return " + ".join(file.path.name for file in files)
+    return " + ".join(dict.fromkeys(file.path.name for file in files))
 
 
 def _parted(file: _File, timed: _Timed, by: str) -> list[Record]:
@@ -234,7 +246,10 @@ def _record(name: str, found: Sequence[tuple[_File, list[Reading]]]) -> Record:
     for reading in readings:
         place = truth if reading.wanted.truth else channels
         place[reading.wanted.mapped.channel] = _signal(reading, start)
-    sources = tuple(_source(file, those) for file, those in found)
+    sources = tuple(
+        _source(path, [one for file, those in found if file.path == path for one in those])
+        for path in dict.fromkeys(file.path for file, _ in found)
+    )
     return Record(name, channels, truth, sources, _notes(found))
 
 
@@ -249,11 +264,9 @@ def _signal(reading: Reading, start: Fraction) -> Signal:
     return Signal(values, times, reading.unit, source, clock, written)
 
 
-def _source(file: _File, readings: Sequence[Reading]) -> Source:
+def _source(path: Path, readings: Sequence[Reading]) -> Source:
     longest = max((reading.clock for reading in readings), key=lambda clock: len(clock.seconds))
-    with file.path.open("rb") as stream:
-        sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
-    return Source(file.path.name, sha256, len(longest.seconds), longest.rate_hz)
+    return Source(path.name, file_digest(path), len(longest.seconds), longest.rate_hz)
 
 
 def _check_present(found: Sequence[tuple[_File, list[Reading]]]) -> None:
@@ -277,8 +290,10 @@ def _check_present(found: Sequence[tuple[_File, list[Reading]]]) -> None:
 def _notes(found: Sequence[tuple[_File, list[Reading]]]) -> tuple[str, ...]:
     """What was taken for granted in all files."""
     notes: list[str] = []
+    several = len({file.path for file, _ in found}) > 1
     for file, readings in found:
-        prefix = f"{file.path.name}: " if len(found) > 1 else ""
+        prefix = f"{file.path.name}: " if several else ""
+        notes += [prefix + note for note in file.table.notes]
         clocks = {id(r.clock): r.clock for r in readings}
         notes += [prefix + note for clock in clocks.values() for note in clock.notes]
         notes += [note for reading in readings for note in reading.notes]

@@ -3,6 +3,7 @@
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from html import escape
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -100,6 +101,9 @@ class Record:
     def describe(self) -> list[str]:
         """What the record holds, in lines for a terminal."""
         return [*described(self.sources, self.channels, self.truth), *self.notes]
+
+    def _repr_html_(self) -> str:
+        return f"<b>{escape(self.name)}</b><pre>{escape(chr(10).join(self.describe()))}</pre>"
 
     def __repr__(self) -> str:
         def told(signals: Mapping[str, Signal]) -> str:

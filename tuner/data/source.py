@@ -3,6 +3,7 @@
 import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -78,6 +79,16 @@ class Source:
         False
         """
         return cls(name, _digest(numbers), 0, rate_hz)
+
+
+def file_digest(path: Path) -> str:
+    """The SHA-256 of a file's bytes; of a folder that of the names and digests of its files."""
+    if path.is_dir():
+        files = sorted(file for file in path.rglob("*") if file.is_file())
+        told = [f"{file.relative_to(path).as_posix()} {file_digest(file)}\n" for file in files]
+        return hashlib.sha256("".join(told).encode()).hexdigest()
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def _digest(parts: Iterable[object]) -> str:

@@ -85,6 +85,27 @@ def all_of(table: Table, maps: Sequence[tuple[Mapped, "Channel | None", bool]]) 
     return share
 
 
+def by_clock(table: Table, share: Sequence[Wanted]) -> list[tuple[Table, list[Wanted]]]:
+    """What is read of a file, for each of its clocks.
+
+    Raises:
+        LogError: for a channel whose columns are on several clocks.
+    """
+    if not table.groups:
+        return [(table, list(share))]
+    shares: dict[int, list[Wanted]] = {}
+    for wanted in share:
+        columns = {part.column for part in wanted.parts}
+        holders = [i for i, group in enumerate(table.groups) if columns <= set(group.names)]
+        if not holders:
+            raise LogError(
+                f"{table.file}: {wanted.mapped.source!r} (mapped to {wanted.mapped.channel}) are "
+                "columns on several clocks; map columns of one group, or one channel each"
+            )
+        shares.setdefault(holders[0], []).append(wanted)
+    return [(table.groups[index], shares[index]) for index in sorted(shares)]
+
+
 def _holders(tables: Sequence[Table], mapped: Mapped) -> dict[int, tuple[Column, ...]]:
     """The files that have all columns of a channel, and how they name them."""
     found = {}

@@ -1,7 +1,7 @@
 """Tuned filters as files: written in six formats, and read back to the bit."""
 
 from tuner.export.error import ExportError
-from tuner.export.formats import FORMATS, Format, dump, load, read_back, suffix, write
+from tuner.export.formats import FORMATS, Format, dump, is_text, load, read_back, suffix, write
 from tuner.export.tuned import Provenance, Quantity, Tuned
 
 __all__ = [
@@ -12,6 +12,7 @@ __all__ = [
     "Quantity",
     "Tuned",
     "dump",
+    "is_text",
     "load",
     "read_back",
     "suffix",

@@ -21,12 +21,14 @@ class Format:
         suffix: of its files, with the dot.
         dump: writes it.
         load: reads it.
+        text: whether its files are text.
     """
 
     name: str
     suffix: str
     dump: Callable[[Tuned], bytes]
     load: Callable[[bytes], Tuned]
+    text: bool = True
 
 
 _FORMATS = {
@@ -34,9 +36,9 @@ _FORMATS = {
     for format in (
         Format("json", ".json", json.dump, json.load),
         Format("toml", ".toml", toml.dump, toml.load),
-        Format("npz", ".npz", npz.dump, npz.load),
+        Format("npz", ".npz", npz.dump, npz.load, text=False),
         Format("csv", ".csv", csv.dump, csv.load),
-        Format("mat", ".mat", mat.dump, mat.load),
+        Format("mat", ".mat", mat.dump, mat.load, text=False),
         Format("c", ".h", header.dump, header.load),
     )
 }
@@ -55,6 +57,19 @@ def suffix(format: str) -> str:
         '.h'
     """
     return _known(format).suffix
+
+
+def is_text(format: str) -> bool:
+    """Whether the format's files are text.
+
+    Raises:
+        ExportError: where there is no such format.
+
+    Example:
+        >>> is_text("c"), is_text("npz")
+        (True, False)
+    """
+    return _known(format).text
 
 
 def dump(tuned: Tuned, format: str) -> bytes:

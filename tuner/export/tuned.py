@@ -14,7 +14,7 @@ from tuner.export.checks import frozen_array, require, require_name, require_onc
 Convention: TypeAlias = Literal["discrete", "continuous"]
 
 # C99 tells identifiers apart by 63 characters, and GYRO_STATE_OMEGA is the longest that is made.
-_LONGEST_NAME = 31
+LONGEST_NAME = 31
 _LONGEST_PART = 25
 _TAKEN = re.compile(
     r"dt|real|states?|state_.*|tuner_(meta|json)|.*_(f|rows|cols|included)", re.IGNORECASE
@@ -146,7 +146,7 @@ class Tuned:
     provenance: Provenance
 
     def __post_init__(self) -> None:
-        require_name("the tuned filter", self.name, _LONGEST_NAME)
+        require_name("the tuned filter", self.name, LONGEST_NAME)
         require_text("the name of the filter's class", self.filter)
         require(len(self.quantities) > 0, "there are no quantities; give at least one")
         require_once("quantity", [quantity.name.lower() for quantity in self.quantities])

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from objectives import kind_of
-from tuner.identifiability.least_squares import Estimate, estimate
+from objectives import HeavyTails, PartlyWrong, kind_of
+from tuner.identifiability.least_squares import Estimate, estimate, estimate_of_most
 from tuner.identifiability.linear_form import linear_problem
 from tuner.identifiability.noise import Entry, NoModelError
 from tuner.identifiability.rank import rank_of, said
@@ -45,7 +45,9 @@ def determined(problem: Problem) -> Determined:
     Nothing is fitted and no likelihood is evaluated: differences of neighbouring measurements do
     not depend on the state, and their covariances are linear in those of the noise. Missing
     samples, varying steps, known inputs and several recordings are taken as they are. The start's
-    own parameters (P0) are left out, for they concern the first samples alone.
+    own parameters (P0) are left out, for they concern the first samples alone. Where the problem
+    expects measurements that are wrong (a gate, Student's t), the estimate is that of the better
+    half of the record.
 
     Args:
         problem: of :class:`filters.LinearKalman`, or of a filter with the methods ``linear`` and
@@ -77,7 +79,8 @@ def determined(problem: Problem) -> Determined:
     rank = rank_of(taken)
     names = tuple(entry.name for entry in linear.entries)
     single = tuple("" if e.place else e.parameter for e in linear.entries)
-    found = estimate(taken, linear.entries)
+    wrong = isinstance(getattr(problem.objective, "law", None), HeavyTails | PartlyWrong)
+    found = (estimate_of_most if wrong else estimate)(taken, linear.entries)
     return Determined(
         names,
         rank.rank,

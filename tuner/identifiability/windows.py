@@ -9,6 +9,7 @@ estimation of process and measurement noise covariances, Automatica 90, 2018. Th
 longer windows hold no more than those of 2 n + 1 instants and how they are correlated.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,6 +48,10 @@ class Differences:
     M: np.ndarray
     sizes: np.ndarray
 
+    def windows(self, chosen: Sequence[int] | np.ndarray) -> "Differences":
+        """The differences of some windows alone."""
+        return Differences(self.r[chosen], self.M[:, chosen], self.sizes)
+
 
 def differences(recordings: tuple[NoiseModel, ...], rows: int | None = None) -> Differences:
     """The differences of recordings, in windows that do not overlap.
@@ -59,7 +64,7 @@ def differences(recordings: tuple[NoiseModel, ...], rows: int | None = None) -> 
         NoModelError: where no recording has more measurements than the model has states.
     """
     n, m = recordings[0].F.shape[-1], len(recordings[0].H)
-    scale = _scales(recordings)
+    scale = scales(recordings)
     seen = [np.argwhere(np.isfinite(model.z)) for model in recordings]
     most = max(1, *map(len, seen))
     if rows is None:
@@ -80,7 +85,7 @@ def differences(recordings: tuple[NoiseModel, ...], rows: int | None = None) -> 
         rows = max(rows // 2, 2 * n + 1)
 
 
-def _scales(recordings: tuple[NoiseModel, ...]) -> np.ndarray:
+def scales(recordings: tuple[NoiseModel, ...]) -> np.ndarray:
     """A size of each measurement's steps, ``(m,)``, so that its unit does not matter."""
     found = []
     for i in range(len(recordings[0].H)):
@@ -104,12 +109,21 @@ def _of_rows(
         for model, all_places in zip(recordings, seen, strict=True)
         for places in _cut(all_places, rows)
     ]
-    most = max(int(min(_MOST, _MEMORY / (p * n * n), _MEMORY * 8 / (p * rows)) / rows), 1)
+    most = batch(p, n, rows)
     if len(windows) > most:
         windows = [windows[i] for i in np.linspace(0, len(windows) - 1, most).astype(int)]
     if not windows:
         return None
-    return _taken(windows, rows, scale)
+    found = of_windows(windows, rows, scale)
+    if found is None:
+        return None
+    differences, kept = found
+    return differences.windows(np.flatnonzero(kept)) if kept.any() else None
+
+
+def batch(p: int, n: int, rows: int) -> int:
+    """How many windows are taken at once, of p noises, n states and so many measurements."""
+    return max(int(min(_MOST, _MEMORY / (p * n * n), _MEMORY * 8 / (p * rows)) / rows), 1)
 
 
 def _cut(places: np.ndarray, rows: int) -> list[np.ndarray]:
@@ -120,9 +134,19 @@ def _cut(places: np.ndarray, rows: int) -> list[np.ndarray]:
     return list(windows[gaps <= _GAP])
 
 
-def _taken(
+def of_windows(
     windows: list[tuple[NoiseModel, np.ndarray]], rows: int, scale: np.ndarray
-) -> Differences | None:
+) -> tuple[Differences, np.ndarray] | None:
+    """The differences of windows, and of which of them they say something, ``(K,)`` of bool.
+
+    Args:
+        windows: each a recording, and sample and number of its measurements, ``(rows, 2)``.
+        rows: measurements in each.
+        scale: a size of each measurement, as :func:`scales`.
+
+    Returns:
+        None where the windows are too short for the model, or a state grows too much in them.
+    """
     models = list({id(model): model for model, _ in windows}.values())
     place = {id(model): i for i, model in enumerate(models)}
     lane = np.array([place[id(model)] for model, _ in windows])
@@ -147,9 +171,7 @@ def _taken(
     r = np.where(np.abs(r) > _ROUNDING * np.abs(z - s).max(axis=1, keepdims=True), r, 0.0)
     M = A @ C @ np.swapaxes(A, 1, 2)
     kept = np.isfinite(r).all(axis=1) & _alike(C)
-    if not kept.any():
-        return None
-    return Differences(r[kept], M[:, kept], _sizes(models, scale))
+    return Differences(r, M, _sizes(models, scale)), kept
 
 
 def _alike(C: np.ndarray) -> np.ndarray:

@@ -9,6 +9,7 @@ from jax import Array
 from jax.scipy.linalg import expm
 from numpy.typing import ArrayLike
 
+from filters import run
 from objectives import LinearSystem, require_detectable
 from tuner.observers.gains import Entries, Observer, Variance
 from tuner.observers.prescribed_decay import gain_of_decay
@@ -77,12 +78,19 @@ class Settling:
 
 def _rows(row: Array, step: Array, count: int) -> tuple[Array, Array]:
     """A row vector and what repeated multiplication makes of it, ``(count + 1, n)``; the last."""
-
-    def on(row: Array, _: None) -> tuple[Array, Array]:
-        return row @ step, row
-
-    last, found = jax.lax.scan(on, row, None, length=count + 1)
+    last, found = run(_Multiplied(), (row, step), jnp.zeros(count + 1))
     return found, last
+
+
+@dataclass(frozen=True)
+class _Multiplied:
+    """A row vector that every sample multiplies by a matrix; row and matrix are its parameters."""
+
+    def init(self, params: tuple[Array, Array]) -> Array:
+        return params[0]
+
+    def step(self, params: tuple[Array, Array], state: Array, inputs: Array) -> tuple[Array, Array]:
+        return state @ params[1], state
 
 
 def settled(name: str, system: LinearSystem, error: ArrayLike, within_s: float) -> Problem:

@@ -14,6 +14,7 @@ from filters.declared import bare, channel_facts, in_unit, parameter_facts, valu
 from tuner.certificate.solution import Solution
 from tuner.export.tuned import Quantity
 from tuner.problem.space import Space
+from tuner.problem.steady_gains import a_sample
 
 
 def no_more(params: Any) -> tuple[Quantity, ...]:
@@ -96,9 +97,10 @@ def exported_of(filter: Any, unit: str = "") -> Exported:
 
 
 def derived_of(filter: Any, params: Any, unit: str = "") -> tuple[Quantity, ...]:
-    """What follows from a filter's parameters by its own ``derive``."""
-    facts: dict[str, Any] = dict(getattr(filter, "derived", {}))
-    return _told(facts, filter.derive(params) if facts else {}, unit)
+    """What follows from a filter's parameters: by its own ``derive``, and by its ``linear``."""
+    found = a_sample(filter, params)
+    facts = {name: fact for name, (_, fact) in found.items()}
+    return _told(facts, {name: value for name, (value, _) in found.items()}, unit)
 
 
 def held_of(filter: Any, params: Any, unit: str = "") -> tuple[Quantity, ...]:

@@ -18,6 +18,7 @@ from tuner.export.tuned import Quantity
 from tuner.problem.constraint import Constraint
 from tuner.problem.exported import Exported, Trial, exported_of, held_of, once, quantities_of
 from tuner.problem.space import Space
+from tuner.problem.trial import try_out
 
 Build: TypeAlias = Callable[[dict[str, Array]], Any]
 """From parameters by name to what the filter takes."""
@@ -59,7 +60,8 @@ class Problem:
         exported: what is written down beside the parameters; None: what the filter declares.
 
     Raises:
-        ValueError: where the data holds single precision, infinite values or unequal lengths.
+        ValueError: where the data holds single precision, infinite values or unequal lengths, and
+            where an evaluation by shapes alone shows a mistake in the filter or its parameters.
     """
 
     name: str
@@ -81,6 +83,8 @@ class Problem:
         lengths = {np.shape(leaf)[0] for leaf in jax.tree.leaves(self.data) if np.ndim(leaf)}
         if len(lengths) > 1:
             raise ValueError(f"the data of {self.name} has unequal lengths {sorted(lengths)}")
+        if self.filter is not None:
+            try_out(self.name, self.filter, self.static.build, self.space, self.data.inputs)
 
     def starts(self, count: int, seed: int) -> np.ndarray:
         """Where to begin, ``(count, size)``: the initial values, known starts, random points."""

@@ -21,10 +21,10 @@ from filters import (
 )
 from filters.gated import PATIENCE
 from filters.measured import Parts, measured
-from objectives import GatedLikelihood, InnovationLikelihood, Objective, StudentLikelihood
+from objectives import HeavyTails, InnovationLikelihood, Objective, PartlyWrong
 from tuner.problem.space import Space
 
-NAMES = ("gate", "patience", "student", "noise")
+NAMES = ("gate", "patience", "student", "noise", "stretches")
 """Options of every fit, beside the fields of the filter's class."""
 
 SAID = ("offered", "foretold", "refused", "weight")
@@ -43,11 +43,14 @@ class Care:
         gate: deviations beyond which a measurement is refused; None: none is.
         patience: refusals in a row after which it is taken all the same.
         student: degrees of freedom of heavy tails; None: the tails are normal.
+        stretches: how many times as far out as usual a stretch of the record may be before it is
+            left out; None: none is.
     """
 
     gate: float | None = None
     patience: int = PATIENCE
     student: float | None = None
+    stretches: float | None = None
 
 
 def with_noise(
@@ -88,6 +91,12 @@ def care_of(cls: type[Any], options: Mapping[str, Any]) -> tuple[Care, dict[str,
         asked["gate"] = _number("gate", asked["gate"], "deviations")
     if "student" in asked:
         asked["student"] = _number("student", asked["student"], "degrees of freedom")
+    if "stretches" in asked:
+        asked["stretches"] = _number("stretches", asked["stretches"], "times the usual deviation")
+        if asked["stretches"] < 2:
+            raise ValueError(
+                f"stretches={asked['stretches']:g} leaves out what is right; give 3 to 7"
+            )
     if "gate" in asked and "student" in asked:
         raise ValueError("gate and student guard against the same outliers; give one of them")
     if "patience" in asked:
@@ -122,15 +131,15 @@ def guarded(
     if care.gate is None and care.student is None:
         return filter, objective
     params = assembled(bare(filter), _begun(space))
-    parts = _parts(filter, params, inputs)
+    parts = parts_of(filter, params, inputs)
     likely = isinstance(objective, InnovationLikelihood)
     if care.student is not None:
         nu = care.student
         weighed = _inside(filter, lambda f: Student(f, parts, nu, care.patience))
-        return weighed, StudentLikelihood(nu) if likely else objective
+        return weighed, InnovationLikelihood(HeavyTails(nu)) if likely else objective
     gate = Gated.gate if care.gate is None else care.gate
     if likely:
-        objective = GatedLikelihood(_widths(filter, params, inputs))
+        objective = InnovationLikelihood(PartlyWrong(_widths(filter, params, inputs)))
     return _inside(filter, lambda f: Gated(f, parts, gate, care.patience)), objective
 
 
@@ -145,8 +154,8 @@ def _inside(filter: Any, wrap: Any) -> Any:
     return wrap(filter)
 
 
-def _parts(filter: Any, params: Any, inputs: Any) -> Parts:
-    """The numbers that innovations are made of, over all recordings."""
+def parts_of(filter: Any, params: Any, inputs: Any) -> Parts:
+    """The numbers that a filter's innovations are made of, over all recordings."""
     if not isinstance(filter, Lanes):
         return measured(filter, params, inputs)
     found: Parts = ()

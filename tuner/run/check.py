@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from filters.declared import bare, parameter_facts
-from tuner.catalogue import find
 from tuner.data.record import Record
 from tuner.diagnostics import Diagnostics
 from tuner.problem.parameters import Fixed
+from tuner.run.chosen import Model, chosen
 from tuner.run.diagnosed import diagnosed
 from tuner.run.fit import pose_on
 from tuner.run.judged import shown
@@ -38,7 +38,7 @@ class Check:
 
 
 def check(
-    filter: str | type[Any],
+    filter: Model,
     record: Record | Iterable[Record],
     values: Mapping[str, Any],
     *,
@@ -50,7 +50,7 @@ def check(
     With a truth the value is the filter's error, without one the likelihood of its innovations.
 
     Args:
-        filter: a name of ``tuner list filters``, or a class that declares its facts.
+        filter: as of :func:`tuner.fit`.
         record: recordings in SI (:func:`tuner.read_record`, :meth:`tuner.Record.of`).
         values: parameters by name; one that is never tuned (a start, a constant) is typical where
             it is left out.
@@ -68,12 +68,11 @@ def check(
     >>> 0.008 < found.diagnostics.factor < 0.012, found.diagnostics["size"].verdict
     (True, 'failed')
     """
-    name = filter if isinstance(filter, str) else filter.__name__
-    cls = find("tuner.filters", filter) if isinstance(filter, str) else filter
+    which = chosen(filter)
     records = (record,) if isinstance(record, Record) else tuple(record)
     held = {n: _plain(v) for n, v in values.items()}
     wishes = Wishes(fix=held, options=options or {}, objective=objective, held=True)
-    posed = pose_on(name, cls, records, wishes)
+    posed = pose_on(which.name, which.cls, records, wishes)
     return checked(posed)
 
 

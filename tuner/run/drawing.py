@@ -38,12 +38,23 @@ def table(figure: Figure) -> bytes:
 
 def picture(figure: Figure) -> bytes:
     """The figure as a PNG."""
+    canvas = new_canvas((8, 5))
+    draw(figure, canvas, canvas.subplots())
+    return _png(canvas)
+
+
+def new_canvas(inches: tuple[float, float]) -> "Canvas":
+    """An empty picture, which no window shows."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure as Canvas
 
-    canvas = Canvas(figsize=(8, 5), dpi=110, layout="constrained")
+    canvas = Canvas(figsize=inches, dpi=110, layout="constrained")
     FigureCanvasAgg(canvas)
-    axes = canvas.subplots()
+    return canvas
+
+
+def draw(figure: Figure, canvas: "Canvas", axes: "Axes") -> None:
+    """The figure on some axes of a picture."""
     axes.set(title=figure.title, xlabel=figure.x_label, ylabel=figure.y_label)
     axes.title.set_fontsize(11)
     if isinstance(figure, Chart):
@@ -53,7 +64,6 @@ def picture(figure: Figure) -> bytes:
         canvas.colorbar(filled, label=figure.z_label)
         _draw_lines(figure.marks, axes, on_map=True)
     _explain(canvas, axes)
-    return _png(canvas)
 
 
 def _explain(canvas: "Canvas", axes: "Axes") -> None:
@@ -93,16 +103,21 @@ def _draw_numbered(lines: tuple[Line, ...], axes: "Axes") -> None:
 
 def _draw_lines(lines: tuple[Line, ...], axes: "Axes", *, on_map: bool) -> None:
     colours = ["#d62728", "#ffffff", "#ff9f1c"] if on_map else None
+    curves = 0
     for i, line in enumerate(lines):
         if line.drawn == "limit":
             axes.plot(line.x, line.y, "--", label=line.label, color="0.4", lw=1.0, zorder=3)
+            continue
+        if line.drawn == "band" and line.upper is not None:
+            axes.fill_between(line.x, line.y, line.upper, label=line.label, color="0.85", zorder=0)
             continue
         if line.drawn == "points":
             axes.plot(line.x, line.y, "os^Dv"[i % 5], label=line.label, ms=2.5, alpha=0.7)
             continue
         # Thinner dashes over thicker lines: curves that coincide all stay visible.
-        style = "o" if np.size(line.x) == 1 else ("-", "--", ":", "-.")[i % 4]
-        width = max(2.2 - 0.3 * i, 1.0)
+        style = "o" if np.size(line.x) == 1 else ("-", "--", ":", "-.")[curves % 4]
+        width = max(2.2 - 0.3 * curves, 1.0)
+        curves += 1
         colour = colours[i % len(colours)] if colours else None
         axes.plot(line.x, line.y, style, label=line.label, color=colour, lw=width, ms=7, mec="k")
 

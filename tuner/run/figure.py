@@ -5,7 +5,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-Drawn: TypeAlias = Literal["curve", "points", "limit"]
+Drawn: TypeAlias = Literal["curve", "points", "limit", "band"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -15,13 +15,16 @@ class Line:
     Attributes:
         label: what the legend calls it.
         x, y: its points.
-        drawn: as one of the curves; as points that are not joined; or as a limit, thin and grey.
+        drawn: as one of the curves; as points that are not joined; as a limit, thin and grey; or as
+            a band up to ``upper``.
+        upper: of a band, its upper edge, ``(N,)``.
     """
 
     label: str
     x: np.ndarray
     y: np.ndarray
     drawn: Drawn = field(default="curve", kw_only=True)
+    upper: np.ndarray | None = field(default=None, kw_only=True)
 
 
 @dataclass(frozen=True, eq=False)

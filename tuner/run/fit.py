@@ -1,32 +1,33 @@
-"""The main job: a recording and a filter go in, a tuned filter comes out."""
+"""The plan of a fit: what is posed, solved, drawn and judged."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from filters.declared import channel_facts
-from tuner.catalogue import find
-from tuner.certificate.solution import Solution
+from filters.declared import bare, channel_facts
+from tuner.certificate.solution import Solution, Status
 from tuner.data.merge import stacked, timeline
 from tuner.data.plausible import implausible
 from tuner.data.record import Record
 from tuner.data.source import Source
 from tuner.identifiability.determined import Determined, determined
 from tuner.identifiability.noise import NoModelError
+from tuner.problem.facts import check_facts
 from tuner.problem.problem import Problem
 from tuner.problem.surface import values
 from tuner.run.figure import Figure
+from tuner.run.finding import Finding
 from tuner.run.fit_figures import figures
-from tuner.run.front import Against, in_order, picture_of, posed_against, trade
+from tuner.run.fit_record import FitRecord
+from tuner.run.front import Against, picture_of, trade
 from tuner.run.held_out import judge_held_out
 from tuner.run.judged import Judged, filter_name, judge
+from tuner.run.noise_told import gains_told, noise_told
 from tuner.run.parting import HeldOutBy, Parting, parting
 from tuner.run.posed import Posed, check_channels, pose
 from tuner.run.rescaled import ThenRescaled, as_found, may_be_rescaled
-from tuner.run.result import FitRecord
 from tuner.run.searched import Wishes
 from tuner.run.study import Plan, Solutions, Task, best
 from tuner.run.summary import five_lines
@@ -70,99 +71,11 @@ class Fitting:
     against: Against | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """A filter tuned on a recording.
+class Found(NamedTuple):
+    """What the solutions of a fit's plan amount to: the one on all data, and what it is worth."""
 
-    Attributes:
-        posed: the problem and its data.
-        solution: the tuned values with their certificate.
-        judged: what they are worth.
-    """
-
-    posed: Posed
     solution: Solution
     judged: Judged
-
-    @property
-    def params(self) -> Any:
-        """The filter's parameters, as its ``init`` and ``step`` take them."""
-        return self.posed.problem.params(self.solution)
-
-    @cached_property
-    def outputs(self) -> Any:
-        """What the tuned filter returns over the recording, time first."""
-        return self.posed.problem.outputs(self.solution)
-
-    def summary(self) -> str:
-        """Five lines: use these numbers, how good, why trust them, what is open, what next."""
-        return "\n".join(five_lines(self.posed, self.solution, self.judged, folder=False))
-
-    def __str__(self) -> str:
-        return self.summary()
-
-
-def fit(
-    filter: str | type[Any],
-    record: Record | Iterable[Record],
-    *,
-    start: Mapping[str, float] | None = None,
-    fix: Mapping[str, float] | None = None,
-    bound: Mapping[str, tuple[float, float]] | None = None,
-    options: Mapping[str, Any] | None = None,
-    objective: str | None = None,
-    solver: str = "l-bfgs-b",
-    starts: int = 4,
-    seed: int = 0,
-    hold_out: bool = True,
-    held_out: HeldOutBy | None = None,
-    against: str | None = None,
-) -> Fit:
-    """Tune a filter on a recording, or on several with one set of numbers for all.
-
-    With a truth the filter's error is minimised, without one the likelihood of its innovations.
-
-    Args:
-        filter: a name of ``tuner list filters``, or a class that declares its facts.
-        record: recordings in SI (:func:`tuner.read_record`, :meth:`tuner.Record.of`).
-        start: where the search begins, by parameter.
-        fix: parameters that are held, and at what.
-        bound: the ends of the search, by parameter.
-        options: fields of the filter's class.
-        objective: of ``tuner list objectives``.
-        solver: of ``tuner list solvers``.
-        starts: of the search.
-        seed: where the random ones come from.
-        hold_out: whether a second fit on a part of the data is judged on the rest.
-        held_out: which part that is: the end of the ``time``, some whole recordings
-            (``recording``), each in turn (``leave-one-out``), ``none``; None decides by what
-            there is.
-        against: a second objective, of ``tuner list objectives``: the front of both, with its knee,
-            stands in ``judged.trade``.
-
-    Raises:
-        ValueError: for what does not go together, in one sentence with the way out.
-
-    >>> rng = np.random.default_rng(1)
-    >>> level = np.cumsum(0.1 * rng.standard_normal(400))
-    >>> record = Record.of({"z": level + rng.standard_normal(400)}, rate_hz=1.0)
-    >>> found = fit("local-level", record, starts=1, hold_out=False)
-    >>> 0.8 < float(found.solution.parameters["R"].value) < 1.2
-    True
-    """
-    objective, against = in_order(objective, against)
-    wishes = Wishes(start or {}, fix or {}, bound or {}, options or {}, objective)
-    if not isinstance(filter, str | type):
-        raise ValueError(f"{filter!r} is no filter's name or class; give {type(filter).__name__}")
-    name = filter if isinstance(filter, str) else filter.__name__
-    cls = find("tuner.filters", filter) if isinstance(filter, str) else filter
-    records = (record,) if isinstance(record, Record) else tuple(record)
-    posed = pose_on(name, cls, records, wishes)
-    other = None if against is None else posed_against(name, cls, posed, wishes, against)
-    request = Request(solver, starts, seed, "", asked_for(hold_out, held_out))
-    plan = plan_fit(posed, request, other)
-    solved = {(t.problem.name, t.solver.name): t.solver(t.problem) for t in plan.tasks}
-    return concluded(plan.case, solved)
 
 
 def asked_for(hold_out: bool, held_out: HeldOutBy | None) -> HeldOutBy | None:
@@ -184,6 +97,7 @@ def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wish
     Raises:
         ValueError: as :func:`tuner.run.posed.pose`, and for recordings that do not go together.
     """
+    check_facts(cls)
     lines = [timeline(record) for record in records]
     if not lines:
         raise ValueError(f"{name} needs a recording to be tuned on; give one at least")
@@ -196,7 +110,8 @@ def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wish
     posed = pose(name, cls, line, wishes, source)
     known = None if wishes.held else known_of(posed.problem)
     open_ = () if known is None else known.sentences
-    return replace(posed, notes=(*strange, *line.notes, *open_), undetermined=open_)
+    left = () if posed.left_out is None else (posed.left_out.words,)
+    return replace(posed, notes=(*strange, *line.notes, *left, *open_), undetermined=open_)
 
 
 def _source(parts: list[Source]) -> Source:
@@ -225,6 +140,7 @@ def plan_fit(posed: Posed, request: Request, other: Posed | None = None) -> Plan
         figures=_figures,
         report=report,
         notes=posed.notes,
+        findings=findings,
     )
 
 
@@ -245,6 +161,19 @@ def _figures(case: Fitting, solutions: Solutions) -> Iterator[Figure]:
         yield from picture_of(case.posed, trade(case.against))
 
 
+def findings(case: Fitting, solutions: Solutions) -> Iterator[Finding]:
+    """The noise a sample and as densities, and the gains, in the units that people take them in."""
+    problem = case.posed.problem
+    solution = best(problem.name, solutions)
+    filter = bare(problem.filter)
+    if solution.status is Status.FAILED or not getattr(filter, "dt", None):
+        return
+    values = {name: p.value for name, p in solution.parameters.items()}
+    units = {name: p.unit for name, p in solution.parameters.items()}
+    yield from noise_told(filter, values, units, float(filter.dt))
+    yield from gains_told(problem.what_is_exported().derived(problem.params(solution)))
+
+
 def report(case: Fitting, solutions: Solutions) -> FitRecord:
     """What a fit is worth, for its result."""
     found = concluded(case, solutions)
@@ -252,8 +181,8 @@ def report(case: Fitting, solutions: Solutions) -> FitRecord:
     return FitRecord.of(found.judged, filter_name(case.posed), lines)
 
 
-def concluded(case: Fitting, solutions: Solutions) -> Fit:
-    """The fit that solutions of its plan amount to."""
+def concluded(case: Fitting, solutions: Solutions) -> Found:
+    """What solutions of its plan amount to."""
     posed, parted = case.posed, case.parted
     solved = {name: best(name, solutions) for name, _ in solutions}
     held_out = None if parted is None else judge_held_out(posed, parted, solved)
@@ -263,7 +192,7 @@ def concluded(case: Fitting, solutions: Solutions) -> Fit:
         judged = replace(judged, rescaled=as_found(posed.problem, solution))
     if case.against is not None:
         judged = replace(judged, trade=trade(case.against))
-    return Fit(posed, solution, judged)
+    return Found(solution, judged)
 
 
 def screened(problem: Problem, request: Request) -> Problem:

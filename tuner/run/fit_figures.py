@@ -10,7 +10,6 @@ import numpy as np
 from filters.declared import bare, channel_facts, output
 from objectives import AttitudeRmse
 from objectives.attitude import attitude_error
-from tuner.problem.problem import run_filter
 from tuner.run.diagnosed import innovations
 from tuner.run.figure import Chart, Drawn, Figure, Line
 from tuner.run.posed import Posed
@@ -25,7 +24,7 @@ def figures(posed: Posed, solutions: Solutions) -> Iterator[Figure]:
     problem, solution = posed.problem, best(posed.problem.name, solutions)
     tuned = {name: parameter.value for name, parameter in solution.parameters.items()}
     if posed.objective == "likelihood":
-        yield _normalised(posed, tuned)
+        yield normalised(posed, tuned)
         return
     name = posed.output or "innovation"
     each = {"before": problem.parameters(problem.space.start()), "tuned": tuned}
@@ -39,9 +38,7 @@ def figures(posed: Posed, solutions: Solutions) -> Iterator[Figure]:
 def _output(posed: Posed, values: Mapping[str, Any], name: str) -> np.ndarray:
     """An output with some parameters, of the first recording, ``(N, m)``."""
     problem = posed.problem
-    params = problem.static.build({n: jnp.asarray(v, float) for n, v in values.items()})
-    whole = run_filter(problem.filter, params, problem.data.inputs)
-    return _columns(posed, np.asarray(output(problem.filter, whole, name)))
+    return _columns(posed, np.asarray(output(problem.filter, posed.run(values), name)))
 
 
 def _attitude(posed: Posed, found: Mapping[str, np.ndarray], part: str) -> Chart:
@@ -73,7 +70,7 @@ def _parts(posed: Posed, name: str, found: Mapping[str, np.ndarray]) -> Iterator
         yield _chart(posed, called, f"{called}: {words}", f"{called}{unit}", lines)
 
 
-def _normalised(posed: Posed, tuned: Mapping[str, Any]) -> Chart:
+def normalised(posed: Posed, tuned: Mapping[str, Any]) -> Chart:
     """Innovations over their deviations: 95 of 100 lie within two of them where both are right."""
     y, s = innovations(posed.problem, tuned)
     columns = _columns(posed, np.where(s > 0, y / np.sqrt(np.where(s > 0, s, 1.0)), np.nan))

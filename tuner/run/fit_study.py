@@ -1,25 +1,38 @@
 """The one generic study: any filter that declares its facts, on a user's own recordings."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import fields
 from typing import Any
 
-from pydantic import Field
+from pydantic import Field, field_serializer, field_validator, model_validator
 
-from filters.declared import Channel, channel_facts
-from tuner.catalogue import find
+from filters.declared import Channel, channel_facts, parameter_facts
+from tuner.catalogue import names
 from tuner.data.record import Record
+from tuner.export.tuned import Tuned
+from tuner.names import unknown
+from tuner.problem.facts import check_facts
+from tuner.run.at_rate import AtRate, filter_at_rate
+from tuner.run.careful import NAMES
+from tuner.run.chosen import Chosen, chosen
 from tuner.run.fit import Request, asked_for, plan_fit, pose_on
 from tuner.run.front import in_order, posed_against
+from tuner.run.own_file import own_file
 from tuner.run.parting import HeldOutBy
 from tuner.run.searched import Wishes
 from tuner.run.settings import StudySettings
 from tuner.run.study import Plan, Study
+from tuner.solvers import SOLVERS
+
+INFINITE = float("inf")
 
 
 class FitSettings(StudySettings):
     """What ``tuner fit`` can be told; ``tuner list filters NAME`` says what a filter knows."""
 
-    filter: str = Field(description="name of the filter")
+    filter: str | None = Field(None, description="name of the filter, or FILE.py:CLASS")
+    filter_sha256: str | None = Field(None, description="checksum of that file")
+    model: dict[str, Any] | None = Field(None, description="a model, in place of a filter's name")
     start: dict[str, float] = Field({}, description="where the search begins, by parameter")
     fix: dict[str, float] = Field({}, description="parameters that are held, and at what")
     bound: dict[str, tuple[float, float]] = Field({}, description="ends of the search")
@@ -32,6 +45,42 @@ class FitSettings(StudySettings):
 
     against: str | None = Field(None, description="a second objective: the front of both")
 
+    @model_validator(mode="after")
+    def _one_of_them(self) -> "FitSettings":
+        if (self.filter is None) == (self.model is None):
+            which = "there is none" if self.model is None else "there are both"
+            raise ValueError(
+                "a fit takes a filter (--filter NAME or FILE.py:CLASS) or a model (--model "
+                f"FILE.toml), and {which}; give one of them"
+            )
+        if self.filter is not None and self.filter.endswith(".toml"):
+            raise ValueError(f"{self.filter} is a model and no filter; give --model {self.filter}")
+        return self
+
+    @field_validator("model", mode="before")
+    @classmethod
+    def _infinite(cls, model: Any) -> Any:
+        """Results are JSON, which has no infinite numbers: there they are words."""
+        return _replaced(model, {"inf": INFINITE, "-inf": -INFINITE})
+
+    @field_serializer("model")
+    def _in_words(self, model: dict[str, Any] | None) -> dict[str, Any] | None:
+        found: dict[str, Any] | None = _replaced(model, {INFINITE: "inf", -INFINITE: "-inf"})
+        return found
+
+    @field_serializer("filter")
+    def _without_folder(self, filter: str | None) -> str | None:
+        """Results and recipes are passed on, and hold no path of a machine."""
+        file = None if filter is None else own_file(filter)
+        return filter if file is None else file.told
+
+    @property
+    def which(self) -> Chosen:
+        """The filter that is tuned."""
+        if self.model is not None:
+            return chosen(self.model)
+        return chosen(self.filter or "", self.filter_sha256)
+
     @property
     def wishes(self) -> Wishes:
         """What the user decides of the problem."""
@@ -39,30 +88,84 @@ class FitSettings(StudySettings):
         return Wishes(self.start, self.fix, self.bound, self.options, objective)
 
 
+def _replaced(value: Any, words: Mapping[Any, Any]) -> Any:
+    """A document with some of its values in other words."""
+    if isinstance(value, dict):
+        return {key: _replaced(each, words) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_replaced(each, words) for each in value]
+    return words.get(value, value) if isinstance(value, str | float) else value
+
+
 def channels(settings: FitSettings) -> Mapping[str, Channel]:
     """What ``--map`` may name: the filter's inputs."""
-    return channel_facts(find("tuner.filters", settings.filter), "inputs")
+    return channel_facts(settings.which.cls, "inputs")
 
 
 def truths(settings: FitSettings) -> Mapping[str, Channel]:
     """What ``--truth`` may name: the filter's outputs that can be compared."""
-    outputs = channel_facts(find("tuner.filters", settings.filter), "outputs")
+    return _compared(settings.which.cls)
+
+
+def _compared(cls: type[Any]) -> dict[str, Channel]:
+    outputs = channel_facts(cls, "outputs")
     return {name: fact for name, fact in outputs.items() if fact.kind != "detail"}
+
+
+def faults(settings: FitSettings, maps: Iterable[str], truths: Iterable[str]) -> Iterator[str]:
+    """The names in a fit's recipe that nothing has, with the near ones."""
+    solvers, objectives = SOLVERS, names("tuner.objectives")
+    if settings.solver not in solvers:
+        yield str(unknown("solver", settings.solver, solvers))
+    for objective in (settings.objective, settings.against):
+        if objective is not None and objective not in objectives:
+            yield str(unknown("objective", objective, objectives))
+    try:
+        which = settings.which
+        check_facts(which.cls)
+    except ValueError as error:
+        yield str(error)
+        return
+    named = {part: list(getattr(settings, part)) for part in ("start", "fix", "bound")}
+    for part, given in named.items():
+        yield from _strangers(part, "parameter", given, parameter_facts(which.cls))
+    options = {each.name for each in fields(which.cls)} - {"dt"} | {*NAMES}
+    yield from _strangers("options", f"option of {which.name}", settings.options, options)
+    yield from _strangers("log.map", "channel", _mapped(maps), channels(settings))
+    yield from _strangers("log.truth", "output", _mapped(truths), _compared(which.cls))
+
+
+def _strangers(
+    where: str, kind: str, given: Iterable[str], known: Collection[str]
+) -> Iterator[str]:
+    return (f"{where}: {unknown(kind, name, known)}" for name in given if name not in known)
+
+
+def _mapped(mappings: Iterable[str]) -> list[str]:
+    """The names before the "=" of mappings."""
+    return [name.strip() for text in mappings for name in str(text).partition("=")[0].split(",")]
 
 
 def plan(settings: FitSettings, records: tuple[Record, ...], seed: int, storage: str) -> Plan:
     """The filter tuned on all recordings, and on a part of them to be judged on the rest."""
     if not records:
         raise ValueError("a fit needs a recording; give it as in tuner fit LOG --filter NAME")
-    cls = find("tuner.filters", settings.filter)
-    posed = pose_on(settings.filter, cls, records, settings.wishes)
+    name, cls = settings.which.name, settings.which.cls
+    posed = pose_on(name, cls, records, settings.wishes)
     held_out = asked_for(settings.hold_out, settings.held_out)
     request = Request(settings.solver, settings.starts, seed, storage, held_out)
     _, against = in_order(settings.objective, settings.against)
     if against is None:
         return plan_fit(posed, request)
-    other = posed_against(settings.filter, cls, posed, settings.wishes, against)
+    other = posed_against(name, cls, posed, settings.wishes, against)
     return plan_fit(posed, request, other)
+
+
+def at_rate(
+    settings: FitSettings, tuned: Tuned, rate_hz: float, densities: Collection[str]
+) -> AtRate:
+    """The filter that a fit tuned, at another rate."""
+    return filter_at_rate(settings.which, settings.options, tuned, rate_hz, densities)
 
 
 STUDY = Study(
@@ -73,4 +176,6 @@ STUDY = Study(
     plan=plan,
     channels=channels,
     truths=truths,
+    at_rate=at_rate,
+    faults=faults,
 )

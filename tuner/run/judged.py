@@ -13,6 +13,7 @@ from tuner.run.careful import Refused, refused_of
 from tuner.run.diagnosed import diagnosed
 from tuner.run.front import Trade
 from tuner.run.held_out import HeldOut
+from tuner.run.left_out import LeftOut
 from tuner.run.posed import NO_TRUTH, Posed
 from tuner.run.rescaled import Rescaled
 
@@ -31,6 +32,7 @@ class Judged:
             without any.
         refused: what a gate left out at the solution; None without one.
         trade: what a second objective costs; None without one.
+        left_out: stretches that contradict the rest of the record; None where none were looked for.
         rescaled: what became of all variances after a fit against a truth; None where the filter
             has none.
     """
@@ -42,6 +44,7 @@ class Judged:
     held_out: HeldOut | None
     diagnostics: tuple[Diagnostics, Diagnostics] | None
     refused: Refused | None = None
+    left_out: LeftOut | None = None
     rescaled: Rescaled | None = None
     trade: Trade | None = None
 
@@ -70,6 +73,7 @@ def judge(posed: Posed, solution: Solution, held_out: HeldOut | None) -> Judged:
         held_out,
         None if before is None or now is None else (before, now),
         refused,
+        posed.left_out,
     )
 
 

@@ -16,16 +16,20 @@ from objectives import kind_of
 from tuner import export
 from tuner.certificate.single_precision import SinglePrecision
 from tuner.certificate.solution import Solution
+from tuner.data.source import Source
 from tuner.export.tuned import Provenance, Tuned
 from tuner.problem.problem import Problem
 from tuner.run.drawing import picture, table
+from tuner.run.environment import environment
+from tuner.run.fit_record import FitRecord
 from tuner.run.folder import RunFolder
+from tuner.run.recipe import Recipe
 from tuner.run.result import (
     ExportRecord,
-    FitRecord,
     Result,
     SingleRecord,
     SolutionRecord,
+    pretty,
 )
 from tuner.run.study import Plan, Solutions, Task, best
 
@@ -152,24 +156,8 @@ class Run:
 
     def tuned(self, problem: Problem, solution: Solution) -> Tuned:
         """What is exported for a problem: its parameters, and what follows from them."""
-        what, source = problem.what_is_exported(), problem.source or self.plan.source
-        return Tuned(
-            name=solution.problem,
-            filter=what.filter,
-            quantities=problem.quantities(solution),
-            convention="discrete" if what.dt else "continuous",
-            dt=what.dt,
-            states=what.states,
-            provenance=Provenance(
-                study=self.study,
-                problem=solution.problem,
-                solver=solution.solver,
-                status=solution.status.value,
-                seed=self.seed,
-                log_name=source.name,
-                log_sha256=source.sha256,
-                versions=tuple((name, version(name)) for name in VERSIONS),
-            ),
+        return tuned_of(
+            problem, solution, self.study, self.seed, problem.source or self.plan.source
         )
 
     def _export(
@@ -179,6 +167,36 @@ class Run:
         self.folder.write(name, export.dump(tuned, form))
         read_back = export.read_back(tuned, self.folder.path / name, form)
         return score_export(problem, solution.value, read_back, form, name)
+
+
+def tuned_of(problem: Problem, solution: Solution, study: str, seed: int, source: Source) -> Tuned:
+    """What is exported of a solution: its parameters, what follows from them, and their origin."""
+    what = problem.what_is_exported()
+    return Tuned(
+        name=solution.problem,
+        filter=what.filter,
+        quantities=problem.quantities(solution),
+        convention="discrete" if what.dt else "continuous",
+        dt=what.dt,
+        states=what.states,
+        provenance=Provenance(
+            study=study,
+            problem=solution.problem,
+            solver=solution.solver,
+            status=solution.status.value,
+            seed=seed,
+            log_name=source.name,
+            log_sha256=source.sha256,
+            versions=tuple((name, version(name)) for name in VERSIONS),
+        ),
+    )
+
+
+def write_down(folder: RunFolder, recipe: Recipe, plan: Plan) -> None:
+    """The recipe, and the environment it ran in."""
+    folder.write("study.toml", recipe.to_toml())
+    known = environment() | {"seed": recipe.seed, "log_sha256": plan.source.sha256}
+    folder.write("environment.json", pretty(known))
 
 
 def _in_single_precision(problem: Problem, solution: Solution) -> list[SingleRecord]:

@@ -1,7 +1,7 @@
 """From a filter and a recording to the problem that tunes the one on the other."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import MISSING, dataclass, fields, replace
 from typing import Any
 
 import jax.numpy as jnp
@@ -16,8 +16,10 @@ from tuner.data.source import Source
 from tuner.data.units import change
 from tuner.names import unknown
 from tuner.problem.exported import exported_of
-from tuner.problem.problem import Problem
+from tuner.problem.problem import Problem, run_filter
+from tuner.problem.space import Space
 from tuner.run.careful import NAMES, care_of, guarded, with_noise
+from tuner.run.left_out import LeftOut, without_stretches
 from tuner.run.searched import Wishes, own_unit, sizes_of, space_of
 
 HEADING = frozenset(("mag", "gps", "gps_vel"))
@@ -39,6 +41,7 @@ class Posed:
         source: where they come from.
         notes: what looks strange in them, and what was left out, a sentence each.
         undetermined: what of the noise no such measurements tell, a sentence each.
+        left_out: stretches that contradict the rest; None where none were looked for.
     """
 
     problem: Problem
@@ -49,6 +52,13 @@ class Posed:
     source: Source
     notes: tuple[str, ...] = ()
     undetermined: tuple[str, ...] = ()
+    left_out: LeftOut | None = None
+
+    def run(self, values: Mapping[str, Any]) -> Any:
+        """What the filter returns with some parameters, given by name, over all data."""
+        params = self.problem.static.build({n: jnp.asarray(v, float) for n, v in values.items()})
+        assert self.problem.filter is not None
+        return run_filter(self.problem.filter, params, self.problem.data.inputs)
 
 
 def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: Source) -> Posed:
@@ -72,6 +82,10 @@ def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: 
     unit = _unit_of(cls, timeline, objective, output)
     outputs = channel_facts(cls, "outputs")
     data = Data(_inputs(cls, timeline), truth_of(timeline, outputs.get(output), output))
+    left_out = None
+    if care.stretches is not None:
+        whole = Problem(name, Space.of_filter(cls), filter, None, judged, data)
+        data, left_out = without_stretches(whole, care.stretches, timeline.times)
     sizes = sizes_of(cls, filter, judged, data)
     typical = space_of(cls, timeline, replace(wishes, start={}), sizes)
     filter, judged = guarded(care, filter, judged, typical, data.inputs)
@@ -85,7 +99,7 @@ def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: 
         source=source,
         exported=exported_of(filter, own_unit(cls, timeline)),
     )
-    return Posed(problem, objective, output, unit, timeline, source)
+    return Posed(problem, objective, output, unit, timeline, source, left_out=left_out)
 
 
 def check_channels(name: str, cls: type[Any], timeline: Timeline) -> None:
@@ -143,12 +157,25 @@ def set_up(name: str, cls: type[Any], timeline: Timeline, options: Mapping[str, 
             raise unknown(f"option of {name}", option, [*(n for n in known if n != "dt"), *NAMES])
     dt = np.asarray(timeline.dt)
     step = {"dt": float(np.nanmedian(dt) if timeline.rate_hz is None else 1 / timeline.rate_hz)}
-    filter = cls(**({} if "dt" not in known else step), **options)
+    given = {} if "dt" not in known else step
+    _check_complete(name, known, {**given, **options})
+    filter = cls(**given, **options)
     if hasattr(filter, "given"):
         filter = filter.given(frozenset(timeline.channels))
     if timeline.rate_hz is None:
         filter = Timed(filter)
     return Lanes(filter, dt.shape[1]) if dt.ndim == 2 else filter
+
+
+def _check_complete(name: str, known: Mapping[str, Any], given: Mapping[str, Any]) -> None:
+    """Refuse a class with fields that nobody gives."""
+    for field, each in known.items():
+        unset = each.default is MISSING and each.default_factory is MISSING
+        if unset and each.init and field not in given:
+            raise ValueError(
+                f"{name} needs {field}, a field without a default; give it with --set {field}=..., "
+                "or a default in the class"
+            )
 
 
 def _inputs(cls: type[Any], timeline: Timeline) -> Any:

@@ -162,6 +162,8 @@ def nees_of(problem: Problem, values: Mapping[str, Any]) -> float | None:
     outputs, truth = run_with(problem, values), np.asarray(problem.data.truth)
     estimate = getattr(outputs, getattr(problem.objective, "name", "") or "_", None)
     P = np.asarray(getattr(outputs, "P", np.zeros(0)))
+    if estimate is not None and np.shape(estimate) == truth.shape and P.ndim == truth.ndim + 2:
+        estimate, truth, P = _one_of_them(problem, np.asarray(estimate), truth, P)
     if estimate is None or np.shape(estimate) != truth.shape or P.ndim != truth.ndim + 1:
         return None
     error = np.asarray(estimate) - truth
@@ -172,3 +174,17 @@ def nees_of(problem: Problem, values: Mapping[str, Any]) -> float | None:
     seen = ~np.isnan(error).any(axis=-1)
     e, P = error[seen], np.broadcast_to(P, (*error.shape[:-1], *P.shape[-2:]))[seen][:, :n, :n]
     return float(np.einsum("ti,ti->t", e, np.linalg.solve(P, e[..., None])[..., 0]).mean() / n)
+
+
+def _one_of_them(
+    problem: Problem, estimate: np.ndarray, truth: np.ndarray, P: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """One state of those whose covariance is put out, as a vector of one."""
+    own, name = bare(problem.filter), getattr(problem.objective, "name", "")
+    facts = channel_facts(own, "states") if hasattr(own, "states") else {}
+    if name not in facts:
+        return estimate, truth, P
+    if facts[name].kind == "angle":
+        estimate = estimate - 2 * np.pi * np.round((estimate - truth) / (2 * np.pi))
+    i = [*facts].index(name)
+    return estimate[..., None], truth[..., None], P[..., i : i + 1, i : i + 1]

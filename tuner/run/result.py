@@ -3,27 +3,19 @@
 import json
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from tuner.certificate.solution import Certificate, Solution, Starts, Status, TunedParameter
 from tuner.data.source import Source
-from tuner.diagnostics.finding import Verdict
 from tuner.run.comparison import Comparison
 from tuner.run.finding import Finding
-
-if TYPE_CHECKING:
-    from tuner.diagnostics import Diagnostics
-    from tuner.run.judged import Judged
+from tuner.run.fit_record import FitRecord, Recorded
 
 
-class _Record(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
-
-
-class ParameterRecord(_Record):
+class ParameterRecord(Recorded):
     """A tuned parameter; see :class:`tuner.certificate.solution.TunedParameter`.
 
     An end of an interval that is infinite is null.
@@ -64,7 +56,7 @@ def _ends(interval: tuple[float | None, float | None] | None) -> tuple[float, fl
     return -np.inf if low is None else low, np.inf if high is None else high
 
 
-class SolutionRecord(_Record):
+class SolutionRecord(Recorded):
     """A solution; see :class:`tuner.certificate.solution.Solution`. Infinite numbers are null."""
 
     problem: str
@@ -126,7 +118,7 @@ def _infinite(data: Any) -> Any:
     return np.inf if data is None else data
 
 
-class ExportRecord(_Record):
+class ExportRecord(Recorded):
     """An exported file, read back.
 
     Attributes:
@@ -142,7 +134,7 @@ class ExportRecord(_Record):
     relative_change: float | None
 
 
-class SingleRecord(_Record):
+class SingleRecord(Recorded):
     """A check in single precision; see :mod:`tuner.certificate.single_precision`."""
 
     problem: str
@@ -155,158 +147,7 @@ class SingleRecord(_Record):
     warning: str
 
 
-class GainRecord(_Record):
-    """See :class:`tuner.run.amounts.Gain`."""
-
-    share: float | None
-    low: float | None
-    high: float | None
-    blocks: int
-
-
-class OneHeldOutRecord(_Record):
-    """See :class:`tuner.run.held_out.OneHeldOut`."""
-
-    recording: int
-    start: float | None
-    tuned: float | None
-    best: float | None
-
-
-class HeldOutRecord(_Record):
-    """See :class:`tuner.run.held_out.HeldOut`."""
-
-    way: str
-    what: str
-    start: float | None
-    tuned: float | None
-    gain: GainRecord | None
-    nothing: str
-    unfiltered: float | None
-    over_unfiltered: GainRecord | None
-    best: float | None
-    gap: float | None
-    recordings: list[OneHeldOutRecord]
-
-
-class RescaledRecord(_Record):
-    """See :class:`tuner.run.rescaled.Rescaled`."""
-
-    factor: float
-    powers: dict[str, float]
-    nis: tuple[float | None, float | None]
-    nees: tuple[float | None, float | None] | None
-    reason: str
-
-
-class TradedRecord(_Record):
-    """See :class:`tuner.run.front.Traded`."""
-
-    first: float
-    second: float
-    weight: float
-    knee: bool
-    status: str
-    parameters: dict[str, Any]
-
-
-class TradeRecord(_Record):
-    """See :class:`tuner.run.front.Trade`."""
-
-    objective: str
-    unit: str
-    depth: float
-    points: list[TradedRecord]
-
-
-class FindingRecord(_Record):
-    """See :class:`tuner.diagnostics.Finding`."""
-
-    test: str
-    what: str
-    statistic: float | None
-    p: float | None
-    verdict: Verdict
-    sentence: str
-    details: dict[str, float | None]
-
-
-class DiagnosticsRecord(_Record):
-    """See :class:`tuner.diagnostics.Diagnostics`."""
-
-    nis: float | None
-    low: float | None
-    high: float | None
-    factor: float | None
-    factor_low: float | None
-    factor_high: float | None
-    lag_one: float | None
-    numbers: int
-    findings: list[FindingRecord]
-
-    @classmethod
-    def of(cls, diagnostics: "Diagnostics") -> "DiagnosticsRecord":
-        """The record of what innovations say."""
-        return cls.model_validate(asdict(diagnostics))
-
-
-class RefusedRecord(_Record):
-    """See :class:`tuner.run.careful.Refused`."""
-
-    refused: int
-    outside: int
-    numbers: int
-    weighed: bool
-
-
-class FitRecord(_Record):
-    """What a fit is worth; see :class:`tuner.run.judged.Judged`.
-
-    Attributes:
-        filter: name of the filter's class.
-        objective, unit, start, tuned: the objective before and after.
-        held_out: the same on data that was not used.
-        diagnostics: of the innovations, before and after; empty without any.
-        rescaled: what became of all variances after a fit against a truth.
-        trade: the front against a second objective.
-        refused: what a gate or heavy tails left out, or weighed little.
-        lines: the five lines that a run ends with.
-    """
-
-    filter: str
-    objective: str
-    unit: str
-    start: float | None
-    tuned: float | None
-    held_out: HeldOutRecord | None
-    diagnostics: list[DiagnosticsRecord]
-    rescaled: RescaledRecord | None = None
-    trade: TradeRecord | None = None
-    refused: RefusedRecord | None = None
-    lines: list[str]
-
-    @classmethod
-    def of(cls, judged: "Judged", filter: str, lines: list[str]) -> "FitRecord":
-        """The record of a judgement."""
-        held = judged.held_out
-        return cls(
-            filter=filter,
-            objective=judged.objective,
-            unit=judged.unit,
-            start=judged.start,
-            tuned=judged.tuned,
-            held_out=None if held is None else HeldOutRecord.model_validate(asdict(held)),
-            diagnostics=[DiagnosticsRecord.of(each) for each in judged.diagnostics or ()],
-            rescaled=(
-                RescaledRecord.model_validate(asdict(judged.rescaled)) if judged.rescaled else None
-            ),
-            trade=TradeRecord.model_validate(asdict(judged.trade)) if judged.trade else None,
-            refused=RefusedRecord(**asdict(judged.refused)) if judged.refused else None,
-            lines=lines,
-        )
-
-
-class Result(_Record):
+class Result(Recorded):
     """Everything a run found; ``result.json``."""
 
     schema_: Literal["tuner.result/1"] = Field(alias="schema")

@@ -1,6 +1,6 @@
 """What a study is, and how studies are found."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -18,8 +18,10 @@ if TYPE_CHECKING:
     from filters.declared import Channel
     from tuner.certificate.solution import Solution
     from tuner.data.record import Record
+    from tuner.export.tuned import Tuned
     from tuner.problem.problem import Problem
-    from tuner.run.result import FitRecord
+    from tuner.run.at_rate import AtRate
+    from tuner.run.fit_record import FitRecord
     from tuner.solvers.convex import ConvexTask
     from tuner.solvers.solver import Solver
 
@@ -184,6 +186,10 @@ class Study:
         plan: from settings, recordings (none: its own data), seed and database URL to the plan.
         channels: what ``--map`` may name, nothing for any name; None if it takes no recording.
         truths: what ``--truth`` may name.
+        at_rate: from settings, what is exported, another rate and the parameters that are densities
+            times the rate to the same filter at that rate; None where there is no other rate.
+        faults: what is wrong with settings that are well formed, and with mappings of channels and
+            of truths, a sentence each; None: that shows as it is planned.
     """
 
     name: str
@@ -193,6 +199,8 @@ class Study:
     plan: "Callable[[Any, tuple[Record, ...], int, str], Plan]"
     channels: "Callable[[Any], Mapping[str, Channel]] | None" = None
     truths: "Callable[[Any], Mapping[str, Channel]] | None" = None
+    at_rate: "Callable[[Any, Tuned, float, Collection[str]], AtRate] | None" = None
+    faults: "Callable[[Any, Iterable[str], Iterable[str]], Iterable[str]] | None" = None
 
 
 def study_names() -> list[str]:

@@ -5,7 +5,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from tuner.certificate.solution import Solution, Status, TunedParameter, range_in_words
+from tuner.certificate.solution import Solution, Status, TunedParameter
+from tuner.certificate.table import range_in_words
 from tuner.problem.parameters import Fixed
 from tuner.run.front import words as traded
 from tuner.run.held_out import HeldOut
@@ -34,23 +35,31 @@ def five_lines(
         folder: whether there is a folder of the run.
     """
     return [
-        "use       " + ", ".join(_numbers(posed, solution)),
+        "use       " + ", ".join(_numbers(posed, solution, judged)),
         "how good  " + "; ".join(_worth(posed, judged)),
         "trust     " + "; ".join(_trust(solution, judged)),
-        "open      " + ("; ".join(_open(posed, solution)) or "nothing: all is determined"),
+        "open      " + ("; ".join(_open(posed, solution, judged)) or "nothing: all is determined"),
         "next      " + _next(posed, solution, folder=folder),
     ]
 
 
-def _numbers(posed: Posed, solution: Solution) -> Iterator[str]:
+def _numbers(posed: Posed, solution: Solution, judged: Judged) -> Iterator[str]:
     for name, kind in posed.problem.space.parameters:
         if not isinstance(kind, Fixed):
             open_ = (*posed.undetermined, *solution.certificate.flat_directions)
-            flat = any(name in words(told) for told in open_)
+            flat = any(name in words(told) and not _scaled(told, judged) for told in open_)
             doubt = " (not determined)" if flat else ""
             yield f"{name} = {_number(solution.parameters[name])}{doubt}"
     for name, value in solution.derived.items():
         yield f"{name} = {value:.5g}"
+
+
+def _scaled(told: str, judged: Judged) -> bool:
+    """Whether what the error leaves open is the common factor, which the innovations settle."""
+    found = judged.rescaled
+    if found is None or found.reason:
+        return False
+    return found.powers.keys() == set(words(told)) & found.powers.keys()
 
 
 def words(text: str) -> list[str]:
@@ -140,6 +149,8 @@ def _trust(solution: Solution, judged: Judged) -> Iterator[str]:
     yield solution.status.value
     if starts.count > 1:
         yield f"{starts.agreeing} of {starts.count} starts agree"
+    if judged.left_out is not None:
+        yield judged.left_out.words
     if judged.refused is not None:
         yield judged.refused.words
     if judged.diagnostics is None:
@@ -161,12 +172,14 @@ def _lag(correlation: float) -> str:
     return f", lag one {correlation:+.2f}" if np.isfinite(correlation) else ""
 
 
-def _open(posed: Posed, solution: Solution) -> Iterator[str]:
+def _open(posed: Posed, solution: Solution, judged: Judged) -> Iterator[str]:
     if solution.status is Status.FAILED:
         yield "all: nothing was found"
         return
     yield from posed.undetermined
-    yield from solution.certificate.flat_directions
+    for told in solution.certificate.flat_directions:
+        by = " by the error, and the common factor by the innovations (NIS 1)"
+        yield told + by * _scaled(told, judged)
     yield from (f"{name} lies at its bound" for name in _at_bound(solution))
 
 
@@ -178,7 +191,8 @@ def _at_bound(solution: Solution) -> list[str]:
 def _next(posed: Posed, solution: Solution, *, folder: bool) -> str:
     if solution.status.trusted:
         file = f"tuner export RUN --to c -o {posed.problem.name}.h"
-        return file if folder else "params are what the filter takes, outputs what it returned"
+        python = 'fit.export("c"), or fit.save(FOLDER) with all formats and pictures'
+        return file if folder else python
     if bounds := _at_bound(solution):
         return f"search again with a wider --bound, or --fix, for {' and '.join(bounds)}"
     return "search again from another --start, with more --starts, or by --solver nelder-mead"

@@ -128,7 +128,7 @@ def _scale(columns: Columns, mapping: Mapping, column: Raw) -> tuple[Fraction, b
     if mapping.unit is not None or mapping.factor is not None:
         factor = Fraction(factor_of(columns, mapping))
         return _exact(mapping.unit or "s") * factor, True, ""
-    unit = unit_of(mapping.column)
+    unit = unit_of(mapping.column.removeprefix(columns.table.prefix))
     if unit is None and (found := since_1970(column)):
         return _exact(found), True, f"taken as {found} since 1970"
     return _exact(unit or "s"), unit is not None, ""

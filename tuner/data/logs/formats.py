@@ -1,50 +1,90 @@
 """Which format a log has, told by its bytes and never by its name."""
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
+from tuner.data.logs import betaflight
+from tuner.data.logs.apart import Reader, open_apart
+from tuner.data.logs.archive import is_archive, open_archive, open_folder
 from tuner.data.logs.csv import open_csv
+from tuner.data.logs.dataflash import open_dataflash
+from tuner.data.logs.dataflash_text import open_dataflash_text
 from tuner.data.logs.error import LogError
-from tuner.data.logs.mat import open_mat5, open_mat73
+from tuner.data.logs.mat import open_mat5
 from tuner.data.logs.npz import open_npz
 from tuner.data.logs.table import Table
 
 _HEAD = 64
-_ZIP = (b"PK\x03\x04", b"PK\x05\x06")
-_MAT5 = b"MATLAB 5.0 MAT-file"
-_HDF5 = (b"MATLAB 7.3 MAT-file", b"\x89HDF\r\n\x1a\n")
-_NPY = b"\x93NUMPY"
-_PICKLE = (b"\x80\x02", b"\x80\x03", b"\x80\x04", b"\x80\x05")
+
+_ULOG = Reader("tuner.data.logs.ulog", "PX4 ULog", "pyulog", "ulog")
+_ROSBAG = Reader(
+    "tuner.data.logs.rosbag", "ROS bag", "rosbags", "ros",
+    mend="copy it again, or mend it by rosbag reindex, ros2 bag reindex or mcap recover",
+)  # fmt: skip
+_ARROW = Reader("tuner.data.logs.arrow", "Parquet or Feather", "pyarrow", "arrow")
+_MAT73 = Reader("tuner.data.logs.mat73", "MATLAB 7.3", "h5py", "mat73")
 
 
 def open_table(path: Path) -> Table:
-    """Open a log of any known format.
+    """Open a log of any known format, or a folder of them.
 
     Raises:
         LogError: where there is no such file, or it is empty, damaged or of no known format.
     """
     head = _head(path)
-    if head.startswith(_ZIP):
-        return open_npz(path)
-    if head.startswith(_MAT5):
-        return open_mat5(path)
-    if head.startswith(_HDF5):
-        return open_mat73(path)
-    if head.startswith(_NPY):
-        raise LogError(f"{path.name}: this is one array without a name; save it with np.savez")
-    if head.startswith(_PICKLE):
-        raise LogError(
-            f"{path.name}: this is a pickle, which is never run; save plain arrays with np.savez"
-        )
+    if head is None:
+        bag = (path / "metadata.yaml").is_file()
+        return open_apart(path, _ROSBAG) if bag else open_folder(path)
+    for beginnings, opened in _FORMATS:
+        if head.startswith(beginnings):
+            return opened(path)
     return open_csv(path)
 
 
-def _head(path: Path) -> bytes:
-    """The first bytes of the file."""
+def _open_zip(path: Path) -> Table:
+    return open_archive(path) if is_archive(path) else open_npz(path)
+
+
+def _refused(why: str, path: Path) -> Table:
+    raise LogError(f"{path.name}: this is {why}")
+
+
+_FORMATS: tuple[tuple[tuple[bytes, ...], Callable[[Path], Table]], ...] = (
+    ((b"PK\x03\x04", b"PK\x05\x06"), _open_zip),
+    ((b"MATLAB 5.0 MAT-file",), open_mat5),
+    ((b"MATLAB 7.3 MAT-file", b"\x89HDF\r\n\x1a\n"), partial(open_apart, reader=_MAT73)),
+    ((b"ULog\x01\x12\x35",), partial(open_apart, reader=_ULOG)),
+    (
+        (b"#ROSBAG V", b"\x89MCAP0\r\n", b"SQLite format 3\0"),
+        partial(open_apart, reader=_ROSBAG),
+    ),
+    ((b"PAR1", b"ARROW1", b"FEA1"), partial(open_apart, reader=_ARROW)),
+    ((b"\xa3\x95",), open_dataflash),
+    ((b"FMT,", b"FMT ,"), open_dataflash_text),
+    (betaflight.MAGICS, betaflight.open_betaflight),
+    (
+        (b"\x93NUMPY",),
+        partial(_refused, "one array without a name; save it with np.savez"),
+    ),
+    (
+        (b"\x80\x02", b"\x80\x03", b"\x80\x04", b"\x80\x05"),
+        partial(_refused, "a pickle, which is never run; save plain arrays with np.savez"),
+    ),
+    (
+        (b"\x28\xb5\x2f\xfd",),
+        partial(_refused, "compressed by zstd; unpack it, or name the folder of its ROS bag"),
+    ),
+)
+
+
+def _head(path: Path) -> bytes | None:
+    """The first bytes of the file; None of a folder."""
     try:
         if not path.exists():
             raise LogError(f"{path.name}: there is no such file; check the path")
-        if not path.is_file():
-            raise LogError(f"{path.name}: this is not a file; name the log inside it")
+        if path.is_dir():
+            return None
         with path.open("rb") as stream:
             head = stream.read(_HEAD)
     except OSError as error:

@@ -42,7 +42,7 @@ def open_npz(path: Path) -> Table:
     def load(names: Sequence[str]) -> dict[str, Raw]:
         return {name: _load(path, name, sizes[name]) for name in names}
 
-    return Table(path.name, tuple(sizes), load)
+    return Table(path.name, tuple(sizes), load, format="archive of numpy arrays")
 
 
 def _load(path: Path, name: str, size: int) -> Raw:

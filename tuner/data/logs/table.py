@@ -1,14 +1,14 @@
 """A log file as every format presents it: named raw columns that load on demand."""
 
 from collections.abc import Callable, Sequence
-from collections.abc import Mapping as Mapping_
+from collections.abc import Mapping as Named
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tuner.data.logs.error import LogError, suggest
+from tuner.data.logs.error import FEW, LogError, suggest
 from tuner.data.logs.mapping import Mapped, Mapping
 
 Raw = NDArray[Any]
@@ -47,8 +47,15 @@ class Table:
         texts: the columns that are known to hold text.
         labels: reads one column as text, ``(N,)`` of str, where the format knows a way.
         moments: the columns that hold dates or times of day; they are loaded as bytes.
-        units: what the file itself says of its columns.
         part: the table of the rows that have a word in a column, where the format knows a way.
+        format: what kind of file it is, in words.
+        groups: where the columns have several clocks, one table for each of them.
+        prefix: what the names of all columns begin with; it may be left out where a group is meant.
+        time: the time column that the format itself prescribes, with its unit.
+        units: the units that the file tells, by column.
+        widths: how many numbers a row of a column has, where it is known and not one.
+        rows: how many rows there are, where it is known.
+        notes: what was found in the file, and taken for granted.
     """
 
     file: str
@@ -59,8 +66,15 @@ class Table:
     texts: frozenset[str] = frozenset()
     labels: Callable[[str], Raw] | None = None
     moments: frozenset[str] = frozenset()
-    units: Mapping_[str, str] = field(default_factory=dict)
     part: "Callable[[str, str], Table] | None" = None
+    format: str = "text"
+    groups: "tuple[Table, ...]" = ()
+    prefix: str = ""
+    time: Mapping | None = None
+    units: Named[str, str] = field(default_factory=dict)
+    widths: Named[str, int] = field(default_factory=dict)
+    rows: int | None = None
+    notes: tuple[str, ...] = ()
 
     def find(self, mapping: Mapping) -> Mapping | None:
         """The mapping with its column as the file names it; None where there is none.
@@ -79,7 +93,8 @@ class Table:
             return mapping
         if self.numbered and column.isdecimal() and 0 < int(column) <= len(self.names):
             return replace(mapping, column=self.names[int(column) - 1])
-        return None
+        short = self.prefix and not column.startswith(self.prefix)
+        return self.find(replace(mapping, column=self.prefix + column)) if short else None
 
     def resolve(self, mapping: Mapping) -> Mapping:
         """The mapping with its column as the file names it.
@@ -90,7 +105,8 @@ class Table:
         found = self.find(mapping)
         if found is None:
             way_out = suggest(mapping.column, self.names)
-            raise LogError(f"{self.file}: there is no column {mapping.column!r}; {way_out}")
+            more = "; tuner columns FILE lists all" * (len(self.names) > FEW)
+            raise LogError(f"{self.file}: there is no column {mapping.column!r}; {way_out}{more}")
         return found
 
     def find_parts(self, mapped: Mapped) -> tuple[Mapping, ...] | None:

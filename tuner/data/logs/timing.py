@@ -44,7 +44,13 @@ def find_clock(
 
 
 def _time_names(table: Table) -> Iterable[str]:
-    return (name for name in table.names if is_time(name) and name not in table.texts)
+    if table.time is not None:
+        return (table.time.column,)
+    return (
+        name
+        for name in table.names
+        if is_time(name.removeprefix(table.prefix)) and name not in table.texts
+    )
 
 
 def _rate_names(table: Table) -> Iterable[str]:
@@ -58,7 +64,7 @@ def _found(columns: Columns, samples: int) -> Mapping | None:
     for name in _time_names(columns.table):
         array = columns.raw[name]
         if array.ndim > 0 and array.size == len(array) == samples and array.dtype.kind in "iuf":
-            return Mapping("time", name)
+            return columns.table.time or Mapping("time", name)
     return None
 
 

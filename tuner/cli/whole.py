@@ -1,0 +1,52 @@
+"""A study.toml checked as a whole: all that is wrong with it in one sentence."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from tuner.cli.settings import settings_faults
+from tuner.run.recipe import Recipe, faults_of
+from tuner.run.study import find_study
+
+
+def read_whole(path: Path, document: Mapping[str, Any], more: Mapping[str, Any]) -> Recipe:
+    """The recipe in a file, whose settings the command line may have more of.
+
+    Args:
+        path: the file.
+        document: what it holds.
+        more: settings of the command line, which win.
+
+    Raises:
+        ValueError: with everything that is wrong in the file, near names included.
+    """
+    try:
+        recipe = Recipe.model_validate(document)
+    except ValidationError as error:
+        found = [*faults_of(error), *_of_settings(document, more)]
+        raise ValueError(f"{path.name} is no study.toml: {'; '.join(found)}") from None
+    if found := _of_settings(document, more):
+        raise ValueError(f"{path.name}: {'; '.join(found)}")
+    return recipe
+
+
+def _of_settings(document: Mapping[str, Any], more: Mapping[str, Any]) -> list[str]:
+    """What is wrong with the study's name, its settings, and the columns that are mapped."""
+    name, settings = document.get("study"), document.get("settings", {})
+    if not isinstance(name, str) or not isinstance(settings, dict):
+        return []
+    try:
+        study = find_study(name)
+    except ValueError as error:
+        return [str(error)]
+    merged = {**settings, **more}
+    if found := settings_faults(study.settings, merged):
+        return found
+    if study.faults is None:
+        return []
+    log = document.get("log")
+    told = {part: log.get(part, []) if isinstance(log, dict) else [] for part in ("map", "truth")}
+    maps, truths = (part if isinstance(part, list) else [] for part in told.values())
+    return [*study.faults(study.settings.model_validate(merged), maps, truths)]

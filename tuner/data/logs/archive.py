@@ -1,0 +1,212 @@
+"""Phone loggers: a zip file, or a folder, with one text file a sensor, each on its own clock."""
+
+import zipfile
+import zlib
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from itertools import islice
+from pathlib import Path, PurePosixPath
+
+from tuner.data.logs.csv import open_csv
+from tuner.data.logs.error import LogError, quoted
+from tuner.data.logs.home import Home
+from tuner.data.logs.table import Raw, Table
+
+TEXTS = (".csv", ".txt", ".tsv", ".dat")
+_NESTED = (".zip", ".gz", ".7z", ".tar", ".tgz", ".bz2", ".xz")
+_BLOCK = 1 << 20
+_SMALL = 256 << 20
+_RATIO = 100
+_MOST = 1000
+_DAMAGE = (OSError, EOFError, zlib.error, zipfile.BadZipFile, NotImplementedError, RuntimeError,
+           ValueError, MemoryError)  # fmt: skip
+
+
+def is_archive(path: Path) -> bool:
+    """Whether a zip file holds text files, or other archives, and no arrays of numpy."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            endings = {PurePosixPath(name.lower()).suffix for name in archive.namelist()}
+    except _DAMAGE:
+        return False
+    return ".npy" not in endings and bool(endings & {*TEXTS, *_NESTED})
+
+
+def open_archive(path: Path) -> Table:
+    """Open a zip file of text files: columns ``Gyroscope/x``, the file's name before each.
+
+    It is unpacked into a folder that goes with the table. What would unpack to more than 256 MiB
+    and to more than a hundredfold is refused before and while it is read, and so are names that
+    lead out of the folder, and archives in the archive.
+
+    Raises:
+        LogError: where it is damaged or refused, or holds no text file with numbers.
+    """
+    home = Home()
+    try:
+        with zipfile.ZipFile(path) as archive:
+            members = _checked(path, archive.infolist())
+            budget = max(_SMALL, _RATIO * path.stat().st_size)
+            files = {}
+            for number, member in enumerate(members):
+                file = Path(home.path, f"{number}{PurePosixPath(member.filename).suffix}")
+                budget -= _unpack(path, archive, member, file, budget)
+                files[member.filename] = file
+    except _DAMAGE as error:
+        if isinstance(error, LogError):
+            raise
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise LogError(f"{path.name}: the zip file is damaged ({reason}); copy it again") from error
+    return _together(path, files, "zip file of text files", home)
+
+
+def open_folder(path: Path) -> Table:
+    """Open a folder of text files, such as an unpacked zip.
+
+    Raises:
+        LogError: where it holds no text file with numbers.
+    """
+    held = list(islice(path.rglob("*"), _MOST + 1))
+    if len(held) > _MOST:
+        raise LogError(f"{path.name}: the folder holds more than {_MOST} files; name one of them")
+    found = sorted(file for file in held if file.suffix.lower() in TEXTS)
+    files = {file.relative_to(path).as_posix(): file for file in found}
+    return _together(path, files, "folder of text files", None)
+
+
+def _checked(path: Path, members: Sequence[zipfile.ZipInfo]) -> list[zipfile.ZipInfo]:
+    """The text files of an archive, if none of its members is suspicious."""
+    chosen = []
+    for member in members:
+        name = PurePosixPath(member.filename.replace("\\", "/"))
+        if name.is_absolute() or ".." in name.parts or ":" in "".join(name.parts[:1]):
+            raise LogError(
+                f"{path.name}: the zip file holds {member.filename[:60]!r}, which leads out of it; "
+                "pack the log's files alone"
+            )
+        if name.suffix.lower() in _NESTED:
+            raise LogError(
+                f"{path.name}: the zip file holds the archive {member.filename[:60]!r}; unpack it "
+                "and name that one"
+            )
+        hidden = name.name.startswith(".") or "__MACOSX" in name.parts
+        if name.suffix.lower() in TEXTS and not hidden and not member.is_dir():
+            chosen.append(member)
+    size = sum(member.file_size for member in chosen)
+    if size > max(_SMALL, _RATIO * path.stat().st_size):
+        raise LogError(
+            f"{path.name}: the zip file would unpack to {size / 2**30:.1f} GiB, more than "
+            f"{_RATIO} times its size; unpack it by hand and name the folder"
+        )
+    if len(chosen) > _MOST:
+        raise LogError(f"{path.name}: the zip file holds more than {_MOST} text files; pack fewer")
+    return chosen
+
+
+def _unpack(
+    path: Path, archive: zipfile.ZipFile, member: zipfile.ZipInfo, file: Path, budget: int
+) -> int:
+    """Unpack one file and return its size, whatever size was declared."""
+    size = 0
+    with archive.open(member) as packed, file.open("wb") as plain:
+        while block := packed.read(_BLOCK):
+            size += len(block)
+            if size > budget:
+                raise LogError(f"{path.name}: {member.filename!r} unpacks to more than it declares")
+            plain.write(block)
+    return size
+
+
+@dataclass(frozen=True, eq=False)
+class _Sensor:
+    """One file of several.
+
+    Attributes:
+        table: its columns under their own names.
+        name: of the file in the archive.
+        prefix: what stands before the names of its columns.
+        home: the folder that is removed with the last one who needs it.
+    """
+
+    table: Table
+    name: str
+    prefix: str
+    home: Home | None
+
+    def load(self, names: Sequence[str]) -> dict[str, Raw]:
+        """Columns by their names with prefix."""
+        own = [name.removeprefix(self.prefix) for name in names]
+        with _named(self):
+            found = self.table.load(own)
+        return {self.prefix + name: column for name, column in found.items()}
+
+    def labels(self, name: str) -> Raw:
+        """A column as text."""
+        assert self.table.labels is not None
+        return self.table.labels(name.removeprefix(self.prefix))
+
+    def place(self, row: int) -> str:
+        """Where a row is."""
+        return f"{self.table.place(row)} of {self.name}"
+
+    def prefixed(self, archive: str, kind: str) -> Table:
+        """Its columns under their names in the archive."""
+        return replace(
+            self.table,
+            file=archive,
+            names=tuple(self.prefix + name for name in self.table.names),
+            load=self.load,
+            place=self.place,
+            numbered=False,
+            texts=frozenset(self.prefix + name for name in self.table.texts),
+            labels=self.labels if self.table.labels is not None else None,
+            format=kind,
+            prefix=self.prefix,
+        )
+
+
+@contextmanager
+def _named(sensor: _Sensor) -> Iterator[None]:
+    """Say the file's name in the archive instead of that in the folder."""
+    try:
+        yield
+    except LogError as error:
+        raise LogError(str(error).replace(sensor.table.file, sensor.name)) from error
+
+
+def _together(path: Path, files: dict[str, Path], kind: str, home: Home | None) -> Table:
+    """One table of all text files that hold numbers."""
+    tables: list[Table] = []
+    left: dict[str, str] = {}
+    common = _common(list(files))
+    for name, file in files.items():
+        prefix = f"{PurePosixPath(name.removeprefix(common)).with_suffix('')}/"
+        try:
+            tables.append(_Sensor(open_csv(file), name, prefix, home).prefixed(path.name, kind))
+        except LogError as error:
+            left[name] = str(error).replace(file.name, name)
+    if not tables:
+        first = next(iter(left.values()), "there is none at all")
+        raise LogError(f"{path.name}: the {kind} holds none with numbers ({first}); name a log")
+    if len(tables) == 1:
+        return tables[0]
+    owners = {name: table for table in tables for name in table.names}
+
+    def load(names: Sequence[str]) -> dict[str, Raw]:
+        parts = [(t, [name for name in names if owners[name] is t]) for t in tables]
+        return {k: v for table, own in parts if own for k, v in table.load(own).items()}
+
+    notes = (f"{quoted(left)} left out: no columns of numbers",) if left else ()
+    return Table(path.name, tuple(owners), load, format=kind, groups=tuple(tables), notes=notes)
+
+
+def _common(names: list[str]) -> str:
+    """The folder that all files are in, with a slash; ``""`` where there is none."""
+    folders = [PurePosixPath(name).parts[:-1] for name in names]
+    common = []
+    for parts in zip(*folders, strict=False):
+        if len(set(parts)) > 1:
+            break
+        common.append(f"{parts[0]}/")
+    return "".join(common)

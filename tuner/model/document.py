@@ -1,0 +1,88 @@
+"""Reading a model file: TOML, capped before it is read, checked before it is used."""
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from tuner.model.lines import Lines
+from tuner.model.quantities import NAME
+from tuner.model.reading import described
+from tuner.model.size import LARGEST_FILE, check_size
+
+_DEEP_KEY = re.compile(r"(?:[\w \t-]{0,80}\.){12}")
+"""Keys of tables in tables in tables, which take TOML quadratically long."""
+_DEEP_LIST = re.compile(r"[\[{][\s\[{]{20}")
+
+
+def read_model(path: Path) -> dict[str, Any]:
+    """The document of a model file.
+
+    A document without a name is given that of its file. Nothing in it is executed; it is no larger
+    than :data:`tuner.model.size.LARGEST_FILE`.
+
+    Args:
+        path: the TOML file.
+
+    Raises:
+        ValueError: where there is none, it is too large, no TOML, or no model: all that is wrong,
+            with lines.
+
+    >>> import tempfile
+    >>> from tuner.model.template import template
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "level.toml")
+    ...     _ = path.write_text(template("level"))
+    ...     sorted(read_model(path)["parameters"])
+    ['R', 'q']
+    """
+    text = _text(Path(path))
+    document = _parsed(text, path.name)
+    check_size(document, path.name)
+    if NAME.fullmatch(path.stem):
+        document.setdefault("name", path.stem)
+    described(document, Lines.of(text), path.name)
+    plain: dict[str, Any] = _plain(document)
+    return plain
+
+
+def _plain(value: Any) -> Any:
+    """The same with infinity as a text, for what is kept of a run holds finite numbers alone."""
+    if isinstance(value, dict):
+        return {key: _plain(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_plain(each) for each in value]
+    return "inf" if value == float("inf") else value
+
+
+def _text(path: Path) -> str:
+    if not path.is_file():
+        why = "is no file" if path.exists() else "is not there"
+        raise ValueError(f"{path} {why}; give a model in TOML, tuner init writes one to begin with")
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(LARGEST_FILE + 1)
+    except OSError as error:
+        raise ValueError(f"{path} cannot be read: {error.strerror}") from None
+    if len(data) > LARGEST_FILE:
+        raise ValueError(
+            f"{path.name} is larger than {LARGEST_FILE // 1000} kB, which is no model; give names, "
+            "matrices and expressions alone"
+        )
+    try:
+        return data.decode("utf-8-sig").replace("\r\n", "\n")
+    except UnicodeDecodeError:
+        raise ValueError(f"{path.name} is no text in UTF-8; save it as such") from None
+
+
+def _parsed(text: str, name: str) -> dict[str, Any]:
+    if _DEEP_KEY.search(re.sub(r'"[^"\n]*"|\'[^\'\n]*\'|#.*', "", text)) or _DEEP_LIST.search(text):
+        raise ValueError(f"{name} has tables or lists far too deep for a model")
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise ValueError(f"{name} has tables or lists far too deep for a model") from None
+    except ValueError as error:
+        if "integer string" in str(error):
+            raise ValueError(f"{name} holds a number of thousands of digits; shorten it") from None
+        raise ValueError(f"{name} is no TOML: {' '.join(str(error).split())}") from None

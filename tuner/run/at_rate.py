@@ -1,0 +1,168 @@
+"""A tuned filter at another sample rate: densities stay, what follows from them is found anew."""
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from filters.declared import assembled, parameter_facts
+from tuner.catalogue import names
+from tuner.export.tuned import Quantity, Tuned
+from tuner.names import unknown
+from tuner.problem.exported import derived_of, once
+from tuner.problem.steady_gains import system_of
+from tuner.run.careful import care_of, with_noise
+from tuner.run.chosen import Chosen
+from tuner.run.finding import Finding
+from tuner.run.noise_told import gains_told, noise_told, noises
+
+_TRACKERS = {"alpha-beta": "constant-velocity", "alpha-beta-gamma": "constant-acceleration"}
+_SAME = 1e-12
+
+
+@dataclass(frozen=True)
+class AtRate:
+    """A tuned filter at another rate.
+
+    Attributes:
+        tuned: what is exported.
+        findings: its noise and its gains, for people.
+        notes: what was taken for granted, a sentence each.
+    """
+
+    tuned: Tuned
+    findings: tuple[Finding, ...]
+    notes: tuple[str, ...] = ()
+
+
+def filter_at_rate(
+    which: Chosen,
+    options: Mapping[str, Any],
+    tuned: Tuned,
+    rate_hz: float,
+    densities: Collection[str] = (),
+) -> AtRate:
+    """A filter that was tuned at one rate, for another.
+
+    Densities and time constants are the same at every rate; Q, K, L, alpha and beta follow from
+    them. A measurement's variance is that of one measurement and stays, but for those that are said
+    to be densities times the rate, as of a sensor that averages between its samples.
+
+    Args:
+        which: the filter.
+        options: fields of its class, and what a fit adds to any filter.
+        tuned: its numbers at the rate that it was tuned at.
+        rate_hz: the other rate.
+        densities: parameters, variances of a sample, that grow with the rate.
+
+    Raises:
+        ValueError: for a filter whose numbers belong to its own rate, in one sentence.
+    """
+    cls, options = with_noise(which.cls, options, tuned.dt or 1.0)
+    _, options = care_of(cls, options)
+    numbers = {quantity.name: quantity for quantity in tuned.quantities}
+    values = {name: numbers[name].value for name in parameter_facts(cls) if name in numbers}
+    units = {name: numbers[name].unit for name in values}
+    filter = _made(cls, which.name, options, 1 / rate_hz)
+    before = replace(filter, dt=tuned.dt)
+    _check(which, cls, values, before)
+    averaged = _averaged(cls, values, units, densities)
+    values |= {name: values[name] * tuned.dt * rate_hz for name in averaged}
+    params = assembled(cls, values)
+    told = tuned.quantities + derived_of(before, assembled(cls, values))
+    new = {each.name: each.value for each in derived_of(filter, params)}
+    quantities = once(_renewed(told, values, new))
+    derived = [each for each in quantities if each.name.removesuffix("_derived") in new]
+    findings = (*noise_told(cls, values, units, 1 / rate_hz), *gains_told(derived))
+    notes = tuple(_notes(cls, values, units, averaged, 1 / tuned.dt, rate_hz))
+    return AtRate(replace(tuned, quantities=quantities, dt=1 / rate_hz), findings, notes)
+
+
+def _made(cls: type[Any], name: str, options: Mapping[str, Any], dt: float) -> Any:
+    if "dt" not in {each.name for each in fields(cls)}:
+        raise ValueError(
+            f"{name} knows no sample time, so its numbers are those of one sample and say nothing "
+            "of another rate; give the model a dt, or tune it on a record of that rate"
+        )
+    return cls(dt=dt, **options)
+
+
+def _check(which: Chosen, cls: type[Any], values: Mapping[str, Any], filter: Any) -> None:
+    """Refuse a filter whose numbers are those of one sample time."""
+    name, at = which.name, f"samples at {1 / filter.dt:.6g} Hz"
+    facts = parameter_facts(cls)
+    held = [parameter for parameter in values if facts[parameter].per_sample]
+    if held:
+        way = "tune it on a record of that rate"
+        if name in _TRACKERS:
+            way = f"tune {_TRACKERS[name]}, whose density holds at every rate"
+        raise ValueError(
+            f"{' and '.join(held)} of {name} belong to {at} and say nothing of another rate; {way}"
+        )
+    if hasattr(filter, "linear"):
+        _check_density(name, at, values, filter)
+    elif name not in names("tuner.filters"):
+        raise ValueError(
+            f"{name} has no method linear, so nothing says what its numbers are at another rate "
+            f"than that of {at}; those that are densities or time constants hold as they are"
+        )
+
+
+def _check_density(name: str, at: str, values: Mapping[str, Any], filter: Any) -> None:
+    """Refuse a process noise that does not know how long a sample is."""
+    params, dt = assembled(filter, values), filter.dt
+    W, longer = (
+        system_of(each.linear(params), dt).W for each in (filter, replace(filter, dt=2 * dt))
+    )
+    if W.any() and np.allclose(W, longer, rtol=_SAME, atol=0):
+        raise ValueError(
+            f"the process noise of {name} is a covariance of {at} that does not depend on dt, so "
+            "nothing says what it is at another rate; give it as a density times dt, or in a "
+            "continuous model"
+        )
+
+
+def _averaged(
+    cls: type[Any], values: Mapping[str, Any], units: Mapping[str, str], asked: Collection[str]
+) -> list[str]:
+    known = [each.name for each in noises(cls, values, units) if not each.density]
+    for name in asked:
+        if name not in known:
+            raise unknown("variance of a sample", name, known)
+    return [name for name in known if name in asked]
+
+
+def _renewed(
+    told: tuple[Quantity, ...], values: Mapping[str, Any], new: Mapping[str, Any]
+) -> Iterator[Quantity]:
+    """What was told, with the numbers of the new rate; what has none there is left out."""
+    for quantity in told:
+        name = quantity.name.removesuffix("_derived")
+        if name in new and quantity.name not in values:
+            yield replace(quantity, name=name, value=new[name])
+        elif quantity.name in values:
+            yield replace(quantity, value=values[quantity.name])
+
+
+def _notes(
+    cls: type[Any],
+    values: Mapping[str, Any],
+    units: Mapping[str, str],
+    averaged: list[str],
+    before: float,
+    now: float,
+) -> Iterator[str]:
+    """What a measurement's variance was taken for, and what it would be otherwise."""
+    for each in noises(cls, values, units):
+        if each.density or np.isclose(before, now):
+            continue
+        if each.name in averaged:
+            yield f"{each.name} is {each.square:.6g}: a density times the rate, as was asked for"
+        else:
+            other = each.square * now / before
+            yield (
+                f"{each.name} stays {each.square:.6g}, the variance of one measurement; if the "
+                f"sensor averages between samples it grows with the rate, to {other:.6g}: "
+                f"--density {each.name}"
+            )

@@ -1,0 +1,181 @@
+"""What a fit is worth, as result.json has it."""
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from pydantic import BaseModel, ConfigDict
+
+from tuner.diagnostics.finding import Verdict
+
+if TYPE_CHECKING:
+    from tuner.diagnostics import Diagnostics
+    from tuner.run.judged import Judged
+
+
+class Recorded(BaseModel):
+    """A part of result.json: no other names, and never changed."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+
+class GainRecord(Recorded):
+    """See :class:`tuner.run.amounts.Gain`."""
+
+    share: float | None
+    low: float | None
+    high: float | None
+    blocks: int
+
+
+class OneHeldOutRecord(Recorded):
+    """See :class:`tuner.run.held_out.OneHeldOut`."""
+
+    recording: int
+    start: float | None
+    tuned: float | None
+    best: float | None
+
+
+class HeldOutRecord(Recorded):
+    """See :class:`tuner.run.held_out.HeldOut`."""
+
+    way: str
+    what: str
+    start: float | None
+    tuned: float | None
+    gain: GainRecord | None
+    nothing: str
+    unfiltered: float | None
+    over_unfiltered: GainRecord | None
+    best: float | None
+    gap: float | None
+    recordings: list[OneHeldOutRecord]
+
+
+class RescaledRecord(Recorded):
+    """See :class:`tuner.run.rescaled.Rescaled`."""
+
+    factor: float
+    powers: dict[str, float]
+    nis: tuple[float | None, float | None]
+    nees: tuple[float | None, float | None] | None
+    reason: str
+
+
+class TradedRecord(Recorded):
+    """See :class:`tuner.run.front.Traded`."""
+
+    first: float
+    second: float
+    weight: float
+    knee: bool
+    status: str
+    parameters: dict[str, Any]
+
+
+class TradeRecord(Recorded):
+    """See :class:`tuner.run.front.Trade`."""
+
+    objective: str
+    unit: str
+    depth: float
+    points: list[TradedRecord]
+
+
+class FindingRecord(Recorded):
+    """See :class:`tuner.diagnostics.Finding`."""
+
+    test: str
+    what: str
+    statistic: float | None
+    p: float | None
+    verdict: Verdict
+    sentence: str
+    details: dict[str, float | None]
+
+
+class DiagnosticsRecord(Recorded):
+    """See :class:`tuner.diagnostics.Diagnostics`."""
+
+    nis: float | None
+    low: float | None
+    high: float | None
+    factor: float | None
+    factor_low: float | None
+    factor_high: float | None
+    lag_one: float | None
+    numbers: int
+    findings: list[FindingRecord]
+
+    @classmethod
+    def of(cls, diagnostics: "Diagnostics") -> "DiagnosticsRecord":
+        """The record of what innovations say."""
+        return cls.model_validate(asdict(diagnostics))
+
+
+class RefusedRecord(Recorded):
+    """See :class:`tuner.run.careful.Refused`."""
+
+    refused: int
+    outside: int
+    numbers: int
+    weighed: bool
+
+
+class LeftOutRecord(Recorded):
+    """See :class:`tuner.run.left_out.LeftOut`."""
+
+    numbers: int
+    of: int
+    stretches: list[tuple[int, float, float]]
+    recordings: int
+
+
+class FitRecord(Recorded):
+    """What a fit is worth; see :class:`tuner.run.judged.Judged`.
+
+    Attributes:
+        filter: name of the filter's class.
+        objective, unit, start, tuned: the objective before and after.
+        held_out: the same on data that was not used.
+        diagnostics: of the innovations, before and after; empty without any.
+        rescaled: what became of all variances after a fit against a truth.
+        trade: the front against a second objective.
+        refused: what a gate or heavy tails left out, or weighed little.
+        left_out: stretches that contradict the rest of the record.
+        lines: the five lines that a run ends with.
+    """
+
+    filter: str
+    objective: str
+    unit: str
+    start: float | None
+    tuned: float | None
+    held_out: HeldOutRecord | None
+    diagnostics: list[DiagnosticsRecord]
+    rescaled: RescaledRecord | None = None
+    trade: TradeRecord | None = None
+    refused: RefusedRecord | None = None
+    left_out: LeftOutRecord | None = None
+    lines: list[str]
+
+    @classmethod
+    def of(cls, judged: "Judged", filter: str, lines: list[str]) -> "FitRecord":
+        """The record of a judgement."""
+        held = judged.held_out
+        return cls(
+            filter=filter,
+            objective=judged.objective,
+            unit=judged.unit,
+            start=judged.start,
+            tuned=judged.tuned,
+            held_out=None if held is None else HeldOutRecord.model_validate(asdict(held)),
+            diagnostics=[DiagnosticsRecord.of(each) for each in judged.diagnostics or ()],
+            rescaled=(
+                RescaledRecord.model_validate(asdict(judged.rescaled)) if judged.rescaled else None
+            ),
+            trade=TradeRecord.model_validate(asdict(judged.trade)) if judged.trade else None,
+            refused=RefusedRecord(**asdict(judged.refused)) if judged.refused else None,
+            left_out=LeftOutRecord(**asdict(judged.left_out)) if judged.left_out else None,
+            lines=lines,
+        )
