@@ -2,6 +2,22 @@
 
 import difflib
 from collections.abc import Iterable
+from itertools import islice
+
+MOST = 12
+"""How many faults are told one by one."""
+
+
+def listed(faults: Iterable[str]) -> str:
+    """Faults in one sentence, each once; of very many the first ones.
+
+    >>> listed(["a is no number", "b is missing", "b is missing"])
+    'a is no number; b is missing'
+    """
+    rest = iter(faults)
+    first = [*dict.fromkeys(islice(rest, MOST))]
+    more = [] if next(rest, None) is None else ["and more"]
+    return "; ".join([*first, *more])
 
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> ValueError:

@@ -98,7 +98,7 @@ def test_the_vertical_channel_has_its_gains_of_both_kinds(rate):
     np.testing.assert_allclose(values["Q"], Q, rtol=1e-9, atol=1e-14 * Q.max())
     np.testing.assert_allclose(values["K"], steady(F, Q, R), rtol=1e-6)
     np.testing.assert_allclose(values["L"], F @ values["K"], rtol=1e-12)
-    assert "alpha" not in values  # a known acceleration drives it
+    assert "alpha" not in values  # the third state is an offset
 
 
 def test_a_variance_stays_or_grows_as_is_asked():
@@ -224,6 +224,40 @@ def test_an_own_class_has_it_from_its_linear_model(rate):
 def test_what_holds_for_its_own_rate_alone_is_refused(cls, options, words):
     with pytest.raises(ValueError, match=f"^{words}"):
         at(chosen(cls), NOISE, 60.0, **options)
+
+
+MODEL = {
+    "parameters": ["q", "R"],
+    "states": ["x", "v"],
+    "measurements": ["z"],
+    "model": {"A": [[0, 1], [0, 0]], "G": [0, 1], "Q": "q", "C": [1, 0], "R": "R"},
+}
+STEPS = {"F": [[1, "dt"], [0, 1]], "G": [0, 1], "C": [1, 0], "R": "R"}
+
+
+@pytest.mark.parametrize("rate", RATES)
+def test_a_continuous_model_of_a_text_file(rate):
+    found = at(chosen(MODEL), {"q": (0.3, ""), "R": (2.0, "")}, rate)
+    values = numbers(found)
+    F, Q = van_loan(np.eye(2, k=1), np.diag([0.0, 0.3]), 1 / rate)
+    K = steady(F, Q, 2.0)
+    np.testing.assert_allclose(values["Q_derived"], Q, rtol=1e-10)
+    np.testing.assert_allclose(values["K"].ravel(), K, rtol=1e-6)
+    np.testing.assert_allclose(values["L"].ravel(), F @ values["K"].ravel(), rtol=1e-12)
+    assert values["beta"] == pytest.approx(values["K"][1].item() / rate, rel=1e-12)
+    told = {f.name: f.value for f in found.findings}
+    assert told["q.density"] == 0.3
+    assert told["q.variance"] == pytest.approx(0.3 / rate)
+
+
+def test_a_discrete_model_of_a_text_file_has_to_know_how_long_a_sample_is():
+    given = {"q": (0.3, ""), "R": (2.0, "")}
+    grows = MODEL | {"model": STEPS | {"Q": "q*dt"}}
+    values = numbers(at(chosen(grows), given, 50.0))
+    np.testing.assert_allclose(values["Q_derived"], [[0, 0], [0, 0.3 / 50]], rtol=1e-12)
+    stays = MODEL | {"model": STEPS | {"Q": "q"}}
+    with pytest.raises(ValueError, match="give it as a density times dt, or in a continuous model"):
+        at(chosen(stays), given, 50.0)
 
 
 # --- the command line --------------------------------------------------------------------------

@@ -100,6 +100,8 @@ def test_facts_as_json(cli, shelf):
         "larger": "trusts a|b",
         "shape": [],
         "channel": "",
+        "sensor": "",
+        "per_sample": False,
     }
     assert toy["parameters"]["x0"]["typical"] == [0.0, 0.5]
     assert {name: fact["optional"] for name, fact in toy["inputs"].items()} == {

@@ -1,6 +1,7 @@
 """A fit in a study.toml: written by hand, checked as a whole, run to the same numbers."""
 
 import json
+import time
 
 import numpy as np
 import pytest
@@ -159,3 +160,14 @@ def test_a_huge_or_deep_file_is_refused(cli, here):
         code, out, err = cli("run", f"{name}.toml")
         assert (code, out, err.count("\n")) == (2, "", 1)
         assert f"{name}.toml is no study.toml" in err
+
+
+def test_very_many_faults_are_told_by_the_first(cli, folder):
+    many = "\n".join(f"k{i} = {i}" for i in range(200_000))
+    (folder / "many.toml").write_text(f"{many}\n{HAND}")
+    begun = time.perf_counter()
+    code, out, err = cli("run", "many.toml")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert err.count("unknown entry") == 12
+    assert err.rstrip().endswith("; and more")
+    assert time.perf_counter() - begun < 20  # some 2 s; a shared machine may be slow

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from inspect import signature
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,9 @@ from filters import LocalLevel
 from tests.tuner import fit_cases as cases
 from tests.tuner.helpers import snapshot
 from tuner.certificate.solution import Status, TunedParameter
+from tuner.cli.tables import show_result
 from tuner.export import FORMATS, is_text, load
+from tuner.run.recipe import HOW, read_recipe
 from tuner.run.result import read_result
 
 
@@ -92,6 +95,15 @@ def test_a_record_shows_itself_in_a_notebook():
     assert "<i>" not in html
     assert html.count("<b>") == 1
     assert "channel" in html
+
+
+def test_one_sided_intervals_are_no_markup(here, fit, capsys):
+    fit.save("out")
+    result = read_result(here / "out")
+    lines = ["use       q = 1e-06 [below 0.0002] (95 %) m^2/s"]
+    told = result.model_copy(update={"fit": result.fit.model_copy(update={"lines": lines})})
+    show_result(told, here / "out")
+    assert lines[0] in capsys.readouterr().out
 
 
 # As a picture.
@@ -224,6 +236,35 @@ def test_recordings_with_clocks_of_their_own_run_again(cli, here):
     assert numbers(read_result(here / "two again").solutions[0].solution()) == numbers(
         both.solution
     )
+
+
+def test_recordings_of_files_are_named_and_not_copied(cli, here):
+    columns = cases.level(samples=120)
+    cases.write(here / "level.csv", {"t": columns["t"], "z": columns["z"]})
+    told = tuner.read_record("level.csv", ["z=z:m"], from_s=5.0, time="t")
+    found = tuner.fit("local-level", told, starts=1, hold_out=False)
+    found.save("out")
+    assert not (here / "out" / "recording.npz").exists()
+    log = read_recipe(here / "out" / "study.toml").log
+    assert (log.files, log.map, log.from_s, log.time) == (["level.csv"], ["z=z:m"], 5.0, "t")
+    assert cli("run", "out/study.toml", "--out", "again")[0] in (0, 1)
+    again = read_result(here / "again").solutions[0].solution()
+    assert numbers(again) == numbers(found.solution)
+    # What was changed since it was read is no longer what the file holds.
+    doubled = replace(told.channels["z"], values=2 * told.channels["z"].values)
+    other = replace(told, channels={"z": doubled})
+    tuner.fit("local-level", other, starts=1, hold_out=False).save("changed")
+    assert (here / "changed" / "recording.npz").exists()
+
+
+def test_a_recipe_has_all_that_says_how_a_log_is_read(here):
+    """Whatever a reading takes, a study.toml keeps, or a run would not be the same again."""
+    cases.write(here / "level.csv", cases.level(samples=20))
+    given = set(signature(tuner.read_records).parameters) - {"paths", "inputs", "outputs"}
+    names = {"map" if name == "mappings" else name for name in given}
+    assert names == set(HOW)
+    (record_,) = tuner.read_records("level.csv", ["z=z"])
+    assert set(record_.read_as) == names
 
 
 def test_a_class_of_the_catalogue_goes_by_its_name(here):

@@ -16,12 +16,13 @@ from filters.declared import parameter_facts
 from tuner.data.sensor_units import told_as
 from tuner.data.unit_text import powers_of, raised, written
 from tuner.data.units import Unit
-from tuner.run.noise_told import noise_told, noises
+from tuner.run.noise_told import noise_told
+from tuner.run.noises import noises
 
 
-def told(filter, values, dt, units=None):
-    units = units or {name: fact.unit for name, fact in parameter_facts(filter).items()}
-    return {f.name: (f.value, f.unit) for f in noise_told(filter, values, units, dt)}
+def told(cls, values, dt, units=None):
+    units = units or {name: fact.unit for name, fact in parameter_facts(cls).items()}
+    return {f.name: (f.value, f.unit) for f in noise_told(cls(dt), values, units)}
 
 
 def close(value):
@@ -72,9 +73,17 @@ def test_times_gains_starts_and_what_cannot_be_read_are_no_noise():
     facts = parameter_facts(AttitudeKalman)
     values = {name: fact.typical for name, fact in facts.items()}
     units = {name: fact.unit for name, fact in facts.items()}
-    assert [n.name for n in noises(AttitudeKalman, values, units)] == ["gyroscope", "bias"]
+    assert [n.name for n in noises(AttitudeKalman(0.1), values, units)] == ["gyroscope", "bias"]
     assert told(ConstantVelocity, {"q": 1.0}, 1.0, {"q": "as it is, unit"}) == {}
     assert told(ConstantVelocity, {"q": 0.0}, 1.0) == {}
+
+
+def test_a_noise_without_a_unit_is_known_by_what_it_does():
+    found = told(LocalLevel, {"q": 0.5, "R": 8.0}, 0.25, {"q": "", "R": ""})
+    assert found["q.variance"] == (0.125, "")
+    assert found["q.density"] == (0.5, "")
+    assert found["R.variance"] == (8.0, "")
+    assert found["R.density"] == (2.0, "")
 
 
 @pytest.mark.parametrize(

@@ -209,7 +209,9 @@ def _document(used: InUse, found: Check, notes: list[str]) -> dict[str, Any]:
 def _print(used: InUse, found: Check) -> None:
     out, space = console(), found.posed.problem.space
     told = [f"{n} = {_text(found.values[n])} {k.unit}".rstrip() for n, k in space.parameters]
-    out.print(f"{used.which.name} with {', '.join(told)}", soft_wrap=True, highlight=False)
+    out.print(
+        f"{used.which.name} with {', '.join(told)}", soft_wrap=True, highlight=False, markup=False
+    )
     unit = f" {found.posed.unit}" if found.posed.unit else ""
     words = WORDS.get(found.posed.objective, found.posed.objective)
     out.print(f"{words} {found.shown:.5g}{unit}", highlight=False)
@@ -231,7 +233,7 @@ def _print(used: InUse, found: Check) -> None:
     ]
     show_grid("Diagnostics", [["test", "verdict", "statistic", "p", "what it means"], *lines])
     for each in judged.failed:
-        out.print(each.sentence, style="yellow", soft_wrap=True, highlight=False)
+        out.print(each.sentence, style="yellow", soft_wrap=True, highlight=False, markup=False)
 
 
 def _known(number: float) -> float | None:

@@ -1,12 +1,12 @@
 """Settings of a study from --set, in one sentence where they are wrong."""
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from tuner.names import unknown
+from tuner.names import listed, unknown
 
 Some = TypeVar("Some", bound=BaseModel)
 
@@ -20,8 +20,8 @@ def parse_settings(model: type[Some], pairs: Sequence[str], base: dict[str, Any]
         ValueError: for an unknown key, with the near ones, or a value that does not fit.
     """
     values = {**base, **told(pairs)}
-    if faults := settings_faults(model, values):
-        raise ValueError("; ".join(faults))
+    if faults := listed(settings_faults(model, values)):
+        raise ValueError(faults)
     return model.model_validate(values)
 
 
@@ -40,16 +40,14 @@ def told(pairs: Sequence[str]) -> dict[str, Any]:
     return values
 
 
-def settings_faults(model: type[BaseModel], values: Mapping[str, Any]) -> list[str]:
-    """All that is wrong with settings: unknown ones with the near ones, values that do not fit."""
+def settings_faults(model: type[BaseModel], values: Mapping[str, Any]) -> Iterator[str]:
+    """What is wrong with settings: unknown ones with the near ones, values that do not fit."""
     names = model.model_fields
-    known = {key: value for key, value in values.items() if key in names}
-    faults = [str(unknown("setting", key, names)) for key in values if key not in names]
+    yield from (str(unknown("setting", key, names)) for key in values if key not in names)
     try:
-        model.model_validate(known)
+        model.model_validate({key: value for key, value in values.items() if key in names})
     except ValidationError as error:
-        faults += [_fault(each) for each in error.errors()]
-    return faults
+        yield from map(_fault, error.errors())
 
 
 def _fault(error: Mapping[str, Any]) -> str:

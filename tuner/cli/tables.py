@@ -99,9 +99,10 @@ def show_result(result: Result, folder: Path) -> None:
         out.print(
             f"{check.problem}: {check.warning or told}", style="yellow" if check.warning else ""
         )
-    out.print(f"{result.seconds:.1f} s; all files are in {folder}", soft_wrap=True)
+    out.print(f"{result.seconds:.1f} s; all files are in {folder}", soft_wrap=True, markup=False)
     for line in () if result.fit is None else result.fit.lines:
-        out.print(line.replace(" RUN ", f" {folder} "), soft_wrap=True, highlight=False)
+        told = line.replace(" RUN ", f" {folder} ")
+        out.print(told, soft_wrap=True, highlight=False, markup=False)  # intervals are no markup
 
 
 def show_findings(findings: Iterable[Finding]) -> None:

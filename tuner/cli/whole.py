@@ -1,12 +1,14 @@
 """A study.toml checked as a whole: all that is wrong with it in one sentence."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
 from tuner.cli.settings import settings_faults
+from tuner.names import listed
 from tuner.run.recipe import Recipe, faults_of
 from tuner.run.study import find_study
 
@@ -25,28 +27,30 @@ def read_whole(path: Path, document: Mapping[str, Any], more: Mapping[str, Any])
     try:
         recipe = Recipe.model_validate(document)
     except ValidationError as error:
-        found = [*faults_of(error), *_of_settings(document, more)]
-        raise ValueError(f"{path.name} is no study.toml: {'; '.join(found)}") from None
-    if found := _of_settings(document, more):
-        raise ValueError(f"{path.name}: {'; '.join(found)}")
+        found = listed(chain(faults_of(error), _of_settings(document, more)))
+        raise ValueError(f"{path.name} is no study.toml: {found}") from None
+    if found := listed(_of_settings(document, more)):
+        raise ValueError(f"{path.name}: {found}")
     return recipe
 
 
-def _of_settings(document: Mapping[str, Any], more: Mapping[str, Any]) -> list[str]:
+def _of_settings(document: Mapping[str, Any], more: Mapping[str, Any]) -> Iterator[str]:
     """What is wrong with the study's name, its settings, and the columns that are mapped."""
     name, settings = document.get("study"), document.get("settings", {})
     if not isinstance(name, str) or not isinstance(settings, dict):
-        return []
+        return
     try:
         study = find_study(name)
     except ValueError as error:
-        return [str(error)]
-    merged = {**settings, **more}
-    if found := settings_faults(study.settings, merged):
-        return found
-    if study.faults is None:
-        return []
+        yield str(error)
+        return
+    merged, formed = {**settings, **more}, True
+    for fault in settings_faults(study.settings, merged):
+        formed = False
+        yield fault
+    if study.faults is None or not formed:
+        return
     log = document.get("log")
-    told = {part: log.get(part, []) if isinstance(log, dict) else [] for part in ("map", "truth")}
-    maps, truths = (part if isinstance(part, list) else [] for part in told.values())
-    return [*study.faults(study.settings.model_validate(merged), maps, truths)]
+    told: list[Any] = [log.get(part) if isinstance(log, dict) else [] for part in ("map", "truth")]
+    maps, truths = (part if isinstance(part, list) else [] for part in told)
+    yield from study.faults(study.settings.model_validate(merged), maps, truths)

@@ -21,6 +21,7 @@ from tuner.data.logs.table import Table
 from tuner.data.logs.timename import is_time
 from tuner.data.logs.timing import timing_names
 from tuner.data.logs.values import Columns, load_columns
+from tuner.data.record import Reading as HowRead
 from tuner.data.record import Record
 from tuner.data.signal import Signal
 from tuner.data.source import Source, file_digest
@@ -128,6 +129,13 @@ def read_records(
     Raises:
         LogError: for a file, a column, a unit or values that cannot be used, in one sentence.
     """
+    told = {"map": [*mappings], "truth": [*truth], "rate_hz": rate_hz, "time": time}
+    told |= {"by": by, "from_s": from_s, "to_s": to_s}
+
+    def done(record: Record) -> Record:
+        part = cut(record, from_s, to_s)
+        return replace(part, reading=HowRead(told, part.channels, part.truth))
+
     files = [Path(paths)] if isinstance(paths, str | PathLike) else [Path(path) for path in paths]
     if not files:
         raise LogError("no file is named; give at least one")
@@ -147,12 +155,12 @@ def read_records(
         if by is not None:
             raise LogError(f"--by {by} splits one file, and {quoted(names)} are one recording")
         together = [part for parts in _files(files, tables, shares) for part in parts]
-        return (cut(_merged(together, timed), from_s, to_s),)
+        return (done(_merged(together, timed)),)
     alone = _files(files, tables, shares or [all_of(table, maps) for table in tables])
     if by is None:
-        return tuple(cut(_merged(parts, timed), from_s, to_s) for parts in alone)
+        return tuple(done(_merged(parts, timed)) for parts in alone)
     parted = [record for parts in alone for record in _parted(_one_clock(parts, by), timed, by)]
-    return tuple(cut(record, from_s, to_s) for record in parted)
+    return tuple(map(done, parted))
 
 
 def _check_rate(rate_hz: float) -> None:

@@ -23,6 +23,20 @@ Times: TypeAlias = ArrayLike | Mapping[str, ArrayLike] | None
 
 
 @dataclass(frozen=True, eq=False)
+class Reading:
+    """How a record was read from its files.
+
+    Attributes:
+        arguments: of :func:`tuner.read_records`, by the names that a study.toml has for them.
+        channels, truth: what was read; a record that was changed since holds other mappings.
+    """
+
+    arguments: Mapping[str, object]
+    channels: Mapping[str, Signal]
+    truth: Mapping[str, Signal]
+
+
+@dataclass(frozen=True, eq=False)
 class Record:
     """One recording.
 
@@ -32,6 +46,7 @@ class Record:
         truth: what should come out, by the names of its outputs.
         sources: the files.
         notes: what was taken for granted, a sentence each.
+        reading: how it was read from its files; None of arrays.
     """
 
     name: str
@@ -39,6 +54,7 @@ class Record:
     truth: Mapping[str, Signal]
     sources: tuple[Source, ...]
     notes: tuple[str, ...] = ()
+    reading: "Reading | None" = None
 
     @classmethod
     def of(
@@ -90,6 +106,14 @@ class Record:
         to_be = {key: replace(s, times=s.times - start) for key, (s, _) in wanted.items()}
         source = _made(name, [*moved.values(), *to_be.values()])
         return cls(name, moved, to_be, (source,), tuple(notes))
+
+    @property
+    def read_as(self) -> Mapping[str, object] | None:
+        """The arguments that read it from its files; None of arrays, and of what was changed."""
+        known = self.reading
+        if known is None or known.channels is not self.channels or known.truth is not self.truth:
+            return None
+        return known.arguments
 
     @property
     def digest(self) -> str:

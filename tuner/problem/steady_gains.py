@@ -69,9 +69,8 @@ def _of_model(form: LinearForm, dt: float, known: Derived) -> Derived:
     if not np.allclose(L, K, rtol=1e-12, atol=0):
         words = "gain of the observer that predicts, x' = F x + L (z - C x): L = F K"
         found["L"] = L.reshape(shape), Channel(unit, words)
-    if form.transition.B is None:
-        for name, value in tracker_gains(system.A, system.C, K, dt).items():
-            found[name] = value, Channel("", "the steady gain, as trackers name it")
+    for name, value in tracker_gains(system.A, system.C, K, dt).items():
+        found[name] = value, Channel("", "the steady gain, as trackers name it")
     return found
 
 

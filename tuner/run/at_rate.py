@@ -15,7 +15,8 @@ from tuner.problem.steady_gains import system_of
 from tuner.run.careful import care_of, with_noise
 from tuner.run.chosen import Chosen
 from tuner.run.finding import Finding
-from tuner.run.noise_told import gains_told, noise_told, noises
+from tuner.run.noise_told import gains_told, noise_told
+from tuner.run.noises import noises
 
 _TRACKERS = {"alpha-beta": "constant-velocity", "alpha-beta-gamma": "constant-acceleration"}
 _SAME = 1e-12
@@ -67,15 +68,15 @@ def filter_at_rate(
     filter = _made(cls, which.name, options, 1 / rate_hz)
     before = replace(filter, dt=tuned.dt)
     _check(which, cls, values, before)
-    averaged = _averaged(cls, values, units, densities)
+    averaged = _averaged(before, values, units, densities)
     values |= {name: values[name] * tuned.dt * rate_hz for name in averaged}
     params = assembled(cls, values)
     told = tuned.quantities + derived_of(before, assembled(cls, values))
     new = {each.name: each.value for each in derived_of(filter, params)}
     quantities = once(_renewed(told, values, new))
     derived = [each for each in quantities if each.name.removesuffix("_derived") in new]
-    findings = (*noise_told(cls, values, units, 1 / rate_hz), *gains_told(derived))
-    notes = tuple(_notes(cls, values, units, averaged, 1 / tuned.dt, rate_hz))
+    findings = (*noise_told(filter, values, units), *gains_told(derived))
+    notes = tuple(_notes(before, values, units, averaged, 1 / tuned.dt, rate_hz))
     return AtRate(replace(tuned, quantities=quantities, dt=1 / rate_hz), findings, notes)
 
 
@@ -124,9 +125,9 @@ def _check_density(name: str, at: str, values: Mapping[str, Any], filter: Any) -
 
 
 def _averaged(
-    cls: type[Any], values: Mapping[str, Any], units: Mapping[str, str], asked: Collection[str]
+    filter: Any, values: Mapping[str, Any], units: Mapping[str, str], asked: Collection[str]
 ) -> list[str]:
-    known = [each.name for each in noises(cls, values, units) if not each.density]
+    known = [each.name for each in noises(filter, values, units) if each.kind == "variance"]
     for name in asked:
         if name not in known:
             raise unknown("variance of a sample", name, known)
@@ -146,7 +147,7 @@ def _renewed(
 
 
 def _notes(
-    cls: type[Any],
+    filter: Any,
     values: Mapping[str, Any],
     units: Mapping[str, str],
     averaged: list[str],
@@ -154,8 +155,8 @@ def _notes(
     now: float,
 ) -> Iterator[str]:
     """What a measurement's variance was taken for, and what it would be otherwise."""
-    for each in noises(cls, values, units):
-        if each.density or np.isclose(before, now):
+    for each in noises(filter, values, units):
+        if each.kind != "variance" or np.isclose(before, now):
             continue
         if each.name in averaged:
             yield f"{each.name} is {each.square:.6g}: a density times the rate, as was asked for"

@@ -170,7 +170,7 @@ def findings(case: Fitting, solutions: Solutions) -> Iterator[Finding]:
         return
     values = {name: p.value for name, p in solution.parameters.items()}
     units = {name: p.unit for name, p in solution.parameters.items()}
-    yield from noise_told(filter, values, units, float(filter.dt))
+    yield from noise_told(filter, values, units)
     yield from gains_told(problem.what_is_exported().derived(problem.params(solution)))
 
 

@@ -2,14 +2,14 @@
 
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path, PurePath
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from tuner.data.source import file_digest
-from tuner.names import unknown
+from tuner.names import listed, unknown
 
 LARGEST_SEED = 2**31 - 1
 LARGEST_FILE = 10_000_000
@@ -121,7 +121,7 @@ def read_recipe(path: Path) -> Recipe:
     try:
         return Recipe.model_validate(read_document(path))
     except ValidationError as error:
-        raise ValueError(f"{path.name} is no study.toml: {'; '.join(faults_of(error))}") from None
+        raise ValueError(f"{path.name} is no study.toml: {listed(faults_of(error))}") from None
 
 
 def read_document(path: Path) -> dict[str, Any]:
@@ -142,9 +142,9 @@ def read_document(path: Path) -> dict[str, Any]:
         raise ValueError(f"{path.name} is no study.toml: {error}") from None
 
 
-def faults_of(error: ValidationError) -> list[str]:
-    """All that is wrong with a recipe, each once."""
-    return [*dict.fromkeys(map(_fault, error.errors()))]
+def faults_of(error: ValidationError) -> Iterator[str]:
+    """What is wrong with a recipe, one by one."""
+    return map(_fault, error.errors())
 
 
 def _fault(error: Mapping[str, Any]) -> str:

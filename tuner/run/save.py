@@ -47,7 +47,7 @@ class Made:
 def save(made: Made, path: Path, *, force: bool) -> Path:
     """Write a fit's folder, whole or not at all, and return it.
 
-    The recordings are written beside the recipe, which so can be run again.
+    Recordings of arrays are written beside the recipe, which so can be run again.
 
     Args:
         made: the fit.
@@ -98,10 +98,16 @@ def _write(made: Made, folder: RunFolder) -> None:
 
 
 def log_of(records: tuple[Record, ...]) -> tuple[LogEntries | None, dict[str, bytes]]:
-    """The recordings as a recipe has them, and the files that hold them.
+    """The recordings as a recipe has them, and files that hold those that were arrays.
 
     Nothing where recordings cannot be told so: several, each with channels on clocks of their own.
     """
+    told = records[0].read_as
+    if told is not None and all(record.read_as == told for record in records):
+        files = {part.name: part.sha256 for record in records for part in record.sources}
+        given = {name: value for name, value in told.items() if value is not None}
+        known = {"files": [*files], "sha256": [*files.values()], **given}
+        return LogEntries.model_validate(known), {}
     parts = [_by_clock(record) for record in records]
     if len(records) > 1 and any(len(each) > 1 for each in parts):
         return None, {}
@@ -109,14 +115,14 @@ def log_of(records: tuple[Record, ...]) -> tuple[LogEntries | None, dict[str, by
     names = [f"recording{i + 1 if len(held) > 1 else ''}.npz" for i in range(len(held))]
     first = records[0]
     alone = all(len(each) == 1 for each in parts)
-    files = {name: _archive(each, rated=alone) for name, each in zip(names, held, strict=True)}
+    data = {name: _archive(each, rated=alone) for name, each in zip(names, held, strict=True)}
     entries = {
         "files": names,
-        "sha256": [hashlib.sha256(data).hexdigest() for data in files.values()],
+        "sha256": [hashlib.sha256(content).hexdigest() for content in data.values()],
         "map": [_mapping(name, signal) for name, signal in first.channels.items()],
         "truth": [_mapping(name, signal) for name, signal in first.truth.items()],
     }
-    return LogEntries.model_validate(entries), files
+    return LogEntries.model_validate(entries), data
 
 
 def _mapping(name: str, signal: Signal) -> str:
