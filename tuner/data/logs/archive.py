@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 from tuner.data.logs.csv import open_csv
 from tuner.data.logs.error import LogError, quoted
 from tuner.data.logs.home import Home
-from tuner.data.logs.table import Raw, Table
+from tuner.data.logs.table import Loaded, Raw, Table
 
 TEXTS = (".csv", ".txt", ".tsv", ".dat")
 _NESTED = (".zip", ".gz", ".7z", ".tar", ".tgz", ".bz2", ".xz")
@@ -134,12 +134,13 @@ class _Sensor:
     prefix: str
     home: Home | None
 
-    def load(self, names: Sequence[str]) -> dict[str, Raw]:
+    def load(self, names: Sequence[str]) -> Loaded:
         """Columns by their names with prefix."""
         own = [name.removeprefix(self.prefix) for name in names]
         with _named(self):
-            found = self.table.load(own)
-        return {self.prefix + name: column for name, column in found.items()}
+            found = Loaded.of(self.table.load(own))
+        raw = {self.prefix + name: column for name, column in found.raw.items()}
+        return Loaded(raw, tuple(f"{self.name}: {note}" for note in found.notes))
 
     def labels(self, name: str) -> Raw:
         """A column as text."""
@@ -160,6 +161,8 @@ class _Sensor:
             place=self.place,
             numbered=False,
             texts=frozenset(self.prefix + name for name in self.table.texts),
+            moments=frozenset(self.prefix + name for name in self.table.moments),
+            units={self.prefix + name: unit for name, unit in self.table.units.items()},
             labels=self.labels if self.table.labels is not None else None,
             format=kind,
             prefix=self.prefix,
@@ -193,9 +196,11 @@ def _together(path: Path, files: dict[str, Path], kind: str, home: Home | None) 
         return tables[0]
     owners = {name: table for table in tables for name in table.names}
 
-    def load(names: Sequence[str]) -> dict[str, Raw]:
+    def load(names: Sequence[str]) -> Loaded:
         parts = [(t, [name for name in names if owners[name] is t]) for t in tables]
-        return {k: v for table, own in parts if own for k, v in table.load(own).items()}
+        found = [Loaded.of(table.load(own)) for table, own in parts if own]
+        raw = {name: column for part in found for name, column in part.raw.items()}
+        return Loaded(raw, tuple(note for part in found for note in part.notes))
 
     notes = (f"{quoted(left)} left out: no columns of numbers",) if left else ()
     return Table(path.name, tuple(owners), load, format=kind, groups=tuple(tables), notes=notes)

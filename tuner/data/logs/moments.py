@@ -13,8 +13,8 @@ SHORT = {"h-min": "hours and minutes", "min-s": "minutes and seconds"}
 
 Ticks = NDArray[np.int64]
 
-_MONTHS = ["jan", "feb", "m..?r", "apr", "ma[iy]", "jun"]
-_MONTHS += ["jul", "aug", "sep", "o[ck]t", "nov", "de[cz]"]
+_MONTHS = ("jan", "feb", "m..?r", "apr", "ma[iy]", "jun",
+           "jul", "aug", "sep", "o[ck]t", "nov", "de[cz]")  # fmt: skip
 _NAME = "|".join(_MONTHS)
 _TIME = r"(?P<H>\d{1,3}):(?P<M>\d\d)(?::(?P<S>\d\d)(?:[.,:](?P<f>\d{1,9})\d*)?)?"
 _SHORT_TIME = r"(?P<M>\d{1,3}):(?P<S>\d\d)[.,](?P<f>\d{1,9})\d*"
@@ -140,7 +140,7 @@ def _take(
         fields["f"][rows] *= 10 ** (9 - len(found["f"]))
     if found.get("name"):
         word = found["name"]
-        fields["m"][rows] = next(k for name, k in _MONTHS.items() if re.fullmatch(name, word))
+        fields["m"][rows] = next(k for k, name in enumerate(_MONTHS, 1) if re.match(name, word))
     if found.get("half"):
         noon = fields["H"][rows] == 12
         fields["half"][rows] = ~noon if found["half"] == "p" else -noon.astype(np.int64)

@@ -32,6 +32,11 @@ class Loaded:
     raw: dict[str, Raw]
     notes: tuple[str, ...] = ()
 
+    @classmethod
+    def of(cls, found: "dict[str, Raw] | Loaded") -> "Loaded":
+        """What a table gave, in this form."""
+        return found if isinstance(found, Loaded) else cls(found)
+
 
 @dataclass(frozen=True)
 class Table:

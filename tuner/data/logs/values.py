@@ -65,8 +65,7 @@ def load_columns(table: Table, mappings: Iterable[Mapping], extra: Iterable[str]
         names[mapping.column] = None
         if isinstance(mapping.factor, str) and mapping.factor in table.names:
             names[mapping.factor] = None
-    found = table.load(tuple(names))
-    loaded = found if isinstance(found, Loaded) else Loaded(found)
+    loaded = Loaded.of(table.load(tuple(names)))
     return Columns(table, loaded.raw, loaded.notes)
 
 
