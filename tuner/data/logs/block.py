@@ -97,7 +97,7 @@ def _trimmed(text: bytes, delimiter: str | None) -> bytes:
     blank[inside] = False
     found = letters.copy()
     found[inside] = _BLANK
-    return found[~blank].tobytes()
+    return bytes(found[~blank])
 
 
 def _unquoted(layout: Layout, text: bytes) -> bytes:
@@ -110,7 +110,7 @@ def _unquoted(layout: Layout, text: bytes) -> bytes:
         lines = text.decode("latin-1").split("\n")
         return "\n".join(_line_unquoted(line, chr(delimiter)) for line in lines).encode("latin-1")
     found = np.where(inside & (letters == delimiter), ord(INSIDE), letters).astype(np.uint8)
-    return found[~quote].tobytes()
+    return bytes(found[~quote])
 
 
 def _line_unquoted(line: str, delimiter: str) -> str:
@@ -140,7 +140,7 @@ def _kept(
             left_out["repeated head"] += 1
             continue
         cells = _parted(layout, line)
-        if layout.chosen is None or layout.chosen.holds(cells):
+        if _is_meant(layout, cells, left_out):
             unfinished = cut and number == len(lines) - 1 and not _complete(layout, cells)
             fits = len(cells) == len(layout.names) and not unfinished
             (rows if fits else others).append((number, line))
@@ -149,9 +149,19 @@ def _kept(
         final = block.last and number > behind
         reason = _why_no_row(layout, line, number == len(lines) - 1) if final else ""
         if not reason:
-            raise _ragged(layout, block.line + number, line, rows)
+            raise _ragged(layout, block.line + number, line)
         left_out[reason] += 1
-    return rows, left_out
+    return rows, +left_out
+
+
+def _is_meant(layout: Layout, cells: list[str], left_out: Counter[str]) -> bool:
+    """Whether a line is of the kind that is read; one of an unknown kind is counted."""
+    chosen = layout.chosen
+    if chosen is None:
+        return True
+    word = cells[chosen.column].strip() if len(cells) > chosen.column else ""
+    left_out["line of no known kind"] += word not in chosen.known
+    return word == chosen.word
 
 
 def _parted(layout: Layout, line: bytes) -> list[str]:
@@ -177,18 +187,10 @@ def _why_no_row(layout: Layout, line: bytes, last: bool) -> str:
     return "cut last line" if last and len(cells) <= len(layout.names) else ""
 
 
-def _ragged(layout: Layout, line: int, text: bytes, rows: list[tuple[int, bytes]]) -> LogError:
-    """Which line is no row, and how rows of several kinds are told apart."""
+def _ragged(layout: Layout, line: int, text: bytes) -> LogError:
+    """Which line is no row."""
     cells, width = _parted(layout, text), len(layout.names)
-    usual = _parted(layout, rows[0][1]) if rows else []
-    kinds = (
-        f"; or, where {here!r} and {there!r} are rows of two kinds, choose one with "
-        f"--rows {number}={there}"
-        for number, (here, there) in enumerate(zip(cells, usual, strict=False), 1)
-        if here != there and not _is_value(layout, here) and not _is_value(layout, there)
-    )
-    way_out = next(kinds, "")
     return LogError(
         f"{layout.path.name}: line {line} has {counted(len(cells), 'cell')} instead of {width}; "
-        f"complete the line or remove it{way_out}"
+        f"complete the line or remove it"
     )

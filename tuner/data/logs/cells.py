@@ -81,7 +81,7 @@ def decimal_mark(cells: Iterable[str]) -> tuple[str, str]:
     >>> decimal_mark(["21,60", "44,2"]), decimal_mark(["1.234,5"]), decimal_mark(["1.5", "2,5"])
     ((',', ''), (',', ''), ('.', ''))
     >>> decimal_mark(["1,234", "2,345"])
-    (',', "'1,234' read as 1.234; where it is 1234, say --decimal .")
+    (',', "'1,234' read as 1.234; where it is 1234, map it as COLUMN*1000")
     """
     marks, either = set(), ""
     for cell in cells:
@@ -102,4 +102,4 @@ def decimal_mark(cells: Iterable[str]) -> tuple[str, str]:
     if marks:
         return ",", ""
     told = f"{either!r} read as {either.replace(',', '.')}; where it is {either.replace(',', '')}"
-    return ",", f"{told}, say --decimal ."
+    return ",", f"{told}, map it as COLUMN*1000"

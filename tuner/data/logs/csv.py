@@ -3,7 +3,7 @@
 import csv
 import zlib
 from collections import Counter, deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -15,9 +15,9 @@ from tuner.data.logs.block import INSIDE, Block, Rows, read_rows, tidied
 from tuner.data.logs.cells import read_cell
 from tuner.data.logs.decimals import Numbers
 from tuner.data.logs.error import LogError, counted
-from tuner.data.logs.layout import Layout, read_layout
+from tuner.data.logs.layout import Layout, read_layouts
 from tuner.data.logs.stream import lines
-from tuner.data.logs.table import Loaded, Raw, Table
+from tuner.data.logs.table import Loaded, Raw, Table, together
 
 _AT_ONCE = 2
 _KNOWN = 10_000
@@ -26,53 +26,58 @@ _LARGE = np.uint64(1 << 53)
 _TOP = np.uint64(1 << 63)
 
 
-def open_csv(path: Path, decimal: str | None = None, rows: tuple[str, str] | None = None) -> Table:
+def open_csv(path: Path) -> Table:
     """Open a text log with or without a header.
 
     Delimiter (tab, semicolon, comma, bar or blanks), decimal mark, lines above the names, units
     below them and letters are found from the first lines; lines that start with ``#`` or ``%``
     are comments. Nameless columns are called column1, column2, ... It is compressed where its
-    bytes say so.
-
-    Args:
-        path: the file.
-        decimal: the decimal mark, ``","`` or ``"."``; None finds it.
-        rows: a column and the word in it that chooses the rows; None takes all.
+    bytes say so. Where rows are of several kinds, ``IMU,...`` and ``GPS,...``, the columns are
+    called ``IMU/name``, and each kind has a clock of its own.
 
     Raises:
         LogError: where the file is damaged, is no text or holds no numbers; loading raises it
             for ragged rows and for text in a column of numbers.
     """
     with _damage_told(path):
-        layout = read_layout(path, decimal, rows)
-        heads = (tidied(layout, head + b"\n").rstrip(b"\n") for head in layout.heads)
-        layout = replace(layout, heads=frozenset(heads))
+        layouts = read_layouts(path)
+    tables = [_table(layout, f"{kind}/" if kind else "") for kind, layout in layouts.items()]
+    if len(tables) == 1:
+        return tables[0]
+    return together(path.name, tables, "text with rows of several kinds")
+
+
+def _table(layout: Layout, prefix: str) -> Table:
+    """The table of the rows of one kind."""
+    heads = (tidied(layout, head + b"\n").rstrip(b"\n") for head in layout.heads)
+    layout = replace(layout, heads=frozenset(heads))
+
+    def index(name: str) -> int:
+        return layout.names.index(name.removeprefix(prefix))
 
     def load(names: Sequence[str]) -> Loaded:
-        with _damage_told(path):
-            return _load(layout, list(names))
+        with _damage_told(layout.path):
+            return _load(layout, {name: index(name) for name in names})
 
     def place(row: int) -> str:
         return f"line {_line_number(layout, row)}"
 
     def labels(name: str) -> Raw:
-        with _damage_told(path):
-            return _words(layout, layout.names.index(name))
-
-    def part(column: str, word: str) -> Table:
-        return open_csv(path, decimal, (column, word))
+        with _damage_told(layout.path):
+            return _words(layout, index(name))
 
     return Table(
-        f"{path.name}[{rows[0]}={rows[1]}]" if rows else path.name,
-        layout.names,
+        layout.path.name,
+        tuple(prefix + name for name in layout.names),
         load,
         place,
         numbered=True,
-        texts=layout.texts,
+        texts=frozenset(prefix + name for name in layout.texts),
         labels=labels,
-        moments=layout.moments,
-        units=layout.units,
-        part=part,
+        prefix=prefix,
+        moments=frozenset(prefix + name for name in layout.moments),
+        units={prefix + name: unit for name, unit in layout.units.items()},
+        notes=tuple(f"{prefix.removesuffix('/')}: {n}" if prefix else n for n in layout.notes),
     )
 
 
@@ -113,11 +118,10 @@ def _blocks(layout: Layout) -> Iterator[Block]:
         yield replace(held, last=True)
 
 
-def _load(layout: Layout, names: list[str]) -> Loaded:
+def _load(layout: Layout, places: Mapping[str, int]) -> Loaded:
     """Some columns, and what is to be said of them."""
-    places = {name: layout.names.index(name) for name in names}
-    dates = [place for name, place in places.items() if name in layout.moments]
-    others = [place for name, place in places.items() if name not in layout.moments]
+    dates = [place for place in places.values() if layout.names[place] in layout.moments]
+    others = [place for place in places.values() if layout.names[place] not in layout.moments]
     columns: dict[int, list[Raw]] = {place: [] for place in places.values()}
     known: dict[bytes, tuple[float, str] | None] = {}
     left_out: Counter[str] = Counter()
@@ -132,7 +136,7 @@ def _load(layout: Layout, names: list[str]) -> Loaded:
     raw = {name: _joined(columns.pop(place)) for name, place in places.items()}
     notes = [f"{counted(number, what)} left out" for what, number in left_out.items()]
     notes += [f"{what} in {counted(number, 'cell')}" for what, number in told.items()]
-    return Loaded(raw, (*layout.notes, *notes))
+    return Loaded(raw, tuple(notes))
 
 
 def _in_turn(layout: Layout, dates: list[int], others: list[int]) -> Iterator[_Part]:
@@ -182,13 +186,8 @@ def _text(layout: Layout, cell: bytes) -> str:
 
 def _no_number(layout: Layout, line: int, column: int, cell: str) -> LogError:
     way_out = "correct it, remove the line, make it a comment with # or map another column"
-    other = "." if layout.point == "," else ","
-    if read_cell(cell, other) is not None:
-        way_out = (
-            f"export the log with decimal points, or say --decimal {other} where that is the mark"
-        )
-    if layout.chosen is None and layout.texts:
-        way_out += ", or choose rows with --rows COLUMN=WORD"
+    if read_cell(cell, "." if layout.point == "," else ",") is not None:
+        way_out = "export the log with decimal points everywhere"
     shown = cell if len(cell) <= _SHOWN else f"{cell[: _SHOWN - 3]}..."
     return LogError(
         f"{layout.path.name}: line {line}, column {layout.names[column]!r} holds {shown!r}, not a "

@@ -1,8 +1,9 @@
 """The bytes of a text log: plain or gzip-compressed, in any usual encoding, as whole lines."""
 
 import codecs
+import csv
 import gzip
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -17,8 +18,11 @@ _LONGEST_LINE = 1 << 24
 _LARGEST = 1 << 33
 _SHARE = 0.8
 _SPARE, _RATIO = 1 << 25, 60  # a log shrinks to a tenth, an idle one to a fiftieth
-_MARKS = ((codecs.BOM_UTF8, "utf-8"), (codecs.BOM_UTF16_LE, "utf-16-le"))
-_MARKS = (*_MARKS, (codecs.BOM_UTF16_BE, "utf-16-be"))
+_MARKS = {
+    codecs.BOM_UTF8: "utf-8",
+    codecs.BOM_UTF16_LE: "utf-16-le",
+    codecs.BOM_UTF16_BE: "utf-16-be",
+}
 
 
 @dataclass(frozen=True)
@@ -65,6 +69,20 @@ def read_head(path: Path) -> tuple[bytes, Encoding]:
             f"{path.name}: the file is neither text nor of a known format; export it as CSV"
         )
     return head, encoding
+
+
+def is_content(line: str) -> bool:
+    """Whether a line is neither blank nor a comment; a tab alone may separate empty cells."""
+    text = line.strip(" \r\n")
+    return bool(text) and text[0] not in "#%"
+
+
+def split(lines: Iterable[str], delimiter: str | None) -> Iterator[list[str]]:
+    """The cells of each line."""
+    if delimiter is None:
+        return (line.split() for line in lines)
+    readers = (csv.reader([line], delimiter=delimiter, skipinitialspace=True) for line in lines)
+    return (cells for reader in readers for cells in reader)
 
 
 def lines(path: Path, encoding: Encoding, size: int = _BLOCK) -> Iterator[bytes]:
@@ -119,7 +137,7 @@ def _chunks(path: Path, size: int) -> Iterator[bytes]:
 
 def _encoding(head: bytes) -> Encoding:
     """What the first bytes are written in: a mark says so, or where their zeros are."""
-    for mark, name in _MARKS:
+    for mark, name in _MARKS.items():
         if head.startswith(mark):
             return _with_lines(head, Encoding(name, len(mark)))
     pairs = len(head) // 2

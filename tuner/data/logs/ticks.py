@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tuner.data.logs.epoch import since_1970
 from tuner.data.logs.error import counted
@@ -15,8 +16,9 @@ from tuner.data.logs.timename import UNITS, unit_of
 from tuner.data.logs.values import Columns, check_finite, factor_of, pick
 
 _DIGITS = 9
-_DAY = 86_400
+_DAY_NS = 86_400 * 10**9
 _NS = Fraction(1, 10**9)
+_FEW = 100
 _JUMP = 20.0  # of a usual step: what may be lost where a counter begins anew
 _COUNTERS = {
     2.0**16: "2^16",
@@ -56,35 +58,112 @@ def read_times(columns: Columns, parts: Sequence[Mapping]) -> Times:
     Raises:
         LogError: where one has missing values, no unit of time, or more than one meaning.
     """
-    column = columns.raw[parts[0].column]
-    if len(parts) == 1 and column.dtype.kind not in "SUMm":
+    if len(parts) == 1 and columns.raw[parts[0].column].dtype.kind != "S":
         return _counted(columns, parts[0], pick(columns, parts[0]))
     found = [_nanoseconds(columns, part) for part in parts]
-    ticks, notes = sum(one[0] for one in found), [note for one in found for note in one[2]]
-    if all(one[3] for one in found):
+    ticks = np.sum([one.ticks for one in found], axis=0)
+    notes = [note for one in found for note in one.notes]
+    if all(one.of_day for one in found):
         ticks, past = _past_midnight(ticks)
         notes += [f"midnight passed {counted(past, 'time')}"] if past else []
-    resolution = min(one[1] for one in found)
     seconds = (ticks - ticks[0]).astype(np.float64) * 1e-9
-    return Times(seconds, int(ticks[0]) * _NS, 1e-9 * resolution, True, tuple(notes))
+    step = 1e-9 * min(one.step for one in found)
+    return Times(seconds, int(ticks[0]) * _NS, step, True, tuple(notes))
 
 
-def repeats(columns: Columns, parts: Sequence[Mapping]) -> "np.ndarray":
+def same_as_before(columns: Columns, parts: Sequence[Mapping]) -> NDArray[np.bool_]:
     """Which rows have the time of the row before, ``(N,)``."""
-    same = [
-        np.append(False, column[1:] == column[:-1])
-        for column in (columns.raw[part.column] for part in parts)
+    raw = [columns.raw[part.column] for part in parts]
+    found = [
+        pick(columns, p) if r.dtype.kind != "S" else r for p, r in zip(parts, raw, strict=True)
     ]
-    return np.logical_and.reduce(same)
+    same = [np.append(False, column[1:] == column[:-1]) for column in found]
+    return np.asarray(np.logical_and.reduce(same), bool)
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """One of several time columns: ns, the step of the last digit, and if it is a time of day."""
+
+    ticks: Ticks
+    step: float
+    notes: tuple[str, ...]
+    of_day: bool = False
+
+
+def date_and_time(columns: Columns, name: str) -> list[str]:
+    """A column of dates or times of day with the one of the other kind, where there is one."""
+    table = columns.table
+    mine = _kind(columns.raw[name])
+    found: dict[str, str] = {}
+    for other in table.names:
+        if other in table.moments and other in columns.raw:
+            found.setdefault(_kind(columns.raw[other]), other)
+    if mine == "date" and "time" in found:
+        return [name, found["time"]]
+    return [found["date"], name] if mine == "time" and "date" in found else [name]
+
+
+def _kind(column: Raw) -> str:
+    moments = read_moments(column[:_FEW])
+    return ("date" if moments.dated else "") + ("time" if moments.timed else "")
+
+
+def _nanoseconds(columns: Columns, mapping: Mapping) -> _Part:
+    column = columns.raw[mapping.column]
+    if column.dtype.kind == "S":
+        return _written(columns, mapping, column)
+    times = _counted(columns, mapping, pick(columns, mapping))
+    ticks = np.rint(times.seconds * 1e9).astype(np.int64) + round(times.first / _NS)
+    return _Part(ticks, 1e9 * times.resolution, times.notes)
+
+
+def _written(columns: Columns, mapping: Mapping, column: Raw) -> _Part:
+    """Dates and times of day."""
+    if mapping.unit not in (None, *ORDERS, *SHORT):
+        raise columns.error(
+            mapping,
+            f"holds {_first(column)!r}, and {mapping.unit!r} is no order of it; "
+            f"use {', '.join((*ORDERS, *SHORT))} or none",
+        )
+    moments = read_moments(column, mapping.unit)
+    check_finite(columns, mapping, np.where(moments.missing, np.nan, 0.0))
+    notes = _meanings(columns, mapping, moments, _first(column))
+    return _Part(moments.ticks, moments.step, notes, not moments.dated)
+
+
+def _first(column: Raw) -> str:
+    return str(column[0].decode(errors="replace"))
+
+
+def _meanings(columns: Columns, mapping: Mapping, moments: Moments, first: str) -> tuple[str, ...]:
+    """What is assumed of dates that mean several things; refused where the steps differ too."""
+    words = list(moments.readings)
+    if not words:
+        return ()
+    told = " or ".join(f"{(ORDERS | SHORT)[word]} (:{word})" for word in words)
+    steps = [np.diff(ticks) for ticks in moments.readings.values()]
+    if all((step == steps[0]).all() for step in steps):
+        return (f"{first!r} may be {told}, with the same steps; taken as :{words[0]}",)
+    raise columns.error(
+        mapping, f"holds {first!r}, {told}; say which, such as --time '{mapping.column}:{words[0]}'"
+    )
+
+
+def _past_midnight(ticks: Ticks) -> tuple[Ticks, int]:
+    """Times of day that go on behind midnight, and how often they passed it."""
+    back = np.diff(ticks, prepend=ticks[0]) < -_DAY_NS // 2
+    return ticks + np.cumsum(back) * _DAY_NS, int(back.sum())
 
 
 def _counted(columns: Columns, mapping: Mapping, column: Raw) -> Times:
     """Numbers in a unit of time."""
     check_finite(columns, mapping, column)
     scale, known, note = _scale(columns, mapping, column)
+    coarse = _rounding(column)
     column, turned = _unwrapped(column)
     first = Fraction(column[0].item()) * scale
-    seconds, resolution = _seconds(column, float(scale))
+    seconds, resolution = _seconds(column, float(scale), coarse)
     return Times(seconds, first, resolution, known, tuple(filter(None, (note, turned))))
 
 
@@ -97,8 +176,10 @@ def _scale(columns: Columns, mapping: Mapping, column: Raw) -> tuple[Fraction, b
     if mapping.unit is not None or mapping.factor is not None:
         factor = Fraction(factor_of(columns, mapping))
         return _exact(mapping.unit or "s") * factor, True, ""
-    written = columns.table.units.get(mapping.column, "").lower()
-    unit = unit_of(mapping.column) or (written if written in UNITS else None)
+    written = columns.table.units.get(mapping.column, "")
+    unit = unit_of(mapping.column.removeprefix(columns.table.prefix)) or (
+        written if written in UNITS else None
+    )
     if unit is None and (found := since_1970(column)):
         return _exact(found), True, f"taken as {found} since 1970"
     return _exact(unit or "s"), unit is not None, ""
@@ -109,20 +190,20 @@ def _exact(unit: str) -> Fraction:
     return Fraction(str(UNITS[unit.lower()]))
 
 
-def _seconds(column: Raw, scale: float) -> tuple[Floats, float]:
+def _seconds(column: Raw, scale: float, coarse: float) -> tuple[Floats, float]:
     """Seconds since the first sample, and the step of the digits they were written with.
 
     Integers are subtracted as integers: nanoseconds since 1970 do not fit into float64.
     """
-    if column.dtype.kind in "iub":
-        column, digits = column.astype(np.int64), 1.0
-    else:
-        single = column.dtype.itemsize < 8
-        coarse = float(np.spacing(np.abs(column).max())) if single else 0.0
-        column = column.astype(np.float64)
-        digits = max(_digits(column), coarse)
+    digits = 1.0 if column.dtype.kind == "i" else max(_digits(column), coarse)
     seconds = (column - column[0]).astype(np.float64) * scale
     return seconds, digits * abs(scale)
+
+
+def _rounding(column: Raw) -> float:
+    """What single precision rounds away."""
+    single = column.dtype.kind == "f" and column.dtype.itemsize < 8
+    return float(np.spacing(np.abs(column).max())) if single else 0.0
 
 
 def _digits(column: Floats) -> float:
@@ -137,17 +218,17 @@ def _digits(column: Floats) -> float:
 
 def _unwrapped(column: Raw) -> tuple[Raw, str]:
     """A counter that began anew at its end goes on counting; told with where that end is."""
-    kind = np.int64 if column.dtype.kind in "iub" else np.float64
-    steps = np.diff(column.astype(kind))
+    whole = column.dtype.kind in "iub"
+    column = column.astype(np.int64 if whole else np.float64)
+    steps = np.diff(column)
     back = steps < 0
     if not back.any() or column.min() < 0 or not (steps > 0).any():
         return column, ""
     usual = float(np.median(steps[steps > 0]))
+    turns = np.append(0, np.cumsum(back))
     for end, word in _COUNTERS.items():
         jumps = steps[back] + end
         if (jumps >= 0).all() and (jumps <= _JUMP * usual).all():
-            times = np.append(0, np.cumsum(back))
-            unit = kind(end) if kind is np.int64 and end.is_integer() else end
-            turns = counted(int(back.sum()), "time")
-            return column.astype(kind) + times * unit, f"begun anew at {word} {turns}, counted on"
+            told = f"begun anew at {word} {counted(int(back.sum()), 'time')}, counted on"
+            return column + turns * (int(end) if whole else end), told
     return column, ""

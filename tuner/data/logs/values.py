@@ -30,12 +30,10 @@ class Columns:
     Attributes:
         table: where they come from.
         raw: the arrays by name, with samples along the first axis; scalars of size 1.
-        notes: what was found and done as they were read.
     """
 
     table: Table
     raw: dict[str, Raw]
-    notes: tuple[str, ...] = ()
 
     def error(self, mapping: Mapping, rest: str) -> LogError:
         """A sentence about one mapping."""
@@ -51,7 +49,11 @@ class Columns:
         }
         place = self.table.place
         table = replace(self.table, place=lambda row: place(int(rows[row])))
-        return Columns(table, raw, self.notes)
+        return Columns(table, raw)
+
+    def with_notes(self, notes: Iterable[str]) -> "Columns":
+        """With more to say of them."""
+        return replace(self, table=replace(self.table, notes=(*self.table.notes, *notes)))
 
 
 def load_columns(table: Table, mappings: Iterable[Mapping], extra: Iterable[str]) -> Columns:
@@ -66,7 +68,7 @@ def load_columns(table: Table, mappings: Iterable[Mapping], extra: Iterable[str]
         if isinstance(mapping.factor, str) and mapping.factor in table.names:
             names[mapping.factor] = None
     loaded = Loaded.of(table.load(tuple(names)))
-    return Columns(table, loaded.raw, loaded.notes)
+    return Columns(table, loaded.raw).with_notes(loaded.notes)
 
 
 def pick(columns: Columns, mapping: Mapping) -> Raw:
