@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from filters import Channel, Mahony, channel_facts
 from tuner.data.logs.formats import open_table
-from tuner.data.logs.table import Table
+from tuner.data.logs.table import Loaded, Table
 from tuner.data.reading import read_record
 from tuner.data.record import Record
 from tuner.data.source import Source
@@ -113,7 +113,7 @@ def _read(path: Path, acc_unit: AccUnit, gyr_unit: GyrUnit, seconds: float | Non
         raise ValueError(
             f"{path.name} has no {', '.join(missing)}; a trial has {', '.join(NEEDED)}"
         )
-    rate_hz = _rate(path.name, np.ravel(table.load(("sampling_rate",))["sampling_rate"]))
+    rate_hz = _rate(path.name, np.ravel(_array(table, "sampling_rate")))
     fields = ["mag=imu_mag"] if _holds(table, "imu_mag") else []
     places = ["place=opt_pos:m"] if _holds(table, "opt_pos") else []
     record = read_record(
@@ -131,8 +131,12 @@ def _holds(table: Table, name: str) -> bool:
     """Whether a table has an array with any number in it."""
     if name not in table.names:
         return False
-    raw = table.load((name,))[name]
+    raw = _array(table, name)
     return raw.dtype.kind != "f" or bool(np.isfinite(raw).any())
+
+
+def _array(table: Table, name: str) -> np.ndarray:
+    return Loaded.of(table.load((name,))).raw[name]
 
 
 def _rate(name: str, rates: np.ndarray) -> float:

@@ -108,7 +108,7 @@ def test_a_damaged_first_row_does_not_pass_for_a_header(tmp_path):
         (table(" ").replace(" 2.5", ""), ["line 3", "2 cells instead of 3"]),
         (table(",") + "0.04,broken,1\n", ["line 6", "'broken'"]),
         (table(";").replace("2.5", "2,5"), ["line 3", "'2,5'", "decimal points"]),
-        (b"\x00\x01\x02\x03" * 50, ["neither UTF-8 text nor NPZ nor MAT"]),
+        (b"\x00\x01\x02\x03" * 50, ["neither text nor of a known format"]),
         (gzip.compress(table(",").encode() * 500, mtime=0)[:-20], ["cannot be read", "again"]),
         (gzip.compress(b"t", mtime=0)[:2] + b"\x07" * 40, ["cannot be read", "again"]),
         ('t,gx\n0,"' + "1" * 200_000, ["cannot be read", "field"]),

@@ -38,9 +38,18 @@ Filter = Annotated[
 ]
 Model = Annotated[Path | None, typer.Option(metavar="FILE.toml", help="A model of your own.")]
 Rate = Annotated[float | None, typer.Option("--rate", metavar="HZ", help="Sample rate of the log.")]
-Time = Annotated[str | None, typer.Option(metavar="COLUMN", help="Time column.")]
+Time = Annotated[
+    str | None, typer.Option(metavar="COLUMN", help="Time column; several: DATE,CLOCK.")
+]
 By = Annotated[
-    str | None, typer.Option(metavar="COLUMN", help="Tells the recordings of a file apart.")
+    str | None,
+    typer.Option(
+        metavar="COLUMN|restart", help="Tells the recordings of a file apart; restart: its time."
+    ),
+]
+DropRepeats = Annotated[
+    bool | None,
+    typer.Option("--drop-repeats", help="Leave out rows with the time of the row before."),
 ]
 From = Annotated[
     float | None, typer.Option("--from", metavar="S", help="Leave out what is earlier, s.")
@@ -101,6 +110,7 @@ def run(
     rate_hz: Rate = None,
     time: Time = None,
     by: By = None,
+    drop_repeats: DropRepeats = None,
     from_s: From = None,
     to_s: To = None,
     sets: Annotated[
@@ -140,6 +150,7 @@ def fit(
     rate_hz: Rate = None,
     time: Time = None,
     by: By = None,
+    drop_repeats: DropRepeats = None,
     from_s: From = None,
     to_s: To = None,
     start: Annotated[
@@ -215,6 +226,7 @@ def check(
     rate_hz: Rate = None,
     time: Time = None,
     by: By = None,
+    drop_repeats: DropRepeats = None,
     from_s: From = None,
     to_s: To = None,
     objective: Annotated[

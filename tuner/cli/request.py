@@ -133,6 +133,7 @@ def load_records(study: "Study", settings: Any, request: Request) -> "tuple[Reco
         rate_hz=reading.rate_hz,
         time=reading.time,
         by=reading.by,
+        drop_repeats=bool(reading.drop_repeats),
         from_s=reading.from_s,
         to_s=reading.to_s,
     )

@@ -40,7 +40,7 @@ class Reading:
 
 
 def read_channels(
-    columns: Columns, wanted: Sequence[Wanted], time: Column | None, rate_hz: float | None
+    columns: Columns, wanted: Sequence[Wanted], time: Sequence[Column] | None, rate_hz: float | None
 ) -> list[Reading]:
     """Read what is wanted of the loaded columns.
 
@@ -90,7 +90,7 @@ def _clocks(
     columns: Columns,
     wanted: Sequence[Wanted],
     picked: list[list[Raw]],
-    time: Column | None,
+    time: Sequence[Column] | None,
     rate_hz: float | None,
 ) -> dict[int, Clock]:
     """When the samples were taken, by their number: each length has a clock of its own."""

@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from os import PathLike
 from pathlib import Path
@@ -13,37 +13,18 @@ import numpy as np
 
 from tuner.data.channels import Reading, read_channels, unit_in_name
 from tuner.data.cut import cut
+from tuner.data.loading import File, Timed, has_time, labels_in, loaded, once_each
 from tuner.data.logs.error import LogError, counted, quoted
 from tuner.data.logs.formats import open_table
-from tuner.data.logs.mapping import Mapping as Column
-from tuner.data.logs.mapping import parse_column
 from tuner.data.logs.table import Table
-from tuner.data.logs.timename import is_time
-from tuner.data.logs.timing import timing_names
-from tuner.data.logs.values import Columns, load_columns
 from tuner.data.record import Reading as HowRead
 from tuner.data.record import Record
 from tuner.data.signal import Signal
 from tuner.data.source import Source, file_digest
-from tuner.data.splitting import labels_of, split
+from tuner.data.splitting import split
 from tuner.data.wanted import Declared, Wanted, all_of, asked, by_clock, shared_out
 
 Paths: TypeAlias = "str | PathLike[str] | Sequence[str | PathLike[str]]"
-
-
-@dataclass(frozen=True)
-class _File:
-    path: Path
-    table: Table
-    wanted: tuple[Wanted, ...]
-
-
-@dataclass(frozen=True)
-class _Timed:
-    """How the user said when samples were taken."""
-
-    time: str | None
-    rate_hz: float | None
 
 
 def read_record(
@@ -55,6 +36,7 @@ def read_record(
     outputs: Declared = None,
     rate_hz: float | None = None,
     time: str | None = None,
+    drop_repeats: bool = False,
     from_s: float | None = None,
     to_s: float | None = None,
 ) -> Record:
@@ -80,6 +62,7 @@ def read_record(
         outputs=outputs,
         rate_hz=rate_hz,
         time=time,
+        drop_repeats=drop_repeats,
         from_s=from_s,
         to_s=to_s,
     )
@@ -101,6 +84,7 @@ def read_records(
     rate_hz: float | None = None,
     time: str | None = None,
     by: str | None = None,
+    drop_repeats: bool = False,
     from_s: float | None = None,
     to_s: float | None = None,
 ) -> tuple[Record, ...]:
@@ -119,10 +103,14 @@ def read_records(
         inputs: the channels that there are, with their units and axes; any name and any SI unit
             if left out.
         outputs: the same for the truth.
-        rate_hz: samples per second; None takes it from a time column or a scalar of the file.
-            With several files, that of those without a time column.
-        time: the time column as ``column[index]*factor:unit``; None looks for one by its name.
-        by: the column, of numbers or text, that tells the recordings of one file apart.
+        rate_hz: samples per second; None takes it from a time column or a scalar of the file. It
+            overrules a time column that does not agree. With several files, that of those without
+            a time column.
+        time: the time column as ``column[index]*factor:unit``, or several whose sum is the time,
+            such as ``date:dmy,clock``; None looks for them by their names and contents.
+        by: the column, of numbers or text, that tells the recordings of one file apart;
+            ``restart`` where a new one begins wherever the time runs back.
+        drop_repeats: whether rows with the time of the row before are left out.
         from_s: what was measured earlier is left out, s since the start of each recording.
         to_s: what was measured later.
 
@@ -130,7 +118,7 @@ def read_records(
         LogError: for a file, a column, a unit or values that cannot be used, in one sentence.
     """
     told = {"map": [*mappings], "truth": [*truth], "rate_hz": rate_hz, "time": time}
-    told |= {"by": by, "from_s": from_s, "to_s": to_s}
+    told |= {"by": by, "drop_repeats": drop_repeats or None, "from_s": from_s, "to_s": to_s}
 
     def done(record: Record) -> Record:
         part = cut(record, from_s, to_s)
@@ -149,7 +137,7 @@ def read_records(
             f"{tables[0].file}: no channel is mapped; give --map NAME=COLUMN with one of the "
             f"columns {quoted(tables[0].names)}"
         )
-    timed = _Timed(time, rate_hz)
+    timed = Timed(time, rate_hz, drop_repeats)
     shares = shared_out(tables, maps)
     if shares is not None and len(files) > 1:
         if by is not None:
@@ -170,81 +158,63 @@ def _check_rate(rate_hz: float) -> None:
 
 def _files(
     paths: Sequence[Path], tables: Sequence[Table], shares: Sequence[list[Wanted]]
-) -> list[list[_File]]:
+) -> list[list[File]]:
     """What is read of each file, for each of its clocks."""
     return [
-        [_File(path, part, tuple(wanted)) for part, wanted in by_clock(table, share)]
+        [File(path, part, tuple(wanted)) for part, wanted in by_clock(table, share)]
         for path, table, share in zip(paths, tables, shares, strict=True)
     ]
 
 
-def _one_clock(parts: Sequence[_File], by: str) -> _File:
+def _one_clock(parts: Sequence[File], by: str) -> File:
     if len(parts) > 1:
         groups = quoted(part.table.prefix for part in parts)
         raise LogError(f"--by {by} splits columns on one clock, and {groups} have one each")
     return parts[0]
 
 
-def _loaded(
-    file: _File, timed: _Timed, named: bool, extra: Sequence[str]
-) -> tuple[Columns, Column | None]:
-    """What is needed of a file, and its time column where the user named it."""
-    parts = [part for one in file.wanted for part in one.parts]
-    if timed.time is not None:
-        clock = parse_column("time", timed.time)
-        found = file.table.resolve(clock) if named else file.table.find(clock)
-        if found is not None:
-            return load_columns(file.table, [*parts, found], extra), found
-    return load_columns(file.table, parts, [*timing_names(file.table), *extra]), None
-
-
-def _merged(files: Sequence[_File], timed: _Timed) -> Record:
+def _merged(files: Sequence[File], timed: Timed) -> Record:
     """One recording from files on one clock."""
     several = len(files) > 1
-    if several and timed.time is not None:
-        clock = parse_column("time", timed.time)
-        if not any(file.table.find(clock) for file in files):
-            files[0].table.resolve(clock)
-    found: list[tuple[_File, list[Reading]]] = []
+    if several:
+        timed.check_somewhere([file.table for file in files])
+    found: list[tuple[File, list[Reading]]] = []
     for file in files:
-        columns, clock_ = _loaded(file, timed, not several, ())
-        rate = timed.rate_hz
-        if several and (clock_ is not None or _has_time(file.table)):
-            rate = None
-        found.append((file, read_channels(columns, file.wanted, clock_, rate)))
+        columns, clock = loaded(file, timed, optional=several)
+        rate = None if several and has_time(file.table, clock) else timed.rate_hz
+        columns = once_each(file, columns, clock, timed)
+        readings = read_channels(columns, file.wanted, clock, rate)
+        found.append((replace(file, table=columns.table), readings))
     _check_present(found)
     return _record(files[0].path.name if not several else _together(files), found)
 
 
-def _has_time(table: Table) -> bool:
-    return table.time is not None or any(is_time(n.removeprefix(table.prefix)) for n in table.names)
-
-
-def _together(files: Sequence[_File]) -> str:
+def _together(files: Sequence[File]) -> str:
     return " + ".join(dict.fromkeys(file.path.name for file in files))
 
 
-def _parted(file: _File, timed: _Timed, by: str) -> list[Record]:
-    """The recordings that a column of one file tells apart."""
-    labels = labels_of(file.table, by)
-    columns, clock = _loaded(file, timed, True, ())
+def _parted(file: File, timed: Timed, by: str) -> list[Record]:
+    """The recordings that a column of one file, or its times, tell apart."""
+    columns, clock = loaded(file, timed)
+    labels = labels_in(file, columns, clock, by)
     parts = [(label, rows) for label, rows in split(labels)]
-    long = [(label, rows) for label, rows in parts if len(rows) > 1]
+    long = [(label, columns.rows(rows, len(labels))) for label, rows in parts if len(rows) > 1]
     if not long:
         raise LogError(f"{file.table.file}: no value of {by!r} has 2 rows; name another column")
-    found = [
-        (label, read_channels(columns.rows(rows, len(labels)), file.wanted, clock, timed.rate_hz))
-        for label, rows in long
-    ]
-    _check_present([(file, readings) for _, readings in found])
-    records = [_record(f"{file.path.name}: {by} {label}", [(file, r)]) for label, r in found]
+    found = []
+    for label, own in long:
+        some = once_each(file, own, clock, timed)
+        readings = read_channels(some, file.wanted, clock, timed.rate_hz)
+        found.append((label, replace(file, table=some.table), readings))
+    _check_present([(own, readings) for _, own, readings in found])
+    records = [_record(f"{own.path.name}: {by} {label}", [(own, r)]) for label, own, r in found]
     if left := len(parts) - len(long):
         told = f"{by}: {counted(left, 'value')} with one row alone left out"
         records[0] = replace(records[0], notes=(*records[0].notes, told))
     return records
 
 
-def _record(name: str, found: Sequence[tuple[_File, list[Reading]]]) -> Record:
+def _record(name: str, found: Sequence[tuple[File, list[Reading]]]) -> Record:
     """Channels with their times since the first of them."""
     readings = [reading for _, those in found for reading in those]
     origins = [r.clock.origin for r in readings if r.clock.origin is not None]
@@ -277,7 +247,7 @@ def _source(path: Path, readings: Sequence[Reading]) -> Source:
     return Source(path.name, file_digest(path), len(longest.seconds), longest.rate_hz)
 
 
-def _check_present(found: Sequence[tuple[_File, list[Reading]]]) -> None:
+def _check_present(found: Sequence[tuple[File, list[Reading]]]) -> None:
     """Refuse a channel without a number in all of what was read of a file."""
     filled: Counter[tuple[str, str]] = Counter()
     rows: Counter[tuple[str, str]] = Counter()
@@ -295,7 +265,7 @@ def _check_present(found: Sequence[tuple[_File, list[Reading]]]) -> None:
             )
 
 
-def _notes(found: Sequence[tuple[_File, list[Reading]]]) -> tuple[str, ...]:
+def _notes(found: Sequence[tuple[File, list[Reading]]]) -> tuple[str, ...]:
     """What was taken for granted in all files."""
     notes: list[str] = []
     several = len({file.path for file, _ in found}) > 1

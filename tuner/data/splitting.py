@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from tuner.data.logs.error import LogError
 from tuner.data.logs.mapping import parse_column
-from tuner.data.logs.table import Raw, Table
+from tuner.data.logs.table import Loaded, Raw, Table
 
 
 def labels_of(table: Table, column: str) -> Raw:
@@ -19,7 +19,7 @@ def labels_of(table: Table, column: str) -> Raw:
     found = table.resolve(parse_column("by", column))
     if table.labels is not None:
         return table.labels(found.column)
-    labels = table.load([found.column])[found.column]
+    labels = Loaded.of(table.load([found.column])).raw[found.column]
     if labels.ndim == 2 and found.index is not None:
         labels = labels[:, found.index]
     if labels.ndim != 1 or labels.dtype.kind not in "biufUS":

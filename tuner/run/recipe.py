@@ -26,8 +26,8 @@ class LogEntries(_Entries):
     Attributes:
         files: the recordings, in the recipe's folder or below.
         sha256: what they have to be; none: anything.
-        map, truth, rate_hz, time, by, from_s, to_s: as :func:`tuner.read_records` takes them, and
-            as ``--map``, ``--truth``, ``--rate`` and so on say them.
+        map, truth, rate_hz, time, by, drop_repeats, from_s, to_s: as :func:`tuner.read_records`
+            takes them, and as ``--map``, ``--truth``, ``--rate`` and so on say them.
     """
 
     files: list[str] = []
@@ -37,6 +37,7 @@ class LogEntries(_Entries):
     rate_hz: float | None = None
     time: str | None = None
     by: str | None = None
+    drop_repeats: bool | None = None
     from_s: float | None = None
     to_s: float | None = None
 

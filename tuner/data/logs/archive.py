@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 from tuner.data.logs.csv import open_csv
 from tuner.data.logs.error import LogError, quoted
 from tuner.data.logs.home import Home
-from tuner.data.logs.table import Raw, Table
+from tuner.data.logs.table import Loaded, Raw, Table, together
 
 TEXTS = (".csv", ".txt", ".tsv", ".dat")
 _NESTED = (".zip", ".gz", ".7z", ".tar", ".tgz", ".bz2", ".xz")
@@ -134,12 +134,13 @@ class _Sensor:
     prefix: str
     home: Home | None
 
-    def load(self, names: Sequence[str]) -> dict[str, Raw]:
+    def load(self, names: Sequence[str]) -> Loaded:
         """Columns by their names with prefix."""
         own = [name.removeprefix(self.prefix) for name in names]
         with _named(self):
-            found = self.table.load(own)
-        return {self.prefix + name: column for name, column in found.items()}
+            found = Loaded.of(self.table.load(own))
+        raw = {self.prefix + name: column for name, column in found.raw.items()}
+        return Loaded(raw, tuple(f"{self.name}: {note}" for note in found.notes))
 
     def labels(self, name: str) -> Raw:
         """A column as text."""
@@ -160,9 +161,12 @@ class _Sensor:
             place=self.place,
             numbered=False,
             texts=frozenset(self.prefix + name for name in self.table.texts),
+            moments=frozenset(self.prefix + name for name in self.table.moments),
+            units={self.prefix + name: unit for name, unit in self.table.units.items()},
             labels=self.labels if self.table.labels is not None else None,
             format=kind,
-            prefix=self.prefix,
+            prefix=self.prefix + self.table.prefix,
+            notes=tuple(f"{self.name}: {note}" for note in self.table.notes),
         )
 
 
@@ -183,7 +187,9 @@ def _together(path: Path, files: dict[str, Path], kind: str, home: Home | None) 
     for name, file in files.items():
         prefix = f"{PurePosixPath(name.removeprefix(common)).with_suffix('')}/"
         try:
-            tables.append(_Sensor(open_csv(file), name, prefix, home).prefixed(path.name, kind))
+            found = open_csv(file)
+            parts = found.groups or (found,)
+            tables += [_Sensor(t, name, prefix, home).prefixed(path.name, kind) for t in parts]
         except LogError as error:
             left[name] = str(error).replace(file.name, name)
     if not tables:
@@ -191,14 +197,8 @@ def _together(path: Path, files: dict[str, Path], kind: str, home: Home | None) 
         raise LogError(f"{path.name}: the {kind} holds none with numbers ({first}); name a log")
     if len(tables) == 1:
         return tables[0]
-    owners = {name: table for table in tables for name in table.names}
-
-    def load(names: Sequence[str]) -> dict[str, Raw]:
-        parts = [(t, [name for name in names if owners[name] is t]) for t in tables]
-        return {k: v for table, own in parts if own for k, v in table.load(own).items()}
-
     notes = (f"{quoted(left)} left out: no columns of numbers",) if left else ()
-    return Table(path.name, tuple(owners), load, format=kind, groups=tuple(tables), notes=notes)
+    return together(path.name, tables, kind, notes)
 
 
 def _common(names: list[str]) -> str:

@@ -10,7 +10,7 @@ from tuner.data.logs.csv import open_csv
 from tuner.data.logs.error import LogError, counted
 from tuner.data.logs.home import Home
 from tuner.data.logs.mapping import Mapping
-from tuner.data.logs.table import Raw, Table
+from tuner.data.logs.table import Loaded, Raw, Table
 
 MAGICS = (
     b"H Product:Blackbox", b'"H Product:Blackbox', b'"Product","Blackbox', b'"Firmware revision",',
@@ -50,7 +50,7 @@ def _below(path: Path, above: int) -> tuple[Table, tuple[str, ...]]:
     return replace(table, load=partial(_load, home, table)), (told,)
 
 
-def _load(_: Home, table: Table, names: Sequence[str]) -> dict[str, Raw]:
+def _load(_: Home, table: Table, names: Sequence[str]) -> dict[str, Raw] | Loaded:
     """Load from the copy, whose folder is held by this very call's first argument."""
     return table.load(names)
 

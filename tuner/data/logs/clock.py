@@ -1,20 +1,20 @@
 """A time column: its seconds, its usual step, its gaps and its jitter."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
 
-from tuner.data.logs.epoch import proposed, since_1970
-from tuner.data.logs.error import counted
+from tuner.data.logs.epoch import proposed
+from tuner.data.logs.error import counted, quoted
 from tuner.data.logs.mapping import Mapping
-from tuner.data.logs.table import Floats, Raw
-from tuner.data.logs.timename import UNITS, unit_of
-from tuner.data.logs.values import Columns, check_finite, factor_of
+from tuner.data.logs.table import Floats
+from tuner.data.logs.ticks import read_times
+from tuner.data.logs.values import Columns
 
 _GAP = 1.5
 _SLOW_S = 1.5
-_DIGITS = 9
 _MANY = 10
 _STRAY = 0.1
 _SHARE = 0.2
@@ -62,34 +62,31 @@ class Clock:
         return cls(seconds, step, float(rate_hz), source=source, notes=notes)
 
 
-def read_clock(columns: Columns, mapping: Mapping, column: Raw) -> Clock:
-    """Judge a raw time column, ``(N,)`` with N of at least 2.
+def read_clock(columns: Columns, parts: Sequence[Mapping]) -> Clock:
+    """Judge the sum of time columns, one as a rule, with at least 2 samples.
 
     Raises:
         LogError: where it has missing values, runs backwards or stands still, or is hardly in
             seconds though nothing names another unit.
     """
-    check_finite(columns, mapping, column)
-    scale, unit_known, note = _scale(columns, mapping, column)
-    seconds, resolution = _seconds(column, float(scale))
-    _check_rising(columns, mapping, seconds)
-    seconds, repeated = _spread(columns, mapping, seconds)
+    times, mapping = read_times(columns, parts), parts[-1]
+    _check_rising(columns, mapping, times.seconds)
+    seconds, repeated = _spread(columns, mapping, times.seconds)
     step = float(np.median(np.diff(seconds)))
-    if step > _SLOW_S and not unit_known:
+    if step > _SLOW_S and not times.known:
         unit, rate = proposed(step)
         raise columns.error(
             mapping,
             f"steps by {step:g}, which is hardly seconds; name its unit, such as "
             f"--time '{mapping.column}:{unit}' ({rate:.4g} Hz), or :s where it is seconds",
         )
-    first = Fraction(column[0].item()) * scale
     spread = f"{counted(repeated, 'repeated time')} spread over their time" * bool(repeated)
-    notes = tuple(f"time {mapping.column!r}: {told}" for told in (note, spread) if told)
+    names = quoted(part.column for part in parts)
     return replace(
-        judged(seconds, resolution),
-        origin=first + Fraction(float(seconds[0])),
-        source=f"column {mapping.column!r}",
-        notes=notes,
+        judged(seconds, times.resolution),
+        origin=times.first + Fraction(float(seconds[0])),
+        source=f"column {names}" if len(parts) == 1 else f"columns {names}",
+        notes=tuple(f"time {names}: {told}" for told in (*times.notes, spread) if told),
     )
 
 
@@ -119,59 +116,13 @@ def judged(seconds: Floats, resolution: float = 0.0) -> Clock:
     return Clock(seconds - seconds[0], step, 1.0 / step, gaps, jitter, steady)
 
 
-def _scale(columns: Columns, mapping: Mapping, column: Raw) -> tuple[Fraction, bool, str]:
-    """Seconds per unit of the column, whether anything named the unit, and what was assumed."""
-    if mapping.unit is not None and mapping.unit.lower() not in UNITS:
-        raise columns.error(
-            mapping, f"is in {mapping.unit!r}, no unit of time; use s, ms, us or ns"
-        )
-    if mapping.unit is not None or mapping.factor is not None:
-        factor = Fraction(factor_of(columns, mapping))
-        return _exact(mapping.unit or "s") * factor, True, ""
-    unit = unit_of(mapping.column.removeprefix(columns.table.prefix))
-    if unit is None and (found := since_1970(column)):
-        return _exact(found), True, f"taken as {found} since 1970"
-    return _exact(unit or "s"), unit is not None, ""
-
-
-def _exact(unit: str) -> Fraction:
-    """Seconds per unit of time, without rounding: 1e-9 is no double."""
-    return Fraction(str(UNITS[unit.lower()]))
-
-
-def _seconds(column: Raw, scale: float) -> tuple[Floats, float]:
-    """Seconds since the first sample, and the step of the digits they were written with.
-
-    Integers are subtracted as integers: nanoseconds since 1970 do not fit into float64.
-    """
-    if column.dtype.kind in "iub":
-        column, digits = column.astype(np.int64), 1.0
-    else:
-        single = column.dtype.itemsize < 8
-        coarse = float(np.spacing(np.abs(column).max())) if single else 0.0
-        column = column.astype(np.float64)
-        digits = max(_digits(column), coarse)
-    seconds = (column - column[0]).astype(np.float64) * scale
-    return seconds, digits * abs(scale)
-
-
-def _digits(column: Floats) -> float:
-    """The step of the last decimal digit in use, 10**-k; rounding alone where there are more."""
-    sample = column[:: max(1, len(column) // 1000)]
-    noise = 4.0 * float(np.spacing(np.abs(column).max()))
-    for decimals in range(_DIGITS + 1):
-        if np.abs(sample - np.round(sample, decimals)).max() <= noise:
-            return max(10.0**-decimals, noise)
-    return noise
-
-
 def _check_rising(columns: Columns, mapping: Mapping, seconds: Floats) -> None:
     steps = np.diff(seconds)
     if (steps < 0).any():
         row = int(np.argmax(steps < 0))
         back = f"runs backwards by {-steps[row]:.4g} s at {columns.table.place(row + 1)}"
-        rest = "sort the rows by time, or split the log where it was started again"
-        raise columns.error(mapping, f"{back}; {rest}, or say with --by what tells the parts apart")
+        rest = "say --by restart where the log was started again there, sort the rows by time"
+        raise columns.error(mapping, f"{back}; {rest}, or give --rate HZ")
     if not steps.any():
         raise columns.error(mapping, "stands still in all rows; name another --time or --rate HZ")
 
@@ -198,8 +149,9 @@ def _spread(columns: Columns, mapping: Mapping, seconds: Floats) -> tuple[Floats
         row = int(np.argmin(new))
         raise columns.error(
             mapping,
-            f"stands still at {columns.table.place(row)}, and no pause makes up for it; remove "
-            "repeated rows, say with --by what tells recordings apart, or give --rate HZ",
+            f"stands still at {columns.table.place(row)}, and no pause makes up for it; say "
+            "--drop-repeats where rows are there twice, --by COLUMN where it holds several "
+            "recordings, or --rate HZ",
         )
     return spread, int((~new).sum())
 

@@ -2,50 +2,83 @@
 
 import csv
 import zlib
-from collections.abc import Iterator, Sequence
+from collections import Counter, deque
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
-from itertools import islice
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from tuner.data.logs.block import INSIDE, Block, Rows, read_rows, tidied
+from tuner.data.logs.cells import read_cell
+from tuner.data.logs.decimals import Numbers
 from tuner.data.logs.error import LogError, counted
-from tuner.data.logs.layout import Layout, is_content, is_number, open_text, read_layout, split
-from tuner.data.logs.table import Floats, Raw, Table
+from tuner.data.logs.layout import Layout, read_layouts
+from tuner.data.logs.stream import lines
+from tuner.data.logs.table import Loaded, Raw, Table, together
 
-_BLOCK = 8192
+_AT_ONCE = 2
+_KNOWN = 10_000
+_SHOWN = 40
+_LARGE = np.uint64(1 << 53)
+_TOP = np.uint64(1 << 63)
 
 
 def open_csv(path: Path) -> Table:
     """Open a text log with or without a header.
 
-    The delimiter (tab, semicolon, comma or blanks) is found from the first lines; lines that
-    start with ``#`` or ``%`` are comments. Nameless columns are called column1, column2, ...
-    It is compressed where its bytes say so.
+    Delimiter (tab, semicolon, comma, bar or blanks), decimal mark, lines above the names, units
+    below them and letters are found from the first lines; lines that start with ``#`` or ``%``
+    are comments. Nameless columns are called column1, column2, ... It is compressed where its
+    bytes say so. Where rows are of several kinds, ``IMU,...`` and ``GPS,...``, the columns are
+    called ``IMU/name``, and each kind has a clock of its own.
 
     Raises:
         LogError: where the file is damaged, is no text or holds no numbers; loading raises it
             for ragged rows and for text in a column of numbers.
     """
     with _damage_told(path):
-        layout = read_layout(path)
+        layouts = read_layouts(path)
+    tables = [_table(layout, f"{kind}/" if kind else "") for kind, layout in layouts.items()]
+    if len(tables) == 1:
+        return tables[0]
+    return together(path.name, tables, "text with rows of several kinds")
 
-    def load(names: Sequence[str]) -> dict[str, Raw]:
-        with _damage_told(path):
-            columns = [layout.names.index(name) for name in names]
-            values = _fast(layout, columns)
-            if values is None:
-                values = _careful(layout, columns)
-            return dict(zip(names, values, strict=True))
+
+def _table(layout: Layout, prefix: str) -> Table:
+    """The table of the rows of one kind."""
+    heads = (tidied(layout, head + b"\n").rstrip(b"\n") for head in layout.heads)
+    layout = replace(layout, heads=frozenset(heads))
+
+    def index(name: str) -> int:
+        return layout.names.index(name.removeprefix(prefix))
+
+    def load(names: Sequence[str]) -> Loaded:
+        with _damage_told(layout.path):
+            return _load(layout, {name: index(name) for name in names})
 
     def place(row: int) -> str:
         return f"line {_line_number(layout, row)}"
 
     def labels(name: str) -> Raw:
-        with _damage_told(path):
-            return _words(layout, layout.names.index(name))
+        with _damage_told(layout.path):
+            return _words(layout, index(name))
 
-    return Table(path.name, layout.names, load, place, True, layout.texts, labels)
+    return Table(
+        layout.path.name,
+        tuple(prefix + name for name in layout.names),
+        load,
+        place,
+        numbered=True,
+        texts=frozenset(prefix + name for name in layout.texts),
+        labels=labels,
+        prefix=prefix,
+        moments=frozenset(prefix + name for name in layout.moments),
+        units={prefix + name: unit for name, unit in layout.units.items()},
+        notes=tuple(f"{prefix.removesuffix('/')}: {n}" if prefix else n for n in layout.notes),
+    )
 
 
 @contextmanager
@@ -59,88 +92,150 @@ def _damage_told(path: Path) -> Iterator[None]:
         ) from error
 
 
-def _fast(layout: Layout, columns: list[int]) -> list[Floats] | None:
-    """The columns by numpy's reader; None where it cannot take the file as a whole."""
-    if layout.texts or layout.comma:
-        return None
-    with open_text(layout.path) as stream:
-        lines = islice(filter(is_content, stream), layout.above, None)
-        try:
-            table = np.loadtxt(
-                lines,
-                delimiter=layout.delimiter,
-                comments=None,
-                quotechar='"',
-                ndmin=2,
-            )
-        except ValueError:
-            return None
-    if table.shape[1] != len(layout.names):
-        return None
-    return [np.ascontiguousarray(table[:, column]) for column in columns]
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """One block: its rows, and some columns of them as numbers, row by row."""
+
+    rows: Rows
+    numbers: Numbers
 
 
-def _careful(layout: Layout, columns: list[int]) -> list[Floats]:
-    """The columns cell by cell: slower, but able to skip text columns and to say what is wrong."""
-    parts: list[list[Floats]] = [[] for _ in columns]
-    with open_text(layout.path) as stream:
-        lines = islice(filter(is_content, stream), layout.above, None)
-        rows = split(lines, layout.delimiter)
-        start = 0
-        while block := list(islice(rows, _BLOCK)):
-            _check_widths(layout, start, block)
-            for part, column in zip(parts, columns, strict=True):
-                part.append(_numbers(layout, start, [row[column] for row in block], column))
-            start += len(block)
-    return [np.concatenate(part) for part in parts]
+def _blocks(layout: Layout) -> Iterator[Block]:
+    """The lines below the names."""
+    left, number = layout.above, 1
+    held: Block | None = None
+    for text in lines(layout.path, layout.encoding):
+        skipped = 0
+        while left and skipped < len(text):
+            skipped = (text.find(b"\n", skipped) + 1) or len(text)
+            left, number = left - 1, number + 1
+        if rest := text[skipped:]:
+            if held is not None:
+                yield held
+            held = Block(rest, number)
+            number += rest.count(b"\n")
+    if held is not None:
+        yield replace(held, last=True)
+
+
+def _load(layout: Layout, places: Mapping[str, int]) -> Loaded:
+    """Some columns, and what is to be said of them."""
+    dates = [place for place in places.values() if layout.names[place] in layout.moments]
+    others = [place for place in places.values() if layout.names[place] not in layout.moments]
+    columns: dict[int, list[Raw]] = {place: [] for place in places.values()}
+    known: dict[bytes, tuple[float, str] | None] = {}
+    left_out: Counter[str] = Counter()
+    told: Counter[str] = Counter()
+    for part in _in_turn(layout, dates, others):
+        left_out.update(part.rows.left_out)
+        _mend(layout, part, others, known, told)
+        for place in dates:
+            columns[place].append(np.array(part.rows.grid.cells(place)))
+        for place, values in zip(others, _columns(part, others), strict=True):
+            columns[place].append(values)
+    raw = {name: _joined(columns.pop(place)) for name, place in places.items()}
+    notes = [f"{counted(number, what)} left out" for what, number in left_out.items()]
+    notes += [f"{what} in {counted(number, 'cell')}" for what, number in told.items()]
+    return Loaded(raw, tuple(notes))
+
+
+def _in_turn(layout: Layout, dates: list[int], others: list[int]) -> Iterator[_Part]:
+    """The blocks one after another, of which a few are worked on at a time."""
+
+    def read(block: Block) -> _Part:
+        rows = read_rows(layout, block)
+        return _Part(rows, rows.grid.numbers(others))
+
+    with ThreadPoolExecutor(_AT_ONCE) as pool:
+        waiting: deque[Future[_Part]] = deque()
+        for block in _blocks(layout):
+            waiting.append(pool.submit(read, block))
+            if len(waiting) > 2 * _AT_ONCE:
+                yield waiting.popleft().result()
+        while waiting:
+            yield waiting.popleft().result()
+
+
+def _mend(
+    layout: Layout,
+    part: _Part,
+    columns: list[int],
+    known: dict[bytes, tuple[float, str] | None],
+    told: Counter[str],
+) -> None:
+    """Read the cells that are no plain numbers one by one."""
+    for index in part.numbers.odd.tolist():
+        row, column = index // len(columns), columns[index % len(columns)]
+        cell = part.rows.grid.cell(row, column)
+        if len(known) > _KNOWN:
+            known.clear()
+        if cell not in known:
+            known[cell] = read_cell(_text(layout, cell), layout.point)
+        found = known[cell]
+        if found is None:
+            raise _no_number(layout, part.rows.lines[row], column, _text(layout, cell))
+        part.numbers.values[index] = found[0]
+        if found[1]:
+            told[f"{layout.names[column]}: {found[1]}"] += 1
+
+
+def _text(layout: Layout, cell: bytes) -> str:
+    text = cell.decode(layout.encoding.letters, "replace")
+    return text.replace(INSIDE, layout.delimiter or " ")
+
+
+def _no_number(layout: Layout, line: int, column: int, cell: str) -> LogError:
+    way_out = "correct it, remove the line, make it a comment with # or map another column"
+    if read_cell(cell, "." if layout.point == "," else ",") is not None:
+        way_out = "export the log with decimal points everywhere"
+    shown = cell if len(cell) <= _SHOWN else f"{cell[: _SHOWN - 3]}..."
+    return LogError(
+        f"{layout.path.name}: line {line}, column {layout.names[column]!r} holds {shown!r}, not a "
+        f"number; {way_out}"
+    )
+
+
+def _columns(part: _Part, columns: list[int]) -> list[Raw]:
+    """The numbers by column; whole ones that float64 would round as integers."""
+    shape = (-1, len(columns))
+    values = part.numbers.values.reshape(shape)
+    found: list[Raw] = [values[:, k].copy() for k in range(len(columns))]
+    whole = part.numbers.whole.reshape(shape)
+    for k in np.flatnonzero((whole > _LARGE).any(axis=0)).tolist():
+        spans = part.rows.grid.spans
+        plain = spans.points[:, columns[k]] == spans.ends[:, columns[k]]
+        if plain.all() and whole[:, k].max() < _TOP and np.isfinite(found[k]).all():
+            sign = 1 - 2 * part.numbers.negative.reshape(shape)[:, k].astype(np.int64)
+            found[k] = sign * whole[:, k].astype(np.int64)
+    return found
+
+
+def _joined(parts: list[Raw]) -> Raw:
+    """A column from its parts: integers where all of it are whole numbers."""
+    if not parts:
+        return np.empty(0)
+    whole = [part.dtype.kind == "i" for part in parts]
+    if any(whole) and not all(whole):
+        exact = all(
+            is_int or (part == np.trunc(part)).all()
+            for is_int, part in zip(whole, parts, strict=True)
+        )
+        parts = [part.astype(np.int64 if exact else np.float64) for part in parts]
+    return np.concatenate(parts)
 
 
 def _words(layout: Layout, column: int) -> Raw:
     """One column as it is written."""
-    with open_text(layout.path) as stream:
-        lines = islice(filter(is_content, stream), layout.above, None)
-        rows = split(lines, layout.delimiter)
-        return np.array([row[column].strip() for row in rows if len(row) > column])
-
-
-def _check_widths(layout: Layout, start: int, block: list[list[str]]) -> None:
-    width = len(layout.names)
-    if set(map(len, block)) == {width}:
-        return
-    row = next(i for i, cells in enumerate(block) if len(cells) != width)
-    raise LogError(
-        f"{layout.path.name}: line {_line_number(layout, start + row)} has "
-        f"{counted(len(block[row]), 'cell')} instead of {width}; complete the line or remove it"
-    )
-
-
-def _numbers(layout: Layout, start: int, cells: list[str], column: int) -> Floats:
-    """One block of one column; an empty cell is a missing value, NaN."""
-    if layout.comma:
-        cells = [cell.replace(",", ".") for cell in cells]
-    try:
-        return np.array([float(cell.strip() or "nan") for cell in cells])
-    except ValueError:
-        wrong = next(i for i, cell in enumerate(cells) if cell.strip() and not is_number(cell))
-    raise LogError(
-        f"{layout.path.name}: line {_line_number(layout, start + wrong)}, column "
-        f"{layout.names[column]!r} holds {_told(cells[wrong])}, not a number; "
-        f"{_way_out(cells[wrong])}"
-    )
-
-
-def _told(cell: str) -> str:
-    return repr(cell if len(cell) <= 40 else cell[:37] + "...")
-
-
-def _way_out(cell: str) -> str:
-    if is_number(cell.replace(",", ".")):
-        return "export the log with decimal points, since a comma may mean thousands"
-    return "correct it, remove the line, make it a comment with # or map another column"
+    grids = (read_rows(layout, block).grid for block in _blocks(layout))
+    cells = [cell for grid in grids for cell in grid.cells(column)]
+    return np.array([_text(layout, cell) for cell in cells])
 
 
 def _line_number(layout: Layout, row: int) -> int:
     """The line of a row of numbers, counted from 1; read again, since only errors ask for it."""
-    with open_text(layout.path) as stream:
-        numbers = (number for number, line in enumerate(stream, 1) if is_content(line))
-        return next(islice(numbers, row + layout.above, None), row + 1)
+    for block in _blocks(layout):
+        found = read_rows(layout, block).lines
+        if row < len(found):
+            return found[row]
+        row -= len(found)
+    return row

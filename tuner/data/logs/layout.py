@@ -1,21 +1,30 @@
 """How a text log is laid out: its lines, its delimiter and the names of its columns."""
 
-import csv
-import gzip
-from codecs import getincrementaldecoder
 from collections import Counter
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
-from itertools import islice
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TextIO
 
-from tuner.data.logs.error import LogError
+from tuner.data.logs.cells import decimal_mark, is_number
+from tuner.data.logs.error import LogError, counted
+from tuner.data.logs.heading import (
+    Head,
+    check_names,
+    commented_names,
+    first_row,
+    holds_values,
+    names_above,
+    present,
+    unique,
+    units_told,
+)
+from tuner.data.logs.kinds import Chosen, Lines, kinds_of
+from tuner.data.logs.moments import is_moment
+from tuner.data.logs.stream import Encoding, is_content, read_head, split
 
-_GZIP = b"\x1f\x8b"
-_HEAD = 1 << 16
-_PROBE = 12
+_WIDEST = 100_000
+_DELIMITERS = "\t;,|"
+_SAMPLE = 300
 
 
 @dataclass(frozen=True)
@@ -24,150 +33,138 @@ class Layout:
 
     Attributes:
         path: the file.
+        encoding: how its letters are written.
         delimiter: one character, or None where blanks separate the cells.
         names: the columns, each name once.
-        above: how many lines of content stand above the numbers: titles and names.
-        texts: the columns whose first cell is text.
-        comma: whether the numbers have a decimal comma.
+        above: how many lines stand above the first row of numbers, blank ones and comments too.
+        heads: those of them that are neither; where one comes again, it is no row.
+        point: the decimal mark of its numbers.
+        moments: the columns that hold dates or times of day.
+        texts: the columns that hold other text.
+        units: what a row below the names says, by column.
+        notes: what was found.
+        chosen: which rows are meant; None for all.
     """
 
     path: Path
+    encoding: Encoding
     delimiter: str | None
     names: tuple[str, ...]
     above: int
-    texts: frozenset[str]
-    comma: bool = False
+    heads: frozenset[bytes]
+    point: str = "."
+    moments: frozenset[str] = frozenset()
+    texts: frozenset[str] = frozenset()
+    units: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    chosen: Chosen | None = None
 
 
-@contextmanager
-def open_text(path: Path) -> Iterator[TextIO]:
-    """The lines of a plain or gzip-compressed text file, without a byte order mark.
-
-    What is no UTF-8 at its beginning is taken as cp1252, the usual one where it is not.
-    """
-    with path.open("rb") as stream:
-        opener = gzip.open if stream.read(len(_GZIP)) == _GZIP else open
-    with opener(path, "rb") as raw:
-        encoding = _encoding(raw.read(_HEAD))
-    with opener(path, "rt", encoding=encoding, errors="replace") as text:
-        yield text
-
-
-def _encoding(head: bytes) -> str:
-    try:
-        getincrementaldecoder("utf-8")().decode(head)  # a letter may be cut at the end
-    except UnicodeDecodeError:
-        return "cp1252"
-    return "utf-8-sig"
-
-
-def is_content(line: str) -> bool:
-    """Whether a line is neither blank nor a comment; a tab alone may separate empty cells."""
-    text = line.strip(" \r\n")
-    return bool(text) and text[0] not in "#%"
-
-
-def split(lines: Iterable[str], delimiter: str | None) -> Iterator[list[str]]:
-    """The cells of each line."""
-    if delimiter is None:
-        return (line.split() for line in lines)
-    return csv.reader(lines, delimiter=delimiter, skipinitialspace=True)
-
-
-def is_number(cell: str) -> bool:
-    """Whether a cell reads as a number."""
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
-
-
-def read_layout(path: Path) -> Layout:
-    """Look at the first lines of a text log.
+def read_layouts(path: Path) -> dict[str, Layout]:
+    """Look at the first lines of a text log: one layout, or one for each kind of rows.
 
     Raises:
         LogError: where the file is no text or holds no numbers.
     """
-    with open_text(path) as stream:
-        if "\0" in stream.read(_HEAD):
-            raise LogError(
-                f"{path.name}: the file is neither UTF-8 text nor NPZ nor MAT; export it as CSV"
-            )
-    comment, lines = _first_lines(path)
-    delimiter = _sniff(lines)
-    rows = list(split(lines, delimiter))
-    titles = _titles(rows)
-    header = len(rows) > titles and _is_header(rows[titles])
-    data = rows[titles + header :]
-    if not data:
+    start, encoding = read_head(path)
+    every = start.decode(encoding.letters, "replace").split("\n")
+    held = [number for number, line in enumerate(every) if is_content(line)]
+    lines = Lines(held, [every[number] for number in held])
+    delimiter = _delimiter(lines.texts)
+    kinds = kinds_of(path, encoding, delimiter, lines) if delimiter else {}
+    if not kinds:
+        return {"": _read_layout(path, encoding, delimiter, every, lines)}
+    found = {}
+    titles: dict[int, list[str]] = {}
+    for chosen, part in kinds.items():
+        try:
+            found[chosen.word] = _read_layout(path, encoding, delimiter, [], part, chosen)
+        except LogError:
+            cells = next(split(part.texts, delimiter))
+            titles[len(cells)] = cells
+    if not found:
         raise LogError(f"{path.name}: there is not one row of numbers in it; record the log again")
-    named = rows[titles] if header else _commented_names(comment, delimiter, len(data[0]))
-    names = _unique(named)
-    texts = (name for name, cell in zip(names, data[0], strict=False) if _is_text(cell))
-    comma = delimiter != "," and _decimal_comma(data)
-    return Layout(path, delimiter, names, titles + header, frozenset(texts), comma)
+    return {word: _titled(layout, titles) for word, layout in found.items()}
 
 
-def _titles(rows: list[list[str]]) -> int:
-    """How many rows of another width, without a number, stand above the names."""
-    width = len(rows[-1]) if rows else 0
-    for count, row in enumerate(rows):
-        if len(row) == width or any(map(is_number, row)):
-            return count
-    return 0
+def _titled(layout: Layout, titles: Mapping[int, list[str]]) -> Layout:
+    """With the names of a line of another kind, where it has none of its own and that fits."""
+    width = len(layout.names)
+    nameless = layout.names == unique([""] * width)
+    return replace(layout, names=unique(titles[width])) if nameless and width in titles else layout
 
 
-def _decimal_comma(rows: list[list[str]]) -> bool:
-    """Whether some cells are numbers with a comma, and none with a point."""
-    cells = [cell for row in rows for cell in row if _reads_as_number(cell)]
-    return any("," in cell for cell in cells) and not any("." in cell for cell in cells)
+def _read_layout(
+    path: Path,
+    encoding: Encoding,
+    delimiter: str | None,
+    every: list[str],
+    lines: Lines,
+    chosen: Chosen | None = None,
+) -> Layout:
+    """The layout of rows of one kind."""
+    cells = list(split(lines.texts, delimiter))
+    width = _width(cells)
+    if width > _WIDEST:
+        raise LogError(f"{path.name}: its rows have {width} cells; at most {_WIDEST} are read")
+    sample = [row for row in cells[len(cells) // 2 :][-_SAMPLE:] if len(row) == width]
+    point, note = decimal_mark(cell for row in sample for cell in row)
+    values = tuple(k for k in range(width) if holds_values([row[k] for row in sample], point))
+    head = Head(lines.numbers, cells, width, point, values)
+    first = first_row(head)
+    if first is None:
+        raise LogError(f"{path.name}: there is not one row of numbers in it; record the log again")
+    if chosen is None:
+        check_names(path.name, head, first)
+    named, units, titles = names_above(head, first)
+    if named is None:
+        named = commented_names(every[: lines.numbers[first]], delimiter, width)
+    names = unique(named)
+    told = {names[k]: unit for k, unit in enumerate(units) if unit}
+    times = {k for k in values if not any(map(is_number, present(sample, k)))}
+    notes = (
+        encoding.told,
+        f"{counted(titles, 'line')} above the columns left out" * bool(titles and chosen is None),
+        "decimal commas" * (point == ","),
+        note,
+        units_told(told),
+    )
+    return Layout(
+        path=path,
+        encoding=encoding,
+        delimiter=delimiter,
+        names=names,
+        above=lines.numbers[first],
+        heads=frozenset(text.encode(encoding.letters, "replace") for text in lines.texts[:first]),
+        point=point,
+        moments=frozenset(names[k] for k in times if any(map(is_moment, present(sample, k)))),
+        texts=frozenset(names[k] for k in range(width) if k not in values and present(sample, k)),
+        units=told,
+        notes=tuple(filter(None, notes)),
+        chosen=chosen,
+    )
 
 
-def _reads_as_number(cell: str) -> bool:
-    return is_number(cell.replace(",", ".", 1))
-
-
-def _first_lines(path: Path) -> tuple[str, list[str]]:
-    """The last comment above the content, and the first lines of the content."""
-    comment = ""
-    with open_text(path) as stream:
-        for line in stream:
-            if is_content(line):
-                return comment, [line, *islice(filter(is_content, stream), _PROBE)]
-            comment = line.strip().lstrip("#%") or comment
-    return comment, []
-
-
-def _sniff(lines: list[str]) -> str | None:
-    """The delimiter that most lines below the first hold; a decimal comma yields to it."""
-    lines = lines[1:] or lines
-    for delimiter in "\t;,":
+def _delimiter(lines: list[str]) -> str | None:
+    """What most lines of the lower half hold; a decimal comma yields to all others."""
+    lines = lines[len(lines) // 2 :]
+    for delimiter in _DELIMITERS:
         if 2 * sum(delimiter in line for line in lines) > len(lines):
-            return delimiter
+            return None if delimiter == "," and _blanks_fit_better(lines) else delimiter
     return None
 
 
-def _is_text(cell: str) -> bool:
-    return bool(cell.strip()) and not is_number(cell.replace(",", "."))
-
-
-def _is_header(cells: list[str]) -> bool:
-    """A header holds text and not one number: a damaged first row must not pass for one."""
-    return any(map(_is_text, cells)) and not any(map(is_number, cells))
-
-
-def _commented_names(comment: str, delimiter: str | None, width: int) -> list[str]:
-    """Names from the comment right above the numbers (as numpy.savetxt writes them)."""
-    cells = next(split([comment], delimiter), []) if comment else []
-    return cells if len(cells) == width and _is_header(cells) else [""] * width
-
-
-def _unique(cells: list[str]) -> tuple[str, ...]:
-    """Names without blanks around them; nameless and repeated ones tell their number."""
-    names = [cell.strip() or f"column{number}" for number, cell in enumerate(cells, 1)]
-    counts = Counter(names)
-    return tuple(
-        name if counts[name] == 1 else f"{name} (column {number})"
-        for number, name in enumerate(names, 1)
+def _blanks_fit_better(lines: list[str]) -> bool:
+    """Whether the cells between blanks are numbers with decimal commas."""
+    cells = [line.split() for line in lines]
+    return all(len(row) > 1 for row in cells) and all(
+        is_number(cell.replace(",", ".", 1)) and cell == cell.strip(",")
+        for row in cells
+        for cell in row
     )
+
+
+def _width(rows: Sequence[Sequence[str]]) -> int:
+    """How many cells most rows of the lower half have."""
+    counts = Counter(map(len, rows[len(rows) // 2 :]))
+    return max(counts, key=lambda width: (counts[width], width), default=0)

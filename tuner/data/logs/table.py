@@ -21,17 +21,37 @@ def array_row(row: int) -> str:
 
 
 @dataclass(frozen=True)
+class Loaded:
+    """Columns as they were read.
+
+    Attributes:
+        raw: the arrays by name.
+        notes: what was found and done, a sentence each.
+    """
+
+    raw: dict[str, Raw]
+    notes: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, found: "dict[str, Raw] | Loaded") -> "Loaded":
+        """What a table gave, in this form."""
+        return found if isinstance(found, Loaded) else cls(found)
+
+
+@dataclass(frozen=True)
 class Table:
     """The columns of one file before anything is mapped.
 
     Attributes:
         file: name of the file without its folder, for the sentences.
         names: the columns (and scalars) in the order of the file, each once.
-        load: reads the named ones; scalars come as arrays of size 1.
+        load: reads the named ones; scalars come as arrays of size 1. What is to be said of them
+            comes with them as a :class:`Loaded`.
         place: where a row, counted from 0, stands in the file: ``line 7``.
         numbered: columns may also be named by their number, from 1.
         texts: the columns that are known to hold text.
         labels: reads one column as text, ``(N,)`` of str, where the format knows a way.
+        moments: the columns that hold dates or times of day; they are loaded as bytes.
         format: what kind of file it is, in words.
         groups: where the columns have several clocks, one table for each of them.
         prefix: what the names of all columns begin with; it may be left out where a group is meant.
@@ -44,11 +64,12 @@ class Table:
 
     file: str
     names: tuple[str, ...]
-    load: Callable[[Sequence[str]], dict[str, Raw]]
+    load: Callable[[Sequence[str]], dict[str, Raw] | Loaded]
     place: Callable[[int], str] = array_row
     numbered: bool = False
     texts: frozenset[str] = frozenset()
     labels: Callable[[str], Raw] | None = None
+    moments: frozenset[str] = frozenset()
     format: str = "text"
     groups: "tuple[Table, ...]" = ()
     prefix: str = ""
@@ -73,10 +94,18 @@ class Table:
             return Mapping(mapping.channel, f"{mapping.source}:{unit}")
         if column in self.names:
             return mapping
-        if self.numbered and column.isdecimal() and 0 < int(column) <= len(self.names):
-            return replace(mapping, column=self.names[int(column) - 1])
-        short = self.prefix and not column.startswith(self.prefix)
-        return self.find(replace(mapping, column=self.prefix + column)) if short else None
+        number = column.removeprefix(self.prefix)
+        if self.numbered and number.isdecimal() and 0 < int(number) <= len(self.names):
+            return replace(mapping, column=self.names[int(number) - 1])
+        return self._find_shorter(mapping)
+
+    def _find_shorter(self, mapping: Mapping) -> Mapping | None:
+        """Where a group is meant: its columns by their numbers, or without its prefix."""
+        column = mapping.column
+        if self.prefix and not column.startswith(self.prefix):
+            return self.find(replace(mapping, column=self.prefix + column))
+        numbered = (g for g in self.groups if g.numbered and column.startswith(g.prefix))
+        return next((group.find(mapping) for group in numbered), None)
 
     def resolve(self, mapping: Mapping) -> Mapping:
         """The mapping with its column as the file names it.
@@ -100,3 +129,16 @@ class Table:
             return (Mapping(mapped.channel, name, unit=unit.strip()),)
         found = [self.find(part) for part in mapped.parts]
         return None if None in found else tuple(part for part in found if part is not None)
+
+
+def together(file: str, tables: Sequence[Table], kind: str, notes: tuple[str, ...] = ()) -> Table:
+    """One table of several that have prefixes and clocks of their own."""
+    owners = {name: table for table in tables for name in table.names}
+
+    def load(names: Sequence[str]) -> Loaded:
+        parts = [(t, [name for name in names if owners[name] is t]) for t in tables]
+        found = [Loaded.of(table.load(own)) for table, own in parts if own]
+        raw = {name: column for part in found for name, column in part.raw.items()}
+        return Loaded(raw, tuple(note for part in found for note in part.notes))
+
+    return Table(file, tuple(owners), load, format=kind, groups=tuple(tables), notes=notes)

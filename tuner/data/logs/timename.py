@@ -1,6 +1,7 @@
 """Which columns are time by their names, and in which unit."""
 
 import re
+from collections.abc import Iterable
 
 UNITS = {
     **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), 1.0),
@@ -11,11 +12,19 @@ UNITS = {
 }
 _UNIT = "|".join(UNITS)
 _WORD = "|".join(unit for unit in UNITS if unit.startswith(("sec", "mill", "micro", "nano")))
-_TIME = re.compile(
-    rf"(?:ts|times?|time[ _-]?stamps?|elapsed(?:[ _-]?time)?|t|stamp)"
-    rf"(?:[ _-]*[(\[]?({_UNIT})[)\]]?)?|({_WORD})(?:[ _-]elapsed)?"
+_WHOSE = (
+    "abs|absolute|boot|device|epoch|global|gps|host|local|log|logger|mcu|measurement|record"
+    "|recording|rel|relative|ros|run|sample|sampling|sensor|step|sys|system|test|total|unix|utc"
 )
-_SUFFIX = re.compile(rf".*[ _\-(\[]({_UNIT})[)\]]?")
+_TIME = re.compile(
+    rf"(?:(?:(?:{_WHOSE})[ _-]?)?(?:times?|time[ _-]?stamps?|stamp)(?:[ _-](?:boot|since .*))?"
+    rf"|ts|t|epoch|elapsed(?:[ _-]?time)?|clock|datum|date|date ?[/_-]?time|utc|(?:uhr|lauf)?zeit"
+    rf"|zeitstempel)(?:[ _-]*,? *[/(\[]?(?:in )?({_UNIT})[)\]]?)?"
+    rf"|({_WORD})(?:[ _-]elapsed)?|elapsed[ _-]({_WORD})"
+)
+_SUFFIX = re.compile(rf".*[ _\-(\[/]({_UNIT})[)\]]?")
+_SECONDS = re.compile(r"(.*?)(secs?|seconds)", re.IGNORECASE)
+_FRACTIONS = ("nsecs", "nsec", "nanosec", "nanosecs", "nanoseconds", "usecs", "usec")
 
 
 def is_time(name: str) -> bool:
@@ -38,9 +47,20 @@ def unit_of(name: str) -> str | None:
     bare = _bare(name)
     match = _TIME.fullmatch(bare)
     if match is not None:
-        return match[1] or match[2]
+        return match[1] or match[2] or match[3]
     match = _SUFFIX.fullmatch(bare)
     return None if match is None else match[1]
+
+
+def fraction_of(name: str, names: Iterable[str]) -> str | None:
+    """The column that counts the parts of the seconds in another one; None where there is none.
+
+    >>> fraction_of("stamp.secs", ["stamp.secs", "stamp.nsecs", "x"])
+    'stamp.nsecs'
+    """
+    match = _SECONDS.fullmatch(name)
+    wanted = {f"{match[1]}{word}".lower() for word in _FRACTIONS} if match else set()
+    return next((other for other in names if other.lower() in wanted), None)
 
 
 def _bare(name: str) -> str:

@@ -1,56 +1,116 @@
-"""When the samples were taken: from a time column, a given rate or a scalar of the file."""
+"""When the samples were taken: from time columns, a given rate or a scalar of the file."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from tuner.data.logs.clock import Clock, read_clock
-from tuner.data.logs.error import LogError, counted, suggest
+from tuner.data.logs.error import LogError, counted, quoted, suggest
 from tuner.data.logs.mapping import Mapping
 from tuner.data.logs.table import Table
-from tuner.data.logs.timename import is_time
+from tuner.data.logs.ticks import date_and_time, read_times, same_as_before
+from tuner.data.logs.timename import fraction_of, is_time
 from tuner.data.logs.values import Columns, pick, scalar
 
+RESTART = "restart"
+"""What --by says for recordings that begin where the time runs back."""
+
 _RATES = ("fs", "rate", "rate_hz", "sampling_rate", "sample_rate")
-_CONTRADICTION = 0.01
+_AGREES = 0.01
 
 
 def timing_names(table: Table) -> list[str]:
     """The names in a file that may tell the timing: time columns and scalar rates."""
-    return [*_time_names(table), *_rate_names(table)]
+    times = _time_names(table)
+    fractions = [fraction_of(name, table.names) for name in times]
+    return [*times, *(name for name in fractions if name), *_rate_names(table)]
 
 
 def find_clock(
-    columns: Columns, time: Mapping | None, rate_hz: float | None, samples: int
+    columns: Columns, time: Sequence[Mapping] | None, rate_hz: float | None, samples: int
 ) -> Clock:
     """When the samples of a file were taken.
 
     Args:
         columns: the loaded columns, among them those of :func:`timing_names`.
-        time: the time column where the user named one; otherwise it is found by its name.
-        rate_hz: the rate where the user gave one.
+        time: the time columns where the user named them; otherwise they are found by their names.
+        rate_hz: the rate where the user gave one; it overrules a time column that differs.
         samples: how many samples the file holds.
 
     Raises:
-        LogError: where neither time nor rate is known, they contradict each other, or the
-            time column is unusable.
+        LogError: where neither time nor rate is known, or the time column is unusable.
     """
-    mapping = time or _found(columns, samples)
-    if mapping is not None:
-        return _from_time(columns, mapping, rate_hz, samples)
-    if rate_hz is not None:
-        return Clock.rated(samples, rate_hz, "--rate")
-    name, rate = _scalar_rate(columns)
-    return Clock.rated(samples, rate, f"scalar {name!r}")
+    parts = time_parts(columns, time, samples)
+    if parts is None and rate_hz is None:
+        name, rate = _scalar_rate(columns)
+        return Clock.rated(samples, rate, f"scalar {name!r}")
+    if parts is None:
+        return Clock.rated(samples, rate_hz or 0.0, "--rate")
+    return _rated(columns, parts, rate_hz, samples) if rate_hz else read_clock(columns, parts)
 
 
-def _time_names(table: Table) -> Iterable[str]:
+def time_parts(
+    columns: Columns, time: Sequence[Mapping] | None, samples: int
+) -> tuple[Mapping, ...] | None:
+    """The columns whose sum is the time: those named, or those found; None without any.
+
+    Raises:
+        LogError: where those named have another number of samples.
+    """
+    if time is None:
+        return _found(columns, samples)
+    for part in time:
+        column = columns.raw[part.column]
+        column = column if column.dtype.kind == "S" else pick(columns, part)
+        if len(column) != samples:
+            rows = counted(len(column), "row")
+            raise columns.error(
+                part, f"has {rows} where the channels have {samples}; name another --time"
+            )
+    return tuple(time)
+
+
+def without_repeats(columns: Columns, time: Sequence[Mapping] | None, samples: int) -> Columns:
+    """The rows but for those that have the time of the row before.
+
+    Raises:
+        LogError: where no column tells the time.
+    """
+    parts = time_parts(columns, time, samples)
+    if parts is None:
+        raise LogError(
+            f"{columns.table.file}: --drop-repeats needs a time column; give --time COLUMN"
+        )
+    new = ~same_as_before(columns, parts)
+    told = f"{counted(int((~new).sum()), 'row')} with the time of the row before left out"
+    return columns.rows(np.flatnonzero(new), samples).with_notes([told])
+
+
+def restarts(columns: Columns, time: Sequence[Mapping] | None, samples: int) -> NDArray[np.int64]:
+    """The number of the recording that each row is of, from 1: a new one where time runs back.
+
+    Raises:
+        LogError: where no column tells the time.
+    """
+    parts = time_parts(columns, time, samples)
+    if parts is None:
+        raise LogError(
+            f"{columns.table.file}: --by {RESTART} needs a time column; give --time COLUMN"
+        )
+    seconds = read_times(columns, parts).seconds
+    return 1 + np.cumsum(np.diff(seconds, prepend=seconds[0]) < 0)
+
+
+def _time_names(table: Table) -> list[str]:
+    """Columns of numbers that are time by their names, then dates and times of day."""
     if table.time is not None:
-        return (table.time.column,)
-    return (
-        name
-        for name in table.names
-        if is_time(name.removeprefix(table.prefix)) and name not in table.texts
-    )
+        return [table.time.column]
+    known = table.texts | table.moments
+    numbers = (name for name in table.names if name not in known)
+    named = [name for name in numbers if is_time(name.removeprefix(table.prefix))]
+    return [*named, *(name for name in table.names if name in table.moments)]
 
 
 def _rate_names(table: Table) -> Iterable[str]:
@@ -59,36 +119,44 @@ def _rate_names(table: Table) -> Iterable[str]:
     return (name for name in table.names if name.rsplit(".", 1)[-1].lower() in _RATES)
 
 
-def _found(columns: Columns, samples: int) -> Mapping | None:
-    """The first column that is time by its name and could be: numbers, one per sample."""
-    for name in _time_names(columns.table):
+def _found(columns: Columns, samples: int) -> tuple[Mapping, ...] | None:
+    """The first column that is time and could be, one number a sample, and what belongs to it."""
+    table = columns.table
+    for name in _time_names(table):
         array = columns.raw[name]
-        if array.ndim > 0 and array.size == len(array) == samples and array.dtype.kind in "iuf":
-            return columns.table.time or Mapping("time", name)
+        if array.ndim == 0 or not array.size == len(array) == samples:
+            continue
+        if array.dtype.kind == "S":
+            return tuple(Mapping("time", part) for part in date_and_time(columns, name))
+        fraction = fraction_of(name, table.names)
+        if array.dtype.kind in "iuf" and fraction is None:
+            return (table.time or Mapping("time", name),)
+        if array.dtype.kind in "iuf":
+            return (Mapping("time", name, unit="s"), Mapping("time", fraction or "", unit=None))
     return None
 
 
-def _from_time(columns: Columns, time: Mapping, rate_hz: float | None, samples: int) -> Clock:
-    column = pick(columns, time)
-    if len(column) != samples:
-        rows = counted(len(column), "row")
-        raise columns.error(
-            time, f"has {rows} where the channels have {samples}; name another --time"
-        )
-    if rate_hz is None:
-        return read_clock(columns, time, column)
-    if repeated := int((column[1:] == column[:-1]).sum()):
-        told = f"time {time.column!r}: left out for its {counted(repeated, 'repeated time')}"
-        return Clock.rated(samples, rate_hz, "--rate", (told,))
-    clock = read_clock(columns, time, column)
-    if abs(rate_hz - clock.rate_hz) > _CONTRADICTION * clock.rate_hz:
-        raise columns.error(
-            time,
-            f"runs at {clock.rate_hz:.6g} Hz, which contradicts --rate {rate_hz:.6g} Hz; leave "
-            f"--rate out or name the unit of time, such as --time '{time.column}:ms'",
-        )
+def _rated(columns: Columns, parts: Sequence[Mapping], rate_hz: float, samples: int) -> Clock:
+    """The clock of a rate, with the times and gaps of the time column where they agree."""
+    names = quoted(part.column for part in parts)
+    try:
+        repeated = int(same_as_before(columns, parts).sum())
+        clock = read_clock(columns, parts)
+    except LogError as error:
+        why = str(error).partition(" (mapped to time) ")[2].partition(";")[0]
+        return _overruled(samples, rate_hz, names, f"it {why}")
+    if repeated:
+        return _overruled(samples, rate_hz, names, f"it has {counted(repeated, 'repeated time')}")
+    if abs(rate_hz - clock.rate_hz) > _AGREES * clock.rate_hz:
+        why = f"it runs at {clock.rate_hz:.6g} Hz as it stands, {rate_hz / clock.rate_hz:.4g} times"
+        return _overruled(samples, rate_hz, names, f"{why} as many in --rate")
     source = f"{clock.source} and --rate"
     return replace(clock, step=1.0 / rate_hz, rate_hz=float(rate_hz), source=source)
+
+
+def _overruled(samples: int, rate_hz: float, names: str, why: str) -> Clock:
+    told = f"time {names}: overruled by --rate {rate_hz:g}, though {why}"
+    return Clock.rated(samples, rate_hz, "--rate", (told,))
 
 
 def _scalar_rate(columns: Columns) -> tuple[str, float]:

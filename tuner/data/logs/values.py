@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from tuner.data.logs.error import LogError, counted, suggest
 from tuner.data.logs.mapping import Mapping
-from tuner.data.logs.table import Floats, Raw, Table
+from tuner.data.logs.table import Floats, Loaded, Raw, Table
 
 _EXACT = 1 << 53
 _HUGE = 1e150
@@ -51,6 +51,10 @@ class Columns:
         table = replace(self.table, place=lambda row: place(int(rows[row])))
         return Columns(table, raw)
 
+    def with_notes(self, notes: Iterable[str]) -> "Columns":
+        """With more to say of them."""
+        return replace(self, table=replace(self.table, notes=(*self.table.notes, *notes)))
+
 
 def load_columns(table: Table, mappings: Iterable[Mapping], extra: Iterable[str]) -> Columns:
     """Load what the mappings, resolved by the table, need, and the extra names.
@@ -63,7 +67,8 @@ def load_columns(table: Table, mappings: Iterable[Mapping], extra: Iterable[str]
         names[mapping.column] = None
         if isinstance(mapping.factor, str) and mapping.factor in table.names:
             names[mapping.factor] = None
-    return Columns(table, table.load(tuple(names)))
+    loaded = Loaded.of(table.load(tuple(names)))
+    return Columns(table, loaded.raw).with_notes(loaded.notes)
 
 
 def pick(columns: Columns, mapping: Mapping) -> Raw:

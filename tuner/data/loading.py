@@ -1,0 +1,105 @@
+"""What is loaded of a file, and the columns that tell when it was measured."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from tuner.data.logs.mapping import Mapped, Mapping, parse_maps
+from tuner.data.logs.table import Raw, Table
+from tuner.data.logs.timename import is_time
+from tuner.data.logs.timing import RESTART, restarts, timing_names, without_repeats
+from tuner.data.logs.values import Columns, load_columns
+from tuner.data.splitting import labels_of
+from tuner.data.wanted import Wanted
+
+
+@dataclass(frozen=True)
+class File:
+    """One file, or the columns of one clock of it, and what is read of them."""
+
+    path: Path
+    table: Table
+    wanted: tuple[Wanted, ...]
+
+
+@dataclass(frozen=True)
+class Timed:
+    """How the user said when samples were taken.
+
+    Attributes:
+        time: the time column, or several whose sum it is; None finds them.
+        rate_hz: samples per second.
+        drop_repeats: whether rows with the time of the row before are left out.
+    """
+
+    time: str | None
+    rate_hz: float | None
+    drop_repeats: bool
+
+    @cached_property
+    def asked(self) -> Mapped | None:
+        """The time columns before any file is looked into."""
+        return None if self.time is None else parse_maps(f"time={self.time}", None)[0]
+
+    def check_somewhere(self, tables: Sequence[Table]) -> None:
+        """Refuse time columns that are in none of several files."""
+        if self.asked and all(table.find_parts(self.asked) is None for table in tables):
+            _resolved(tables[0], self.asked)
+
+
+def loaded(
+    file: File, timed: Timed, *, optional: bool = False
+) -> tuple[Columns, tuple[Mapping, ...] | None]:
+    """What is needed of a file, and its time columns where the user named them.
+
+    Args:
+        file: the file.
+        timed: how the user said when samples were taken.
+        optional: whether it may lack the time columns.
+
+    Raises:
+        LogError: where a column is missing or cannot be read.
+    """
+    parts = [part for one in file.wanted for part in one.parts]
+    time = file.table.find_parts(timed.asked) if timed.asked else None
+    if timed.asked and time is None and not optional:
+        time = _resolved(file.table, timed.asked)
+    if time is not None:
+        return load_columns(file.table, [*parts, *time], ()), time
+    return load_columns(file.table, parts, timing_names(file.table)), None
+
+
+def _resolved(table: Table, asked: Mapped) -> tuple[Mapping, ...]:
+    return tuple(table.resolve(part) for part in asked.parts)
+
+
+def has_time(table: Table, named: Sequence[Mapping] | None) -> bool:
+    """Whether a file tells times of its own."""
+    if named is not None or table.time is not None or table.moments:
+        return True
+    return any(is_time(name.removeprefix(table.prefix)) for name in table.names)
+
+
+def once_each(
+    file: File, columns: Columns, time: Sequence[Mapping] | None, timed: Timed
+) -> Columns:
+    """The columns without repeated times where that is asked for."""
+    return (
+        without_repeats(columns, time, _samples(file, columns)) if timed.drop_repeats else columns
+    )
+
+
+def labels_in(file: File, columns: Columns, time: Sequence[Mapping] | None, by: str) -> Raw:
+    """What tells recordings apart, ``(N,)``: a column, or where the time starts again.
+
+    Raises:
+        LogError: where there is no such column, or it has no label a row.
+    """
+    if by == RESTART and by not in file.table.names:
+        return restarts(columns, time, _samples(file, columns))
+    return labels_of(file.table, by)
+
+
+def _samples(file: File, columns: Columns) -> int:
+    return len(columns.raw[file.wanted[0].parts[0].column])

@@ -1,0 +1,248 @@
+"""Decimal numbers in a text as float64, many at once: the very doubles that ``float`` gives.
+
+Up to 19 digits are one 64-bit integer, eight characters a step. Up to 2**53 and 10**22 one
+rounding of an exact quotient is right (Clinger 1990); beyond, the product with a power of ten is
+worked out in twice the digits (Dekker 1971), and where that leaves the last bit open, or where a
+cell is written in another way, the number is left to others.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Index = NDArray[np.intp]
+Bits = NDArray[np.uint64]
+Floats = NDArray[np.float64]
+
+MARGIN = 24
+"""So many characters before, and eight after, a text may be looked at."""
+
+_DIGITS = 19
+_EXACT = np.uint64(1 << 53)
+_FIVES = 22
+_LARGEST = 280
+_SHARE = 0.2
+_SPLIT = 134217729.0  # 2**27 + 1
+_DOUBT = 2.0**-99
+_TENS = np.array([10**k for k in range(_DIGITS + 1)], np.uint64)
+_POWERS = np.array([10.0**k for k in range(_FIVES + 1)])
+_OUTSIDE = np.array([8 * (8 - k) for k in range(9)], np.uint64)
+_ZEROS, _ABOVE_9, _TOP = (np.uint64(word * 0x0101010101010101) for word in (ord("0"), 0x76, 0x80))
+_PAIRS = [  # digits to pairs, pairs to fours, fours to all eight
+    tuple(map(np.uint64, step))
+    for step in (
+        (10 * 2**8 + 1, 8, 0x00FF00FF00FF00FF),
+        (100 * 2**16 + 1, 16, 0x0000FFFF0000FFFF),
+        (10000 * 2**32 + 1, 32, 0x00000000FFFFFFFF),
+    )
+]
+
+
+@dataclass(frozen=True, eq=False)
+class Spans:
+    """Where numbers stand in a text: indices of characters, ``(N,)`` each.
+
+    Attributes:
+        starts: of the first character.
+        points: of the decimal point; where there is none, of what follows the digits.
+        stops: behind the last digit before an exponent.
+        ends: behind the last character.
+        odd: what is no such number for sure, ``(N,)``.
+    """
+
+    starts: Index
+    points: Index
+    stops: Index
+    ends: Index
+    odd: NDArray[np.bool_]
+
+    def shaped(self, width: int) -> "Spans":
+        """In rows of ``width``."""
+        return self._each(lambda part: part.reshape(-1, width))
+
+    def columns(self, columns: Sequence[int]) -> "Spans":
+        """Some columns of rows, one row after another, flat."""
+        every = list(columns) == list(range(self.starts.shape[1]))
+        return self._each(lambda part: (part if every else part[:, list(columns)]).ravel())
+
+    def _each(self, change: Callable[[NDArray[Any]], NDArray[Any]]) -> "Spans":
+        parts = (self.starts, self.points, self.stops, self.ends, self.odd)
+        return Spans(*map(change, parts))
+
+
+@dataclass(frozen=True, eq=False)
+class Numbers:
+    """What was read.
+
+    Attributes:
+        values: ``(N,)``; NaN where nothing stands.
+        whole: the digits as one integer, without a sign, ``(N,)``.
+        negative: where a minus stands, ``(N,)``.
+        odd: the indices of what has to be read in another way.
+    """
+
+    values: Floats
+    whole: Bits
+    negative: NDArray[np.bool_]
+    odd: Index
+
+
+def read_decimals(text: NDArray[np.uint8], spans: Spans) -> Numbers:
+    """Read the numbers of a text that has ``MARGIN`` characters before the first.
+
+    >>> text = np.frombuffer(b"0" * MARGIN + b"-12.50" + b"0" * 10, np.uint8)
+    >>> at = (np.array([MARGIN + k]) for k in (0, 3, 6, 6))
+    >>> read_decimals(text, Spans(*at, np.array([False]))).values
+    array([-12.5])
+    """
+    words = text.view(np.uint64)
+    first = text.take(spans.starts)
+    negative = first == ord("-")
+    starts = spans.starts + (negative | (first == ord("+")))
+    before = spans.points - starts
+    behind = spans.stops - spans.points
+    behind -= behind > 0
+    count = before + behind
+    odd = spans.odd | (count < 1) | (count > _DIGITS)
+    if odd.any():
+        before[odd] = 0
+        behind[odd] = 0
+    wrong = np.zeros(len(starts), np.uint64)
+    whole = _integers(words, spans.points, before, wrong)
+    whole *= _TENS.take(behind)
+    whole += _integers(words, spans.stops, behind, wrong)
+    power = -behind
+    wrong &= _TOP
+    odd |= wrong != 0
+    raised = np.flatnonzero(spans.stops < spans.ends)
+    if len(raised):
+        found, failed = _exponents(text, spans.stops[raised] + 1, spans.ends[raised])
+        power[raised] += found
+        odd[raised] |= failed
+    values = _scaled(whole, power, odd)
+    np.negative(values, where=negative, out=values)
+    empty = spans.starts == spans.ends
+    if empty.any():
+        values[empty] = np.nan
+        odd &= ~empty
+    return Numbers(values, whole, negative, np.flatnonzero(odd))
+
+
+def _integers(words: Bits, ends: Index, count: Index, wrong: Bits) -> Bits:
+    """The numbers of ``count`` digits before ``ends``; a top bit of ``wrong`` is set where not."""
+    total = _eight(words, ends - 8, np.minimum(count, 8), wrong)
+    longest = int(count.max(initial=0))
+    for step in range(1, -(-longest // 8)):
+        part = np.clip(count - 8 * step, 0, 8)
+        total += _eight(words, ends - 8 * (step + 1), part, wrong) * _TENS[8 * step]
+    return total
+
+
+def _eight(words: Bits, starts: Index, count: Index, wrong: Bits) -> Bits:
+    """The number of the last ``count`` of eight characters."""
+    at, shift = starts >> 3, ((starts & 7) << 3).astype(np.uint64)
+    found = words.take(at)
+    found >>= shift
+    shift = np.uint64(64) - shift
+    at += 1
+    following = words.take(at)
+    following <<= shift
+    found |= following
+    found ^= _ZEROS
+    outside = _OUTSIDE.take(count)
+    found >>= outside
+    found <<= outside
+    wrong |= found
+    np.add(found, _ABOVE_9, out=following)
+    wrong |= following
+    for factor, shift_, mask in _PAIRS:
+        found *= factor
+        found >>= shift_
+        found &= mask
+    return found
+
+
+def _exponents(
+    text: NDArray[np.uint8], starts: Index, ends: Index
+) -> tuple[Index, NDArray[np.bool_]]:
+    """Small whole numbers with or without a sign, and which are none."""
+    sign = text.take(starts)
+    minus = sign == ord("-")
+    count = ends - starts - (minus | (sign == ord("+")))
+    odd = (count < 1) | (count > 3)
+    count[odd] = 0
+    wrong = np.zeros(len(starts), np.uint64)
+    found = _integers(text.view(np.uint64), ends, count, wrong).astype(np.intp)
+    return np.where(minus, -found, found), odd | (wrong & _TOP != 0)
+
+
+def _scaled(whole: Bits, power: Index, odd: NDArray[np.bool_]) -> Floats:
+    """Integers times powers of ten; what cannot be told to the last bit becomes odd."""
+    power[odd] = 0
+    hard = (whole > _EXACT) | (np.abs(power) > _FIVES)
+    share = hard.sum() / max(len(hard), 1)
+    if share == 0.0:
+        return _once_rounded(whole, power)
+    if share > _SHARE:
+        values, sure = _product(whole, power)
+        odd |= ~sure
+        return values
+    few = np.flatnonzero(hard)
+    values, sure = _product(whole[few], power[few])
+    odd[few] |= ~sure
+    power[few] = 0
+    found = _once_rounded(whole, power)
+    found[few] = values
+    return found
+
+
+def _once_rounded(whole: Bits, power: Index) -> Floats:
+    values = whole.astype(np.float64)
+    low, high = int(power.min(initial=0)), int(power.max(initial=0))
+    if high > 0:
+        values *= _POWERS.take(np.maximum(power, 0))
+    if low < 0:
+        values /= _POWERS.take(np.maximum(-power, 0))
+    return values
+
+
+def _product(whole: Bits, power: Index) -> tuple[Floats, NDArray[np.bool_]]:
+    """The nearest doubles, and whether they surely are."""
+    inside = np.abs(power) <= _LARGEST
+    place = np.where(inside, power, 0) + _LARGEST
+    tens, rest_of_tens = (table.take(place) for table in _tens())
+    head = whole.astype(np.float64)
+    rest = (whole - head.astype(np.uint64)).view(np.int64).astype(np.float64)
+    product = head * tens
+    error = _error_of_product(head, tens, product) + (head * rest_of_tens + rest * tens)
+    value = product + error
+    left = error - (value - product)
+    doubt = value * _DOUBT
+    sure = (value + (left + doubt) == value) & (value + (left - doubt) == value)
+    return value, sure & inside
+
+
+def _error_of_product(a: Floats, b: Floats, product: Floats) -> Floats:
+    """What rounding took from a product (Dekker 1971)."""
+    a_high, b_high = a * _SPLIT, b * _SPLIT
+    a_high -= a_high - a
+    b_high -= b_high - b
+    a_low, b_low = a - a_high, b - b_high
+    error: Floats = a_low * b_low - (
+        ((product - a_high * b_high) - a_low * b_high) - a_high * b_low
+    )
+    return error
+
+
+@cache
+def _tens() -> tuple[Floats, Floats]:
+    """Powers of ten as sums of two doubles, of which the second is what the first leaves."""
+    exact = [Fraction(10) ** k for k in range(-_LARGEST, _LARGEST + 1)]
+    high = [float(value) for value in exact]
+    low = [float(value - Fraction(part)) for value, part in zip(exact, high, strict=True)]
+    return np.array(high), np.array(low)

@@ -1,0 +1,234 @@
+"""Time columns as seconds: numbers in any unit, dates, times of day, and sums of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tuner.data.logs.epoch import since_1970
+from tuner.data.logs.error import counted
+from tuner.data.logs.mapping import Mapping
+from tuner.data.logs.moments import ORDERS, SHORT, Moments, Ticks, read_moments
+from tuner.data.logs.table import Floats, Raw
+from tuner.data.logs.timename import UNITS, unit_of
+from tuner.data.logs.values import Columns, check_finite, factor_of, pick
+
+_DIGITS = 9
+_DAY_NS = 86_400 * 10**9
+_NS = Fraction(1, 10**9)
+_FEW = 100
+_JUMP = 20.0  # of a usual step: what may be lost where a counter begins anew
+_COUNTERS = {
+    2.0**16: "2^16",
+    2.0**24: "2^24",
+    2.0**32: "2^32",
+    2.0**32 * 1e-3: "2^32 thousandths",
+    2.0**32 * 1e-6: "2^32 millionths",
+    86400.0: "a day",
+    86400e3: "a day",
+    604800.0: "a week",
+    604800e3: "a week",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Times:
+    """When samples were taken, before it is judged.
+
+    Attributes:
+        seconds: since the first, ``(N,)``.
+        first: the first as the columns have it, s.
+        resolution: the step of the digits they were written with, s.
+        known: whether anything tells the unit.
+        notes: what was taken for granted.
+    """
+
+    seconds: Floats
+    first: Fraction
+    resolution: float
+    known: bool
+    notes: tuple[str, ...]
+
+
+def read_times(columns: Columns, parts: Sequence[Mapping]) -> Times:
+    """The sum of time columns, one as a rule.
+
+    Raises:
+        LogError: where one has missing values, no unit of time, or more than one meaning.
+    """
+    if len(parts) == 1 and columns.raw[parts[0].column].dtype.kind != "S":
+        return _counted(columns, parts[0], pick(columns, parts[0]))
+    found = [_nanoseconds(columns, part) for part in parts]
+    ticks = np.sum([one.ticks for one in found], axis=0)
+    notes = [note for one in found for note in one.notes]
+    if all(one.of_day for one in found):
+        ticks, past = _past_midnight(ticks)
+        notes += [f"midnight passed {counted(past, 'time')}"] if past else []
+    seconds = (ticks - ticks[0]).astype(np.float64) * 1e-9
+    step = 1e-9 * min(one.step for one in found)
+    return Times(seconds, int(ticks[0]) * _NS, step, True, tuple(notes))
+
+
+def same_as_before(columns: Columns, parts: Sequence[Mapping]) -> NDArray[np.bool_]:
+    """Which rows have the time of the row before, ``(N,)``."""
+    raw = [columns.raw[part.column] for part in parts]
+    found = [
+        pick(columns, p) if r.dtype.kind != "S" else r for p, r in zip(parts, raw, strict=True)
+    ]
+    same = [np.append(False, column[1:] == column[:-1]) for column in found]
+    return np.asarray(np.logical_and.reduce(same), bool)
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """One of several time columns: ns, the step of the last digit, and if it is a time of day."""
+
+    ticks: Ticks
+    step: float
+    notes: tuple[str, ...]
+    of_day: bool = False
+
+
+def date_and_time(columns: Columns, name: str) -> list[str]:
+    """A column of dates or times of day with the one of the other kind, where there is one."""
+    table = columns.table
+    mine = _kind(columns.raw[name])
+    found: dict[str, str] = {}
+    for other in table.names:
+        if other in table.moments and other in columns.raw:
+            found.setdefault(_kind(columns.raw[other]), other)
+    if mine == "date" and "time" in found:
+        return [name, found["time"]]
+    return [found["date"], name] if mine == "time" and "date" in found else [name]
+
+
+def _kind(column: Raw) -> str:
+    moments = read_moments(column[:_FEW])
+    return ("date" if moments.dated else "") + ("time" if moments.timed else "")
+
+
+def _nanoseconds(columns: Columns, mapping: Mapping) -> _Part:
+    column = columns.raw[mapping.column]
+    if column.dtype.kind == "S":
+        return _written(columns, mapping, column)
+    times = _counted(columns, mapping, pick(columns, mapping))
+    ticks = np.rint(times.seconds * 1e9).astype(np.int64) + round(times.first / _NS)
+    return _Part(ticks, 1e9 * times.resolution, times.notes)
+
+
+def _written(columns: Columns, mapping: Mapping, column: Raw) -> _Part:
+    """Dates and times of day."""
+    if mapping.unit not in (None, *ORDERS, *SHORT):
+        raise columns.error(
+            mapping,
+            f"holds {_first(column)!r}, and {mapping.unit!r} is no order of it; "
+            f"use {', '.join((*ORDERS, *SHORT))} or none",
+        )
+    moments = read_moments(column, mapping.unit)
+    check_finite(columns, mapping, np.where(moments.missing, np.nan, 0.0))
+    notes = _meanings(columns, mapping, moments, _first(column))
+    return _Part(moments.ticks, moments.step, notes, not moments.dated)
+
+
+def _first(column: Raw) -> str:
+    return str(column[0].decode(errors="replace"))
+
+
+def _meanings(columns: Columns, mapping: Mapping, moments: Moments, first: str) -> tuple[str, ...]:
+    """What is assumed of dates that mean several things; refused where the steps differ too."""
+    words = list(moments.readings)
+    if not words:
+        return ()
+    told = " or ".join(f"{(ORDERS | SHORT)[word]} (:{word})" for word in words)
+    steps = [np.diff(ticks) for ticks in moments.readings.values()]
+    if all((step == steps[0]).all() for step in steps):
+        return (f"{first!r} may be {told}, with the same steps; taken as :{words[0]}",)
+    raise columns.error(
+        mapping, f"holds {first!r}, {told}; say which, such as --time '{mapping.column}:{words[0]}'"
+    )
+
+
+def _past_midnight(ticks: Ticks) -> tuple[Ticks, int]:
+    """Times of day that go on behind midnight, and how often they passed it."""
+    back = np.diff(ticks, prepend=ticks[0]) < -_DAY_NS // 2
+    return ticks + np.cumsum(back) * _DAY_NS, int(back.sum())
+
+
+def _counted(columns: Columns, mapping: Mapping, column: Raw) -> Times:
+    """Numbers in a unit of time."""
+    check_finite(columns, mapping, column)
+    scale, known, note = _scale(columns, mapping, column)
+    coarse = _rounding(column)
+    column, turned = _unwrapped(column)
+    first = Fraction(column[0].item()) * scale
+    seconds, resolution = _seconds(column, float(scale), coarse)
+    return Times(seconds, first, resolution, known, tuple(filter(None, (note, turned))))
+
+
+def _scale(columns: Columns, mapping: Mapping, column: Raw) -> tuple[Fraction, bool, str]:
+    """Seconds per unit of the column, whether anything named the unit, and what was assumed."""
+    if mapping.unit is not None and mapping.unit.lower() not in UNITS:
+        raise columns.error(
+            mapping, f"is in {mapping.unit!r}, no unit of time; use s, ms, us or ns"
+        )
+    if mapping.unit is not None or mapping.factor is not None:
+        factor = Fraction(factor_of(columns, mapping))
+        return _exact(mapping.unit or "s") * factor, True, ""
+    written = columns.table.units.get(mapping.column, "")
+    unit = unit_of(mapping.column.removeprefix(columns.table.prefix)) or (
+        written if written in UNITS else None
+    )
+    if unit is None and (found := since_1970(column)):
+        return _exact(found), True, f"taken as {found} since 1970"
+    return _exact(unit or "s"), unit is not None, ""
+
+
+def _exact(unit: str) -> Fraction:
+    """Seconds per unit of time, without rounding: 1e-9 is no double."""
+    return Fraction(str(UNITS[unit.lower()]))
+
+
+def _seconds(column: Raw, scale: float, coarse: float) -> tuple[Floats, float]:
+    """Seconds since the first sample, and the step of the digits they were written with.
+
+    Integers are subtracted as integers: nanoseconds since 1970 do not fit into float64.
+    """
+    digits = 1.0 if column.dtype.kind == "i" else max(_digits(column), coarse)
+    seconds = (column - column[0]).astype(np.float64) * scale
+    return seconds, digits * abs(scale)
+
+
+def _rounding(column: Raw) -> float:
+    """What single precision rounds away."""
+    single = column.dtype.kind == "f" and column.dtype.itemsize < 8
+    return float(np.spacing(np.abs(column).max())) if single else 0.0
+
+
+def _digits(column: Floats) -> float:
+    """The step of the last decimal digit in use, 10**-k; rounding alone where there are more."""
+    sample = column[:: max(1, len(column) // 1000)]
+    noise = 4.0 * float(np.spacing(np.abs(column).max()))
+    for decimals in range(_DIGITS + 1):
+        if np.abs(sample - np.round(sample, decimals)).max() <= noise:
+            return max(10.0**-decimals, noise)
+    return noise
+
+
+def _unwrapped(column: Raw) -> tuple[Raw, str]:
+    """A counter that began anew at its end goes on counting; told with where that end is."""
+    whole = column.dtype.kind in "iub"
+    column = column.astype(np.int64 if whole else np.float64)
+    steps = np.diff(column)
+    back = steps < 0
+    if not back.any() or column.min() < 0 or not (steps > 0).any():
+        return column, ""
+    usual = float(np.median(steps[steps > 0]))
+    turns = np.append(0, np.cumsum(back))
+    for end, word in _COUNTERS.items():
+        jumps = steps[back] + end
+        if (jumps >= 0).all() and (jumps <= _JUMP * usual).all():
+            told = f"begun anew at {word} {counted(int(back.sum()), 'time')}, counted on"
+            return column + turns * (int(end) if whole else end), told
+    return column, ""
