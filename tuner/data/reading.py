@@ -131,7 +131,8 @@ def read_records(
         _check_rate(rate_hz)
     names = [path.name for path in files]
     maps = asked(mappings, inputs, names, truth=False) + asked(truth, outputs, names, truth=True)
-    tables = [open_table(path) for path in files]
+    columns = [part.column for mapped, _, _ in maps for part in mapped.parts]
+    tables = [open_table(path).with_kinds(columns) for path in files]
     if not mappings:
         raise LogError(
             f"{tables[0].file}: no channel is mapped; give --map NAME=COLUMN with one of the "

@@ -160,7 +160,7 @@ def _is_meant(layout: Layout, cells: list[str], left_out: Counter[str]) -> bool:
     if chosen is None:
         return True
     word = cells[chosen.column].strip() if len(cells) > chosen.column else ""
-    left_out["line of no known kind"] += word not in chosen.known
+    left_out["line of no known kind"] += bool(chosen.known) and word not in chosen.known
     return word == chosen.word
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from tuner.data.logs.block import INSIDE, Block, Rows, read_rows, tidied
 from tuner.data.logs.cells import read_cell
 from tuner.data.logs.decimals import Numbers
 from tuner.data.logs.error import LogError, counted
+from tuner.data.logs.kinds import Chosen
 from tuner.data.logs.layout import Layout, read_layouts
 from tuner.data.logs.stream import lines
 from tuner.data.logs.table import Loaded, Raw, Table, together
@@ -55,6 +57,9 @@ def _table(layout: Layout, prefix: str) -> Table:
     def index(name: str) -> int:
         return layout.names.index(name.removeprefix(prefix))
 
+    def kind(word: str) -> Table:
+        return _table(replace(layout, chosen=Chosen(layout.words[word], word)), f"{word}/")
+
     def load(names: Sequence[str]) -> Loaded:
         with _damage_told(layout.path):
             return _load(layout, {name: index(name) for name in names})
@@ -74,6 +79,7 @@ def _table(layout: Layout, prefix: str) -> Table:
         numbered=True,
         texts=frozenset(prefix + name for name in layout.texts),
         labels=labels,
+        kinds={} if layout.chosen else {word: partial(kind, word) for word in layout.words},
         prefix=prefix,
         moments=frozenset(prefix + name for name in layout.moments),
         units={prefix + name: unit for name, unit in layout.units.items()},

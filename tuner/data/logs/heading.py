@@ -33,7 +33,7 @@ class Head:
 
 def present(rows: list[list[str]], column: int) -> list[str]:
     """What is written in a column."""
-    return [row[column] for row in rows if not is_missing(row[column])]
+    return [row[column] for row in rows if column < len(row) and not is_missing(row[column])]
 
 
 def is_value(cell: str, point: str) -> bool:

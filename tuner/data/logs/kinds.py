@@ -22,12 +22,12 @@ class Chosen:
     Attributes:
         column: where its word stands, from 0.
         word: which it is.
-        known: the words of all kinds.
+        known: the words of all kinds; none where they are not told.
     """
 
     column: int
     word: str
-    known: frozenset[str]
+    known: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, eq=False)

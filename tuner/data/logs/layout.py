@@ -41,6 +41,7 @@ class Layout:
         point: the decimal mark of its numbers.
         moments: the columns that hold dates or times of day.
         texts: the columns that hold other text.
+        words: the words in them, among the first rows, and in which column they are.
         units: what a row below the names says, by column.
         notes: what was found.
         chosen: which rows are meant; None for all.
@@ -55,6 +56,7 @@ class Layout:
     point: str = "."
     moments: frozenset[str] = frozenset()
     texts: frozenset[str] = frozenset()
+    words: Mapping[str, int] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     chosen: Chosen | None = None
@@ -121,6 +123,7 @@ def _read_layout(
         named = commented_names(every[: lines.numbers[first]], delimiter, width)
     names = unique(named)
     told = {names[k]: unit for k, unit in enumerate(units) if unit}
+    texts = [k for k in range(width) if k not in values and present(sample, k)]
     times = {k for k in values if not any(map(is_number, present(sample, k)))}
     notes = (
         encoding.told,
@@ -138,7 +141,8 @@ def _read_layout(
         heads=frozenset(text.encode(encoding.letters, "replace") for text in lines.texts[:first]),
         point=point,
         moments=frozenset(names[k] for k in times if any(map(is_moment, present(sample, k)))),
-        texts=frozenset(names[k] for k in range(width) if k not in values and present(sample, k)),
+        texts=frozenset(names[k] for k in texts),
+        words={cell.strip(): k for k in texts for cell in present(cells[first:], k)},
         units=told,
         notes=tuple(filter(None, notes)),
         chosen=chosen,

@@ -59,6 +59,9 @@ def read_head(path: Path) -> tuple[bytes, Encoding]:
         LogError: where the file is no text.
     """
     encoding = _encoding(next(_chunks(path, _PROBE), b""))
+    if _is_packed(path):
+        for _ in _chunks(path, _BLOCK):
+            pass  # to its end, so that what is too much is refused before anything is kept
     head = b""
     for block in lines(path, encoding, _HEAD):
         head += block
@@ -115,11 +118,15 @@ def lines(path: Path, encoding: Encoding, size: int = _BLOCK) -> Iterator[bytes]
         yield rest
 
 
+def _is_packed(path: Path) -> bool:
+    with path.open("rb") as stream:
+        return stream.read(len(_GZIP)) == _GZIP
+
+
 def _chunks(path: Path, size: int) -> Iterator[bytes]:
     """The bytes of the text, unpacked where they are compressed, up to a size."""
     held = path.stat().st_size
-    with path.open("rb") as stream:
-        packed = stream.read(len(_GZIP)) == _GZIP
+    packed = _is_packed(path)
     most = _RATIO * held + _SPARE if packed else _LARGEST
     way_out = "a log does not shrink like that; unpack it yourself" if packed else "cut it in parts"
     if not packed and held > most:

@@ -52,6 +52,7 @@ class Table:
         texts: the columns that are known to hold text.
         labels: reads one column as text, ``(N,)`` of str, where the format knows a way.
         moments: the columns that hold dates or times of day; they are loaded as bytes.
+        kinds: the words that tell rows apart, each with the table of its rows.
         format: what kind of file it is, in words.
         groups: where the columns have several clocks, one table for each of them.
         prefix: what the names of all columns begin with; it may be left out where a group is meant.
@@ -70,6 +71,7 @@ class Table:
     texts: frozenset[str] = frozenset()
     labels: Callable[[str], Raw] | None = None
     moments: frozenset[str] = frozenset()
+    kinds: "Named[str, Callable[[], Table]]" = field(default_factory=dict)
     format: str = "text"
     groups: "tuple[Table, ...]" = ()
     prefix: str = ""
@@ -107,6 +109,12 @@ class Table:
         numbered = (g for g in self.groups if g.numbered and column.startswith(g.prefix))
         return next((group.find(mapping) for group in numbered), None)
 
+    def with_kinds(self, columns: Sequence[str]) -> "Table":
+        """With the rows of each word in ``WORD/NAME``, one of these columns, as a group."""
+        words = dict.fromkeys(column.partition("/")[0] for column in columns if "/" in column)
+        tables = [self.kinds[word]() for word in words if word in self.kinds]
+        return together(self.file, [self, *tables], self.format, self.notes) if tables else self
+
     def resolve(self, mapping: Mapping) -> Mapping:
         """The mapping with its column as the file names it.
 
@@ -125,7 +133,7 @@ class Table:
         name, _, unit = mapped.text.rpartition(":")
         if len(mapped.parts) > 1 and mapped.text in self.names:
             return (Mapping(mapped.channel, mapped.text),)
-        if len(mapped.parts) > 1 and name in self.names:
+        if len(mapped.parts) > 1 and "," in name and name in self.names:
             return (Mapping(mapped.channel, name, unit=unit.strip()),)
         found = [self.find(part) for part in mapped.parts]
         return None if None in found else tuple(part for part in found if part is not None)

@@ -60,7 +60,7 @@ def read_times(columns: Columns, parts: Sequence[Mapping]) -> Times:
     """
     if len(parts) == 1 and columns.raw[parts[0].column].dtype.kind != "S":
         return _counted(columns, parts[0], pick(columns, parts[0]))
-    found = [_nanoseconds(columns, part) for part in parts]
+    found = [_nanoseconds(columns, part, parts) for part in parts]
     ticks = np.sum([one.ticks for one in found], axis=0)
     notes = [note for one in found for note in one.notes]
     if all(one.of_day for one in found):
@@ -109,17 +109,18 @@ def _kind(column: Raw) -> str:
     return ("date" if moments.dated else "") + ("time" if moments.timed else "")
 
 
-def _nanoseconds(columns: Columns, mapping: Mapping) -> _Part:
+def _nanoseconds(columns: Columns, mapping: Mapping, parts: Sequence[Mapping]) -> _Part:
     column = columns.raw[mapping.column]
     if column.dtype.kind == "S":
-        return _written(columns, mapping, column)
-    times = _counted(columns, mapping, pick(columns, mapping))
+        return _written(columns, mapping, parts)
+    times = _counted(columns, mapping, pick(columns, mapping), alone=False)
     ticks = np.rint(times.seconds * 1e9).astype(np.int64) + round(times.first / _NS)
     return _Part(ticks, 1e9 * times.resolution, times.notes)
 
 
-def _written(columns: Columns, mapping: Mapping, column: Raw) -> _Part:
+def _written(columns: Columns, mapping: Mapping, parts: Sequence[Mapping]) -> _Part:
     """Dates and times of day."""
+    column = columns.raw[mapping.column]
     if mapping.unit not in (None, *ORDERS, *SHORT):
         raise columns.error(
             mapping,
@@ -128,7 +129,7 @@ def _written(columns: Columns, mapping: Mapping, column: Raw) -> _Part:
         )
     moments = read_moments(column, mapping.unit)
     check_finite(columns, mapping, np.where(moments.missing, np.nan, 0.0))
-    notes = _meanings(columns, mapping, moments, _first(column))
+    notes = _meanings(columns, mapping, parts, moments)
     return _Part(moments.ticks, moments.step, notes, not moments.dated)
 
 
@@ -136,17 +137,21 @@ def _first(column: Raw) -> str:
     return str(column[0].decode(errors="replace"))
 
 
-def _meanings(columns: Columns, mapping: Mapping, moments: Moments, first: str) -> tuple[str, ...]:
+def _meanings(
+    columns: Columns, mapping: Mapping, parts: Sequence[Mapping], moments: Moments
+) -> tuple[str, ...]:
     """What is assumed of dates that mean several things; refused where the steps differ too."""
     words = list(moments.readings)
     if not words:
         return ()
+    first = _first(columns.raw[mapping.column])
     told = " or ".join(f"{(ORDERS | SHORT)[word]} (:{word})" for word in words)
     steps = [np.diff(ticks) for ticks in moments.readings.values()]
     if all((step == steps[0]).all() for step in steps):
         return (f"{first!r} may be {told}, with the same steps; taken as :{words[0]}",)
+    meant = (p.column + f":{words[0]}" * (p is mapping) for p in parts)
     raise columns.error(
-        mapping, f"holds {first!r}, {told}; say which, such as --time '{mapping.column}:{words[0]}'"
+        mapping, f"holds {first!r}, {told}; say which, such as --time '{','.join(meant)}'"
     )
 
 
@@ -156,12 +161,12 @@ def _past_midnight(ticks: Ticks) -> tuple[Ticks, int]:
     return ticks + np.cumsum(back) * _DAY_NS, int(back.sum())
 
 
-def _counted(columns: Columns, mapping: Mapping, column: Raw) -> Times:
-    """Numbers in a unit of time."""
+def _counted(columns: Columns, mapping: Mapping, column: Raw, *, alone: bool = True) -> Times:
+    """Numbers in a unit of time, which count on where they begin anew if they stand alone."""
     check_finite(columns, mapping, column)
     scale, known, note = _scale(columns, mapping, column)
     coarse = _rounding(column)
-    column, turned = _unwrapped(column)
+    column, turned = _unwrapped(column) if alone else (column, "")
     first = Fraction(column[0].item()) * scale
     seconds, resolution = _seconds(column, float(scale), coarse)
     return Times(seconds, first, resolution, known, tuple(filter(None, (note, turned))))
@@ -195,6 +200,7 @@ def _seconds(column: Raw, scale: float, coarse: float) -> tuple[Floats, float]:
 
     Integers are subtracted as integers: nanoseconds since 1970 do not fit into float64.
     """
+    column = column.astype(np.int64 if column.dtype.kind in "iub" else np.float64)
     digits = 1.0 if column.dtype.kind == "i" else max(_digits(column), coarse)
     seconds = (column - column[0]).astype(np.float64) * scale
     return seconds, digits * abs(scale)

@@ -132,7 +132,8 @@ def _found(columns: Columns, samples: int) -> tuple[Mapping, ...] | None:
         if array.dtype.kind in "iuf" and fraction is None:
             return (table.time or Mapping("time", name),)
         if array.dtype.kind in "iuf":
-            return (Mapping("time", name, unit="s"), Mapping("time", fraction or "", unit=None))
+            small = "us" if "us" in (fraction or "").lower() else "ns"
+            return (Mapping("time", name, unit="s"), Mapping("time", fraction or "", unit=small))
     return None
 
 
