@@ -211,3 +211,50 @@ def test_trackers_gains_without_a_recording(cli, here):
     rows = found_in(here / "out")
     names = ("Q11", "Q12", "Q22", "K1", "K2", "alpha", "beta")
     check("one-number-cv", {name: rows[name].value for name in names}, here)
+
+
+def described(said, name):
+    """What is told of a channel before anything is fitted: file's samples, rate, mean, std."""
+    samples = int(re.search(r": (\d+) samples? at", said)[1])
+    mean, std = map(float, re.search(rf"^{name} .* 0 +(\S+) +(\S+)", said, re.MULTILINE).groups())
+    rate = float(re.search(r"samples? at (\S+) Hz", said)[1])
+    return {"samples": samples, "rate_hz": rate, "mean": mean, "std": std}
+
+
+@pytest.mark.parametrize("file", ["Messung_01.csv", "Messung_utf8bom.csv"])
+def test_a_german_logger(file, cli, here):
+    log = CASES / "log-german-logger" / file
+    words = ["--filter", "local-level", "--map", "z=Temperatur [°C]", "--starts", 1, "--jobs", 1]
+    code, out, err = cli("fit", log, *words, "--no-hold-out", "--out", "out")
+    assert code == 0, (out, err)
+    assert "decimal commas" in err + out
+    check("log-german-logger", described(err + out, "z") | pressure(Answer(here / "out")), here)
+
+
+def test_a_phone_at_rest_with_bursts(cli, here):
+    told = {}
+    for file in ("Gyroscope.csv", "GyroscopeBursts.csv"):
+        log = CASES / "log-phone-zip" / file
+        code, out, err = cli("run", "rest", "--log", log, "--map", "w=x:rad/s", "--out", file[:-4])
+        assert code == 0, (out, err)
+        told[file] = described(err + out, "w")
+    bursts = told["GyroscopeBursts.csv"]
+    more = {f"{name}_bursts": bursts[name] for name in ("samples", "rate_hz")}
+    check("log-phone-zip", told["Gyroscope.csv"] | more, here)
+
+
+def test_the_text_files_of_a_flight_controller(cli, here):
+    home = CASES / "log-ulog2csv"
+    logs = (home / "log_sensor_combined_0.csv", home / "log_vehicle_air_data_0.csv")
+    words = ["--map", "w=gyro_rad[2]:rad/s", "--map", "a=accelerometer_m_s2[2]:m/s^2"]
+    words += ["--log", logs[0], "--log", logs[1], "--map", "h=baro_alt_meter:m"]
+    code, _, err = cli("run", "rest", *words, "--out", "out")
+    assert code == 2
+    assert "--time 'timestamp:us' (199.9 Hz)" in err
+    code, out, err = cli("run", "rest", *words, "--time", "timestamp:us", "--out", "out")
+    assert code == 0, (out, err)
+    rows, told = found_in(here / "out"), described(err + out, "w")
+    std = {name: rows[f"{at}.R"].value ** 0.5 for name, at in (("gyro", "w"), ("acc", "a"))}
+    answer = {"gyro_samples": told["samples"], "rate_hz": told["rate_hz"]}
+    answer |= {f"{name}_std": value for name, value in std.items()}
+    check("log-ulog2csv", answer | {"baro_std": rows["h.R"].value ** 0.5}, here)

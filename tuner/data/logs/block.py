@@ -140,7 +140,7 @@ def _kept(
             left_out["repeated head"] += 1
             continue
         cells = _parted(layout, line)
-        if _is_meant(layout, cells, left_out):
+        if layout.chosen is None or layout.chosen.holds(cells):
             unfinished = cut and number == len(lines) - 1 and not _complete(layout, cells)
             fits = len(cells) == len(layout.names) and not unfinished
             (rows if fits else others).append((number, line))
@@ -151,17 +151,7 @@ def _kept(
         if not reason:
             raise _ragged(layout, block.line + number, line)
         left_out[reason] += 1
-    return rows, +left_out
-
-
-def _is_meant(layout: Layout, cells: list[str], left_out: Counter[str]) -> bool:
-    """Whether a line is of the kind that is read; one of an unknown kind is counted."""
-    chosen = layout.chosen
-    if chosen is None:
-        return True
-    word = cells[chosen.column].strip() if len(cells) > chosen.column else ""
-    left_out["line of no known kind"] += bool(chosen.known) and word not in chosen.known
-    return word == chosen.word
+    return rows, left_out
 
 
 def _parted(layout: Layout, line: bytes) -> list[str]:

@@ -83,7 +83,7 @@ def _table(layout: Layout, prefix: str) -> Table:
         prefix=prefix,
         moments=frozenset(prefix + name for name in layout.moments),
         units={prefix + name: unit for name, unit in layout.units.items()},
-        notes=tuple(f"{prefix.removesuffix('/')}: {n}" if prefix else n for n in layout.notes),
+        notes=layout.notes,
     )
 
 

@@ -62,10 +62,10 @@ def names_above(head: Head, first: int) -> tuple[list[str] | None, list[str], in
     """The names above the first row, the units between them, and how many lines are neither."""
     above = [_fitted(head, row) for row in head.rows[max(first - 2, 0) : first]]
     last = above[-1] if above else None
-    if last is None or not _is_header(last):
+    if last is None or not is_header(last):
         return None, [], first
     upper = above[0] if len(above) == 2 else None
-    if upper is not None and _is_header(upper) and all(map(str.strip, upper)) and _are_units(last):
+    if upper is not None and is_header(upper) and all(map(str.strip, upper)) and _are_units(last):
         return upper, [_unit(cell) or "" for cell in last], first - 2
     return last, [], first - 1
 
@@ -85,7 +85,7 @@ def check_names(file: str, head: Head, first: int) -> None:
     doubled = 2 * len(row) == head.width
     if len(row) < 2 or not (doubled or abs(len(row) - head.width) == 1):
         return
-    if _fitted(head, row) is None and all(map(str.strip, row)) and _is_header(row):
+    if _fitted(head, row) is None and all(map(str.strip, row)) and is_header(row):
         way_out = "complete the names or take them out"
         if doubled:
             way_out = "a comma that is the decimal mark too needs another delimiter"
@@ -95,7 +95,7 @@ def check_names(file: str, head: Head, first: int) -> None:
         )
 
 
-def _is_header(cells: list[str]) -> bool:
+def is_header(cells: list[str]) -> bool:
     """A header holds text and not one number: a damaged first row must not pass for one."""
     return any(not is_missing(cell) for cell in cells) and not any(map(is_number, cells))
 
@@ -129,7 +129,7 @@ def commented_names(above: list[str], delimiter: str | None, width: int) -> list
     """Names from the comment right above the numbers (as numpy.savetxt writes them)."""
     comments = [line.strip().lstrip("#%") for line in above if line.strip()]
     cells = next(split(comments[-1:], delimiter), [])
-    return cells if len(cells) == width and _is_header(cells) else [""] * width
+    return cells if len(cells) == width and is_header(cells) else [""] * width
 
 
 def unique(cells: list[str]) -> tuple[str, ...]:

@@ -22,12 +22,14 @@ class Chosen:
     Attributes:
         column: where its word stands, from 0.
         word: which it is.
-        known: the words of all kinds; none where they are not told.
     """
 
     column: int
     word: str
-    known: frozenset[str] = frozenset()
+
+    def holds(self, cells: Sequence[str]) -> bool:
+        """Whether a row is of this kind."""
+        return len(cells) > self.column and cells[self.column].strip() == self.word
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +51,7 @@ def kinds_of(path: Path, encoding: Encoding, delimiter: str, first: Lines) -> di
         if rows and all(_is_word(row, column) for row in rows):
             found, widths = _by_word(path, encoding, delimiter, column)
             if _tells_width(widths):
-                known = frozenset(found)
-                return {Chosen(column, word, known): part for word, part in found.items()}
+                return {Chosen(column, word): part for word, part in found.items()}
     return {}
 
 

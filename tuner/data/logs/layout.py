@@ -6,13 +6,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from tuner.data.logs.cells import decimal_mark, is_number
-from tuner.data.logs.error import LogError, counted
+from tuner.data.logs.error import LogError, counted, quoted
 from tuner.data.logs.heading import (
     Head,
     check_names,
     commented_names,
     first_row,
     holds_values,
+    is_header,
     names_above,
     present,
     unique,
@@ -77,23 +78,31 @@ def read_layouts(path: Path) -> dict[str, Layout]:
     if not kinds:
         return {"": _read_layout(path, encoding, delimiter, every, lines)}
     found = {}
-    titles: dict[int, list[str]] = {}
+    others: dict[str, Lines] = {}
     for chosen, part in kinds.items():
         try:
             found[chosen.word] = _read_layout(path, encoding, delimiter, [], part, chosen)
         except LogError:
-            cells = next(split(part.texts, delimiter))
-            titles[len(cells)] = cells
+            others[chosen.word] = part
     if not found:
         raise LogError(f"{path.name}: there is not one row of numbers in it; record the log again")
-    return {word: _titled(layout, titles) for word, layout in found.items()}
+    titles = [
+        (number, cells)
+        for part in others.values()
+        for number, cells in zip(part.numbers, split(part.texts, delimiter), strict=True)
+        if is_header(cells)
+    ]
+    told = f"rows of {quoted(others)} left out: no numbers" if others else ""
+    return {word: _titled(layout, titles, told) for word, layout in found.items()}
 
 
-def _titled(layout: Layout, titles: Mapping[int, list[str]]) -> Layout:
-    """With the names of a line of another kind, where it has none of its own and that fits."""
+def _titled(layout: Layout, titles: list[tuple[int, list[str]]], told: str) -> Layout:
+    """With the names of a line of another kind above it, where it has none of its own."""
     width = len(layout.names)
+    fits = [cells for number, cells in titles if number < layout.above and len(cells) == width]
     nameless = layout.names == unique([""] * width)
-    return replace(layout, names=unique(titles[width])) if nameless and width in titles else layout
+    names = unique(fits[-1]) if fits and nameless else layout.names
+    return replace(layout, names=names, notes=(*layout.notes, *([told] if told else [])))
 
 
 def _read_layout(
