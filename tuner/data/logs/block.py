@@ -57,9 +57,9 @@ def read_rows(layout: Layout, block: Block) -> Rows:
     """
     text, cut = block.text, not block.text.endswith(b"\n")
     text = tidied(layout, text + b"\n" * cut)
-    if not cut and layout.chosen is None and not _strange(layout, text):
+    if not cut and layout.chosen is None:
         grid = _cells(layout, text)
-        if grid is not None:
+        if grid is not None and not _may_be_no_rows(layout, grid):
             return Rows(grid, range(block.line, block.line + len(grid)), {})
     kept, left_out = _kept(layout, block, text[:-1].split(b"\n"), cut)
     grid = _cells(layout, b"".join(line + b"\n" for _, line in kept))
@@ -118,12 +118,13 @@ def _line_unquoted(line: str, delimiter: str) -> str:
     return delimiter.join(cell.replace(delimiter, INSIDE) for cell in cells)
 
 
-def _strange(layout: Layout, text: bytes) -> bool:
-    """Whether some lines may be no rows though they are as wide."""
-    before = b"\n" + text
-    heads = (b"\n" + head + b"\n" for head in layout.heads)
-    marks = (b"\n#", b"\n%", *([b"\n\n"] if len(layout.names) == 1 else []), *heads)
-    return any(mark in before for mark in marks)
+def _may_be_no_rows(layout: Layout, grid: Grid) -> bool:
+    """Whether some lines begin like a comment, a head come again or nothing at all."""
+    first = grid.text[grid.spans.starts[:, 0]]
+    marks = {*b"#%", *(head[0] for head in layout.heads if head)}
+    if len(layout.names) == 1:
+        marks.add(_NEWLINE)
+    return bool(np.isin(first, list(marks)).any())
 
 
 def _kept(
