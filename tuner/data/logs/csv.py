@@ -1,31 +1,27 @@
 """Text logs: CSV, TXT and TSV, plain or gzip-compressed."""
 
 import csv
+import os
 import zlib
 from collections import Counter, deque
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from tuner.data.logs.block import INSIDE, Block, Rows, read_rows, tidied
-from tuner.data.logs.cells import read_cell
-from tuner.data.logs.decimals import Numbers
+from tuner.data.logs.block import Block, read_rows, tidied
 from tuner.data.logs.error import LogError, counted
 from tuner.data.logs.kinds import Chosen
 from tuner.data.logs.layout import Layout, read_layouts
+from tuner.data.logs.parts import Part, columns_of, joined, mend, text_of
 from tuner.data.logs.stream import lines
 from tuner.data.logs.table import Loaded, Raw, Table, together
 
-_AT_ONCE = 2
-_KNOWN = 10_000
-_SHOWN = 40
-_LARGE = np.uint64(1 << 53)
-_TOP = np.uint64(1 << 63)
+_AT_ONCE = min(4, os.cpu_count() or 1)
 
 
 def open_csv(path: Path) -> Table:
@@ -98,14 +94,6 @@ def _damage_told(path: Path) -> Iterator[None]:
         ) from error
 
 
-@dataclass(frozen=True, eq=False)
-class _Part:
-    """One block: its rows, and some columns of them as numbers, row by row."""
-
-    rows: Rows
-    numbers: Numbers
-
-
 def _blocks(layout: Layout) -> Iterator[Block]:
     """The lines below the names."""
     left, number = layout.above, 1
@@ -134,26 +122,26 @@ def _load(layout: Layout, places: Mapping[str, int]) -> Loaded:
     told: Counter[str] = Counter()
     for part in _in_turn(layout, dates, others):
         left_out.update(part.rows.left_out)
-        _mend(layout, part, others, known, told)
+        mend(layout, part, others, known, told)
         for place in dates:
-            columns[place].append(np.array(part.rows.grid.cells(place)))
-        for place, values in zip(others, _columns(part, others), strict=True):
+            columns[place].append(np.array(part.rows.grid.cells(place), np.bytes_))
+        for place, values in zip(others, columns_of(part, others), strict=True):
             columns[place].append(values)
-    raw = {name: _joined(columns.pop(place)) for name, place in places.items()}
+    raw = {name: joined(columns.pop(place)) for name, place in places.items()}
     notes = [f"{counted(number, what)} left out" for what, number in left_out.items()]
     notes += [f"{what} in {counted(number, 'cell')}" for what, number in told.items()]
     return Loaded(raw, tuple(notes))
 
 
-def _in_turn(layout: Layout, dates: list[int], others: list[int]) -> Iterator[_Part]:
+def _in_turn(layout: Layout, dates: list[int], others: list[int]) -> Iterator[Part]:
     """The blocks one after another, of which a few are worked on at a time."""
 
-    def read(block: Block) -> _Part:
+    def read(block: Block) -> Part:
         rows = read_rows(layout, block)
-        return _Part(rows, rows.grid.numbers(others))
+        return Part(rows, rows.grid.numbers(others))
 
     with ThreadPoolExecutor(_AT_ONCE) as pool:
-        waiting: deque[Future[_Part]] = deque()
+        waiting: deque[Future[Part]] = deque()
         for block in _blocks(layout):
             waiting.append(pool.submit(read, block))
             if len(waiting) > 2 * _AT_ONCE:
@@ -162,79 +150,11 @@ def _in_turn(layout: Layout, dates: list[int], others: list[int]) -> Iterator[_P
             yield waiting.popleft().result()
 
 
-def _mend(
-    layout: Layout,
-    part: _Part,
-    columns: list[int],
-    known: dict[bytes, tuple[float, str] | None],
-    told: Counter[str],
-) -> None:
-    """Read the cells that are no plain numbers one by one."""
-    for index in part.numbers.odd.tolist():
-        row, column = index // len(columns), columns[index % len(columns)]
-        cell = part.rows.grid.cell(row, column)
-        if len(known) > _KNOWN:
-            known.clear()
-        if cell not in known:
-            known[cell] = read_cell(_text(layout, cell), layout.point)
-        found = known[cell]
-        if found is None:
-            raise _no_number(layout, part.rows.lines[row], column, _text(layout, cell))
-        part.numbers.values[index] = found[0]
-        if found[1]:
-            told[f"{layout.names[column]}: {found[1]}"] += 1
-
-
-def _text(layout: Layout, cell: bytes) -> str:
-    text = cell.decode(layout.encoding.letters, "replace")
-    return text.replace(INSIDE, layout.delimiter or " ")
-
-
-def _no_number(layout: Layout, line: int, column: int, cell: str) -> LogError:
-    way_out = "correct it, remove the line, make it a comment with # or map another column"
-    if read_cell(cell, "." if layout.point == "," else ",") is not None:
-        way_out = "export the log with decimal points everywhere"
-    shown = cell if len(cell) <= _SHOWN else f"{cell[: _SHOWN - 3]}..."
-    return LogError(
-        f"{layout.path.name}: line {line}, column {layout.names[column]!r} holds {shown!r}, not a "
-        f"number; {way_out}"
-    )
-
-
-def _columns(part: _Part, columns: list[int]) -> list[Raw]:
-    """The numbers by column; whole ones that float64 would round as integers."""
-    shape = (-1, len(columns))
-    values = part.numbers.values.reshape(shape)
-    found: list[Raw] = [values[:, k].copy() for k in range(len(columns))]
-    whole = part.numbers.whole.reshape(shape)
-    for k in np.flatnonzero((whole > _LARGE).any(axis=0)).tolist():
-        spans = part.rows.grid.spans
-        plain = spans.points[:, columns[k]] == spans.ends[:, columns[k]]
-        if plain.all() and whole[:, k].max() < _TOP and np.isfinite(found[k]).all():
-            sign = 1 - 2 * part.numbers.negative.reshape(shape)[:, k].astype(np.int64)
-            found[k] = sign * whole[:, k].astype(np.int64)
-    return found
-
-
-def _joined(parts: list[Raw]) -> Raw:
-    """A column from its parts: integers where all of it are whole numbers."""
-    if not parts:
-        return np.empty(0)
-    whole = [part.dtype.kind == "i" for part in parts]
-    if any(whole) and not all(whole):
-        exact = all(
-            is_int or (part == np.trunc(part)).all()
-            for is_int, part in zip(whole, parts, strict=True)
-        )
-        parts = [part.astype(np.int64 if exact else np.float64) for part in parts]
-    return np.concatenate(parts)
-
-
 def _words(layout: Layout, column: int) -> Raw:
     """One column as it is written."""
     grids = (read_rows(layout, block).grid for block in _blocks(layout))
     cells = [cell for grid in grids for cell in grid.cells(column)]
-    return np.array([_text(layout, cell) for cell in cells])
+    return np.array([text_of(layout, cell) for cell in cells])
 
 
 def _line_number(layout: Layout, row: int) -> int:

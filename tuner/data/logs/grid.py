@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tuner.data.logs.decimals import MARGIN, Index, Numbers, Spans, read_decimals
+from tuner.data.logs.decimals import MARGIN, Numbers, Spans, read_decimals
+from tuner.data.logs.scaling import Index
 
 _NEWLINE, _SMALL = ord("\n"), 0x20
 _BEFORE = b"\n" * MARGIN

@@ -10,15 +10,14 @@ from numpy.typing import NDArray
 from tuner.data.logs.epoch import since_1970
 from tuner.data.logs.error import counted
 from tuner.data.logs.mapping import Mapping
-from tuner.data.logs.moments import ORDERS, SHORT, Moments, Ticks, read_moments
+from tuner.data.logs.moments import Ticks
 from tuner.data.logs.table import Floats, Raw
 from tuner.data.logs.timename import UNITS, unit_of
 from tuner.data.logs.values import Columns, check_finite, factor_of, pick
+from tuner.data.logs.written import past_midnight, read_written
 
 _DIGITS = 9
-_DAY_NS = 86_400 * 10**9
 _NS = Fraction(1, 10**9)
-_FEW = 100
 _JUMP = 20.0  # of a usual step: what may be lost where a counter begins anew
 _COUNTERS = {
     2.0**16: "2^16",
@@ -64,7 +63,7 @@ def read_times(columns: Columns, parts: Sequence[Mapping]) -> Times:
     ticks = np.sum([one.ticks for one in found], axis=0)
     notes = [note for one in found for note in one.notes]
     if all(one.of_day for one in found):
-        ticks, past = _past_midnight(ticks)
+        ticks, past = past_midnight(ticks)
         notes += [f"midnight passed {counted(past, 'time')}"] if past else []
     seconds = (ticks - ticks[0]).astype(np.float64) * 1e-9
     step = 1e-9 * min(one.step for one in found)
@@ -91,74 +90,14 @@ class _Part:
     of_day: bool = False
 
 
-def date_and_time(columns: Columns, name: str) -> list[str]:
-    """A column of dates or times of day with the one of the other kind, where there is one."""
-    table = columns.table
-    mine = _kind(columns.raw[name])
-    found: dict[str, str] = {}
-    for other in table.names:
-        if other in table.moments and other in columns.raw:
-            found.setdefault(_kind(columns.raw[other]), other)
-    if mine == "date" and "time" in found:
-        return [name, found["time"]]
-    return [found["date"], name] if mine == "time" and "date" in found else [name]
-
-
-def _kind(column: Raw) -> str:
-    moments = read_moments(column[:_FEW])
-    return ("date" if moments.dated else "") + ("time" if moments.timed else "")
-
-
 def _nanoseconds(columns: Columns, mapping: Mapping, parts: Sequence[Mapping]) -> _Part:
     column = columns.raw[mapping.column]
     if column.dtype.kind == "S":
-        return _written(columns, mapping, parts)
+        moments, told = read_written(columns, mapping, parts)
+        return _Part(moments.ticks, moments.step, told, not moments.dated)
     times = _counted(columns, mapping, pick(columns, mapping), alone=False)
     ticks = np.rint(times.seconds * 1e9).astype(np.int64) + round(times.first / _NS)
     return _Part(ticks, 1e9 * times.resolution, times.notes)
-
-
-def _written(columns: Columns, mapping: Mapping, parts: Sequence[Mapping]) -> _Part:
-    """Dates and times of day."""
-    column = columns.raw[mapping.column]
-    if mapping.unit not in (None, *ORDERS, *SHORT):
-        raise columns.error(
-            mapping,
-            f"holds {_first(column)!r}, and {mapping.unit!r} is no order of it; "
-            f"use {', '.join((*ORDERS, *SHORT))} or none",
-        )
-    moments = read_moments(column, mapping.unit)
-    check_finite(columns, mapping, np.where(moments.missing, np.nan, 0.0))
-    notes = _meanings(columns, mapping, parts, moments)
-    return _Part(moments.ticks, moments.step, notes, not moments.dated)
-
-
-def _first(column: Raw) -> str:
-    return str(column[0].decode(errors="replace"))
-
-
-def _meanings(
-    columns: Columns, mapping: Mapping, parts: Sequence[Mapping], moments: Moments
-) -> tuple[str, ...]:
-    """What is assumed of dates that mean several things; refused where the steps differ too."""
-    words = list(moments.readings)
-    if not words:
-        return ()
-    first = _first(columns.raw[mapping.column])
-    told = " or ".join(f"{(ORDERS | SHORT)[word]} (:{word})" for word in words)
-    steps = [np.diff(ticks) for ticks in moments.readings.values()]
-    if all((step == steps[0]).all() for step in steps):
-        return (f"{first!r} may be {told}, with the same steps; taken as :{words[0]}",)
-    meant = (p.column + f":{words[0]}" * (p is mapping) for p in parts)
-    raise columns.error(
-        mapping, f"holds {first!r}, {told}; say which, such as --time '{','.join(meant)}'"
-    )
-
-
-def _past_midnight(ticks: Ticks) -> tuple[Ticks, int]:
-    """Times of day that go on behind midnight, and how often they passed it."""
-    back = np.diff(ticks, prepend=ticks[0]) < -_DAY_NS // 2
-    return ticks + np.cumsum(back) * _DAY_NS, int(back.sum())
 
 
 def _counted(columns: Columns, mapping: Mapping, column: Raw, *, alone: bool = True) -> Times:

@@ -10,9 +10,10 @@ from tuner.data.logs.clock import Clock, read_clock
 from tuner.data.logs.error import LogError, counted, quoted, suggest
 from tuner.data.logs.mapping import Mapping
 from tuner.data.logs.table import Table
-from tuner.data.logs.ticks import date_and_time, read_times, same_as_before
+from tuner.data.logs.ticks import read_times, same_as_before
 from tuner.data.logs.timename import fraction_of, is_time
 from tuner.data.logs.values import Columns, pick, scalar
+from tuner.data.logs.written import date_and_time
 
 RESTART = "restart"
 """What --by says for recordings that begin where the time runs back."""
