@@ -29,17 +29,24 @@ def told(what: str, error: Exception) -> ValueError:
         what: what was evaluated, such as "Robot.step".
         error: what it raised.
     """
-    frame = _frame(error)
+    frames = traceback.extract_tb(error.__traceback__)
+    frame, ours = _frame(frames), frames[-1].filename.startswith(_OURS)
     code = "" if frame is None else (frame.line or "")
     place = ""
     if frame is not None:
         place = f" ({Path(frame.filename).name} line {frame.lineno}{code and ': '}{_short(code)})"
+    if ours and isinstance(error, ValueError):  # one of our own sentences
+        return ValueError(f"{what}{place if _is_own(frame) else ''}: {error}")
     return ValueError(f"{what}{place}: {_reason(error, code)}")
 
 
-def _frame(error: Exception) -> traceback.FrameSummary | None:
+def _is_own(frame: traceback.FrameSummary | None) -> bool:
+    """Whether a line is the user's."""
+    return frame is not None and not frame.filename.startswith((*_OURS, *_FOREIGN))
+
+
+def _frame(frames: traceback.StackSummary) -> traceback.FrameSummary | None:
     """The last line of the user's own; without one, of ours."""
-    frames = traceback.extract_tb(error.__traceback__)
     known = [f for f in frames if not f.filename.startswith(_FOREIGN)]
     own = [f for f in known if not f.filename.startswith(_OURS)]
     inside = [f for f in known if f.filename.startswith(_OURS[:2])]
