@@ -15,6 +15,7 @@ from filters import (
     ExtendedSample,
     LinearKalman,
     LinearModel,
+    LocalLevel,
     Transition,
 )
 from filters import Sample as Measurement
@@ -476,6 +477,12 @@ def test_an_objective_that_is_no_key():
 
     with pytest.raises(ValueError, match="the field weights of Weighed holds a list"):
         posed(linear(), objective=Weighed([1.0]), data=tuner.Data(nine(), np.zeros((9, 2))))
+
+
+def test_a_parameter_that_is_not_in_the_space():
+    space = tuner.Space.of(q=tuner.Positive(1.0, 1e-3, 1e3))
+    with pytest.raises(ValueError, match=r"^the parameters of cart: LocalLevelNoise needs R \("):
+        posed(None, filter=LocalLevel(dt=1.0), space=space)
 
 
 def test_a_class_in_place_of_a_filter():
