@@ -13,7 +13,7 @@ from benchmarks.timing import Call, Times, interleave
 from filters import AnyFilter, ExtendedKalman, ExtendedModel, ExtendedSample, UnscentedKalman, run
 
 PART = "Unscented and iterated beside extended"
-SIZES, SAMPLES, ROUNDS = (2, 5, 9), 5000, 15
+SIZES, SAMPLES, ROUNDS = (2, 5, 9), 5000, 25
 AGREED = 0.5  # rad; further apart they would not do the same work
 SPRING, GRADIENT = 0.05, "gradient, "
 NOISE = np.array([0.01, 0.5])

@@ -51,14 +51,18 @@ def _innovations(flight: Flight, outcome: Outcome, i: int) -> Chart:
     y = np.degrees(outcome.innovation[seen, i])
     # After minutes without a measurement nothing is known, and the band would hide the rest.
     highest = max(2.0 * float(np.abs(y).max(initial=1.0)), 1.5 * float(np.median(band)))
-    label = f"2 sigma, cut at {highest:.0f} deg" if band.max(initial=0.0) > highest else "2 sigma"
+    cut = f", cut at {highest:.0f} deg" if band.max(initial=0.0) > highest else ""
     t, y, band = _broken(t, flight.every * flight.dt, y, np.minimum(band, highest))
+    both, ends = np.concatenate([t, [np.nan], t]), np.concatenate([band, [np.nan], -band])
     return Chart(
         name=f"innovations_{ANGLES[i]}_{flight.name}",
         title=f"Innovations of the {NAMES[ANGLES[i]]} on {flight.name}, constant process noise",
         x_label="t, s",
         y_label="innovation, deg",
-        lines=(Line("innovation", t, y), Line(label, t, band), Line("-2 sigma", t, -band)),
+        lines=(
+            Line("innovation", t, y),
+            Line(f"2 sigma either way{cut}", both, ends, drawn="limit"),
+        ),
     )
 
 
@@ -80,7 +84,7 @@ def _attitude(flight: Flight, outcome: Outcome, i: int) -> Chart:
         name=f"attitude_{ANGLES[i]}_{flight.name}",
         title=f"{NAMES[ANGLES[i]].capitalize()} on {flight.name}, constant process noise",
         x_label="t, s",
-        y_label="deg",
+        y_label=f"{NAMES[ANGLES[i]]}, deg",
         lines=tuple(lines),
     )
 
@@ -106,7 +110,10 @@ def _glitch(field: Field, flight: Flight, solutions: Solutions) -> Chart:
         lines.append(Line(law, x, y))
     at = flight.t[flight.glitch]
     if len(at):
-        lines.append(Line("glitch and 5 s around", at[[0, -1]], np.ones(2)))
+        known = np.concatenate([line.y[~np.isnan(line.y)] for line in lines])
+        ends = np.array([known.min(), known.max(), np.nan])
+        edges = np.repeat(at[[0, -1]], len(ends))
+        lines.append(Line("glitch and 5 s around", edges, np.tile(ends, 2), drawn="limit"))
     return Chart(
         name=f"glitch_{flight.name}",
         title=f"Innovations on {flight.name}, whose GPS speed jumps",

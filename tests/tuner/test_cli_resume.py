@@ -98,7 +98,7 @@ def test_interruption_at_the_very_first_task_can_be_resumed(cli, here, interrupt
 def test_interruption_before_the_first_task_can_be_resumed(cli, here, interrupted, monkeypatch):
     interrupted("none", "none")
     with monkeypatch.context() as patch:
-        patch.setattr("tuner.cli.run.environment", interrupt)
+        patch.setattr("tuner.run.pipeline.environment", interrupt)
         code, _, err = cli("run", "toy", "--out", "out")
     assert (code, set(snapshot(here / "out"))) == (130, {"study.toml"})
     assert cli(*shlex.split(err.strip().removeprefix(GO_ON)))[0] == 0

@@ -107,14 +107,27 @@ def test_map_as_picture_shows_its_quantity():
     assert pixels(picture(MAP)) != pixels(picture(other))
 
 
+def framed(lines):
+    """How far to the right the axes' frame reaches, as a share of the picture."""
+    drawn = image(picture(Chart("c", "t", "x", "y", tuple(lines))))
+    return np.flatnonzero((drawn < 40).sum(axis=0) > 0.7 * len(drawn)).max() / drawn.shape[1]
+
+
 @pytest.mark.parametrize(("count", "beside"), [(MANY, False), (MANY + 1, True)])
 def test_a_long_legend_leaves_the_axes_free(count, beside):
     """Beside a legend the axes' frame ends well before the picture does."""
     x = np.array([0.0, 1.0])
-    named = [Line(f"line {i}", x, i + x) for i in range(count)]
-    drawn = image(picture(Chart("c", "t", "x", "y", tuple(named))))
-    right = np.flatnonzero((drawn < 40).sum(axis=0) > 0.7 * len(drawn)).max()
-    assert (right < 0.9 * drawn.shape[1]) == beside
+    named = [Line(f"line {i}", x, (1 + i / 10) * x) for i in range(count)]
+    assert (framed(named) < 0.9) == beside
+
+
+@pytest.mark.parametrize("drawn", ["curve", "points"])
+def test_a_legend_covers_no_curve(drawn):
+    """Where curves leave no corner free it stands beside the axes."""
+    x = np.linspace(0.0, 1.0, 2000)
+    everywhere = Line("all over " * 3, x, np.random.default_rng(1).uniform(size=2000), drawn=drawn)
+    diagonal = Line("diagonal", x, x, drawn=drawn)
+    assert framed([everywhere]) < 0.9 < framed([diagonal])
 
 
 def test_numbers_stand_at_equal_distances():

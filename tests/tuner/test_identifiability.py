@@ -1,6 +1,6 @@
 """What differences of measurements say of noise: against spectra, Riccati and simulation."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import jax.numpy as jnp
 import numpy as np
@@ -17,7 +17,6 @@ from filters import (
     LinearKalman,
     LinearModel,
     LocalLevel,
-    Madgwick,
     PositionSample,
     Sample,
     Timed,
@@ -359,10 +358,24 @@ def test_where_nothing_of_noise_is_left_it_begins_at_the_deviation():
     assert 1e-6 < np.exp(found.start[0]) < 0.1
 
 
+@dataclass(frozen=True)
+class OfNoModel:
+    """A level's filter that says nothing of its model."""
+
+    dt: float
+    params, inputs, outputs = LocalLevel.params, LocalLevel.inputs, LocalLevel.outputs
+
+    def init(self, params):
+        return LocalLevel(self.dt).init(params)
+
+    def step(self, params, state, inputs):
+        return LocalLevel(self.dt).step(params, state, inputs)
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"filter": Madgwick(0.1)}, "has no linear model that is known"),
+        ({"filter": OfNoModel(0.1)}, "has no linear model that is known"),
         ({"objective": ChannelRmse("level")}, "not judged by the likelihood"),
         ({"data": Data(LevelSample(np.ones(1)), np.zeros(1))}, "too few for a model of 1 states"),
         ({"data": Data(LevelSample(np.full(9, np.nan)), np.zeros(9))}, "too few for a model"),

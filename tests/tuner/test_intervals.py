@@ -17,9 +17,11 @@ from filters import (
     Transition,
 )
 from objectives import Data, InnovationLikelihood
+from tuner.certificate.profile import limit
 from tuner.certificate.sandwich import long_run
 from tuner.certificate.solution import Status
 from tuner.certificate.table import range_in_words
+from tuner.certificate.yardstick import yardstick
 from tuner.problem.parameters import Covariance, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.samples import added, numbers, slopes
@@ -223,3 +225,42 @@ def test_of_two_variances_whose_sum_is_known_each_is_below_it():
         assert low == 0.0
         # The mean of 500 squares has a deviation of sqrt(2 / 500); 1.645 of them to one side.
         assert high == pytest.approx(total * (1 + 1.645 * np.sqrt(2 / 500)), rel=0.03)
+
+
+def shown(v):
+    return jnp.stack([jnp.log(v["a"]), jnp.log(v["b"])])
+
+
+def bowl(point, _):
+    return 10.0 + (point[0] - 0.3) ** 2 + (point[0] + point[1]) ** 2
+
+
+def test_of_many_numbers_the_ends_of_a_cost_lie_on_the_ridge(monkeypatch):
+    space = Space.of(a=Positive(0.5, 0.01, 100.0), b=Positive(0.5, 0.01, 100.0))
+    problem = Problem("bowl", space, None, shown, bowl)
+    full = Gradient("l-bfgs-b", seed=0, starts=1)(problem).parameters["a"].interval
+    monkeypatch.setattr("tuner.certificate.profile.MANY", {"cost": 2})
+    monkeypatch.setattr(
+        "tuner.certificate.profile._Profile._followed",
+        lambda *_: pytest.fail("the others are moved"),
+    )
+    short = Gradient("l-bfgs-b", seed=0, starts=1)(problem).parameters["a"].interval
+    reach = 0.1**0.5  # (ln a - 0.3)^2 = 0.1, where ln b = -ln a
+    np.testing.assert_allclose(np.log(full), [0.3 - reach, 0.3 + reach], atol=2e-3)
+    np.testing.assert_allclose(short, full, rtol=2e-3)
+
+
+def beside_a_wall(point, _):
+    return 10.0 + point[0] ** 2 + point[1] ** 2 + jnp.where(point[1] > 1e-9, 500.0, 0.0)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_beside_a_jump_an_end_is_on_this_side_of_it(side):
+    space = Space.of(a=Positive(0.5, 0.01, 100.0), b=Positive(0.5, 0.01, 100.0))
+    problem = Problem("wall", space, None, shown, beside_a_wall)
+    across = np.array([[1.0, -0.9 * side], [-0.9 * side, 1.0]])  # as if b rose where a moves
+    z = np.zeros(2)
+    yard = yardstick(problem, z)
+    end = limit(problem, yard, z, across, 0, side, yard.rise)
+    assert end.reached
+    assert abs(end.z) == pytest.approx(0.1**0.5, rel=2e-3)

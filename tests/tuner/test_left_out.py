@@ -26,21 +26,20 @@ def port_error(t, start, end, size):
 
 def fitted(t, z, **options):
     record = tuner.Record.of({"x": z}, times=t, units={"x": "m"})
-    return tuner.fit("constant-velocity", record, options=options, starts=2, hold_out=False)
+    return tuner.fit("constant-velocity", record, options=options, starts=1, hold_out=False)
 
 
 def values(fit):
     return np.array([float(fit.solution.parameters[name].value) for name in ("q", "R")])
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-def test_a_smooth_error_of_a_third_of_the_record_moves_nothing(seed):
-    t, z = moving(seed)
+def test_a_smooth_error_of_a_third_of_the_record_moves_nothing():
+    t, z = moving(1)
     bad = z + port_error(t, 20.0, 45.0, -200.0)
     by_hand = fitted(t, np.where((t > 20.0) & (t < 45.0), np.nan, z))
     found = fitted(t, bad, stretches=4)
     np.testing.assert_allclose(values(found), values(by_hand), rtol=0.1)
-    assert values(fitted(t, bad, gate=4))[0] > 3 * values(by_hand)[0]  # it looks like motion
+    assert values(fitted(t, bad))[0] > 3 * values(by_hand)[0]  # it looks like motion
     left = found.judged.left_out
     assert 500 <= left.numbers <= 600
     assert len(left.stretches) == 1

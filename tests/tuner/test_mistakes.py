@@ -373,6 +373,10 @@ def linear(**changed):
     return build
 
 
+def nine():
+    return Measurement(jnp.zeros((9, 1)))
+
+
 def posed(build, inputs=None, filter=None, **changed):
     made = {
         "name": "cart",
@@ -441,6 +445,37 @@ def test_a_build_that_fails():
     assert "there is no parameter 'Q'" in str(caught.value)
     with pytest.raises(ValueError, match="a dict has no field 'x0'; write"):
         posed(lambda v: v)
+
+
+def mean_square(outputs, truth):
+    return ((outputs.x - truth) ** 2).mean()
+
+
+def test_a_truth_that_does_not_fit():
+    two = np.zeros((9, 2))
+    assert posed(linear(), objective=mean_square, data=tuner.Data(nine(), two))
+    with pytest.raises(ValueError) as caught:  # noqa: PT011
+        posed(linear(), objective=mean_square, data=tuner.Data(nine(), np.zeros((9, 3))))
+    for word in ("the objective mean_square on LinearKalman", "(9, 3)", "compare the shapes"):
+        assert word in str(caught.value)
+    build = linear(H=jnp.ones((2, 2)), R=jnp.ones(2))
+    data = tuner.Data(Measurement(jnp.zeros((9, 2))), np.zeros((9, 3)))
+    with pytest.raises(ValueError, match=r"the objective InnovationLikelihood on LinearKalman"):
+        posed(build, data=data)
+    with pytest.raises(ValueError, match="returns one Array .* and one number is needed"):
+        posed(linear(), objective=lambda outputs, truth: outputs.x, data=tuner.Data(nine(), two))
+
+
+def test_an_objective_that_is_no_key():
+    @dataclass(frozen=True)
+    class Weighed:
+        weights: list
+
+        def __call__(self, outputs, truth):
+            return mean_square(outputs, truth)
+
+    with pytest.raises(ValueError, match="the field weights of Weighed holds a list"):
+        posed(linear(), objective=Weighed([1.0]), data=tuner.Data(nine(), np.zeros((9, 2))))
 
 
 def test_a_class_in_place_of_a_filter():

@@ -20,7 +20,7 @@ from filters import (
     Vertical,
     run,
 )
-from objectives import ChannelRmse, Data
+from objectives import ChannelRmse, Data, InnovationLikelihood
 from tests.tuner import fit_cases as cases
 from tuner.problem.parameters import Fixed, Positive
 from tuner.problem.problem import Problem
@@ -199,7 +199,10 @@ def test_the_nees_is_of_what_has_a_truth():
     expected = np.mean(e**2 / np.asarray(outputs.P)[:, 0, 0])
     values = problem.parameters(problem.space.start())
     assert nees_of(problem, values) == pytest.approx(expected, rel=1e-12)
-    assert nees_of(replace(problem, objective=ChannelRmse("y")), values) is None
+    blind = replace(
+        problem, objective=InnovationLikelihood(), data=Data(Sample(np.ones((5, 1))), np.zeros(5))
+    )
+    assert nees_of(blind, values) is None
 
 
 def test_a_run_exports_what_was_rescaled(cli, here):

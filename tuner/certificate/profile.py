@@ -11,8 +11,9 @@ from tuner.problem.problem import Problem
 
 INNER = {"likelihood": 6}
 """Steps of the other parameters towards their best, at each point of a profile; of a cost, 2."""
-MANY = 8
-"""From so many coordinates on, the others follow along the ridge of the quadratic model alone."""
+MANY = {"likelihood": 8}
+"""From so many coordinates on, of a cost from 3 on, the others follow along the ridge of the
+quadratic model alone: to move them at each point would cost many times what the search did."""
 APART = 24
 """Points at which a coordinate that hardly matters is tried anew."""
 PRECISION = 1e-3
@@ -144,16 +145,27 @@ class _Profile:
 
     def at(self, near: _Point, coordinate: float) -> _Point:
         """The best point with the coordinate held there, begun from a point nearby."""
-        start = np.clip(
-            near.z + self.ridge * (coordinate - near.z[self.held]), *self.problem.space.box()
-        )
-        start[self.held] = coordinate
-        if not self.others.any() or len(start) > MANY:
+        start = self._begun(near, coordinate)
+        if not self.others.any() or len(start) >= MANY.get(self.yard.kind, 3):
             return self._measured(start)
         point = self._followed(start)
         if len(self.idle):
             point = self._from_afar(point)
         return self._measured(point)
+
+    def _begun(self, near: _Point, coordinate: float) -> np.ndarray:
+        """On the ridge of the model, or with the others as they were: whichever is better.
+
+        Beside a jump the model's curvatures are those of the jump, and its ridge leads across.
+        """
+        ridge = near.z + self.ridge * (coordinate - near.z[self.held])
+        box = self.problem.space.box()
+        start, plain = (np.asarray(np.clip(z, *box)) for z in (ridge, near.z))
+        start[self.held] = plain[self.held] = coordinate
+        if not self.others.any():
+            return start
+        better = self.problem.value(start) <= self.problem.value(plain)
+        return start if better else plain
 
     def _from_afar(self, point: np.ndarray) -> np.ndarray:
         """The point with what hardly matters at the best tried anew all through its range.

@@ -96,7 +96,7 @@ def _windows(
 def bridged(far: np.ndarray) -> np.ndarray:
     """The flags with what lies between two runs of them and is shorter than each.
 
-    >>> "".join("01"[i] for i in bridged(np.array([int(c) for c in "1110111000110"], bool)))
+    >>> "".join("01"[int(i)] for i in bridged(np.array([int(c) for c in "1110111000110"], bool)))
     '1111111000110'
     """
     filled = far.copy()

@@ -11,7 +11,8 @@ from tuner.model.bent import Bent
 from tuner.model.description import Model
 from tuner.model.filter import ModelFilter
 from tuner.model.form import linear_parts
-from tuner.model.quantities import Parameter, Quantity
+from tuner.model.parameters import Parameter
+from tuner.model.quantities import Quantity
 from tuner.model.straight import Straight
 
 

@@ -6,9 +6,10 @@ from functools import cached_property
 from typing import Literal, TypeAlias
 
 from tuner.model.algebra import affine, made, names_in, total
-from tuner.model.entries import Covariance, Rows
+from tuner.model.covariance import Covariance, Rows
 from tuner.model.expression import ZERO, Node
-from tuner.model.quantities import Parameter, Quantity
+from tuner.model.parameters import Parameter
+from tuner.model.quantities import Quantity
 
 Method: TypeAlias = Literal["kalman", "extended", "iterated", "unscented"]
 METHODS: tuple[Method, ...] = ("kalman", "extended", "iterated", "unscented")

@@ -4,8 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from tuner.model.algebra import made
+from tuner.model.covariance import Rows
 from tuner.model.description import Time
-from tuner.model.entries import Entries, Rows
+from tuner.model.entries import Entries
 from tuner.model.expression import ONE, ZERO, Node
 from tuner.model.findings import brief
 from tuner.model.measuring import weighted

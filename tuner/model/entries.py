@@ -1,19 +1,18 @@
 """Numbers and expressions of a document as nodes: lists, matrices, and tables by name."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from tuner.model.algebra import fold, names_in
+from tuner.model.covariance import Covariance, Rows
 from tuner.model.expression import ZERO, ExpressionError, Node, Number, parse
 from tuner.model.findings import Findings, brief
 from tuner.model.lines import Path
 from tuner.names import unknown
-
-Rows = tuple[tuple[Node, ...], ...]
 
 
 @dataclass(frozen=True)
@@ -143,7 +142,7 @@ class Entries:
 
     def covariance(
         self, path: Path, value: Any, names: Sequence[str], scope: Scope, *, rest: Any = None
-    ) -> "Covariance":
+    ) -> Covariance:
         """A covariance: one number for all, a list or table of variances, or the whole matrix.
 
         Args:
@@ -155,7 +154,7 @@ class Entries:
         """
         if isinstance(value, list) and any(isinstance(row, list) for row in value):
             rows = self.matrix(path, value, len(names), len(names), scope)
-            found = Covariance(rows, any(_off_diagonal(rows)))
+            found = Covariance.of(rows)
             for i, j in np.ndindex(len(rows), len(rows)):
                 if j < i and rows[i][j] != rows[j][i]:
                     told = "differs from its mirror image; a covariance is symmetric"
@@ -168,35 +167,6 @@ class Entries:
             if isinstance(node, Number) and node.value < 0:
                 self.findings.add(path, f"has the variance {node.value:g}; it cannot be negative")
         return found
-
-
-@dataclass(frozen=True)
-class Covariance:
-    """A symmetric matrix of expressions.
-
-    Attributes:
-        rows: all of it.
-        full: whether there is anything off its diagonal.
-    """
-
-    rows: Rows
-    full: bool
-
-    @classmethod
-    def diagonal(cls, variances: Sequence[Node]) -> "Covariance":
-        """Of variances that share nothing."""
-        size = range(len(variances))
-        rows = (tuple(variances[i] if i == j else ZERO for j in size) for i in size)
-        return cls(tuple(rows), False)
-
-    @property
-    def variances(self) -> tuple[Node, ...]:
-        """Its diagonal."""
-        return tuple(row[i] for i, row in enumerate(self.rows))
-
-
-def _off_diagonal(rows: Rows) -> Iterator[bool]:
-    return (node != ZERO for i, row in enumerate(rows) for j, node in enumerate(row) if i != j)
 
 
 def _float(value: float) -> float:

@@ -50,7 +50,7 @@ def exact(A: Array, S: Array, dt: Array | float, nilpotent: int | None = None) -
     ([[1.0, 1.0], [0.0, 1.0]], [[2.0, 3.0], [3.0, 6.0]])
     """
     if nilpotent is not None:
-        return _series(A * dt, S * dt, dt, 2 * nilpotent - 1)
+        return _polynomials(A, S, dt, nilpotent)
     length = jax.lax.stop_gradient(jnp.abs(A).sum(axis=1).max() * dt)
     doublings = jnp.clip(
         jnp.ceil(jnp.log2(jnp.where(length > 0, length, 1.0))) + 1, 0, MOST_DOUBLINGS
@@ -66,6 +66,21 @@ def exact(A: Array, S: Array, dt: Array | float, nilpotent: int | None = None) -
 
     F, push, Q = jax.lax.fori_loop(0, MOST_DOUBLINGS, double, begun)
     return Step(F, push, (Q + Q.T) / 2)
+
+
+def _polynomials(A: Array, S: Array, h: Array | float, nilpotent: int) -> Step:
+    """The sums where they end; no sample time enters products, so that they stand in no loop."""
+    one = jnp.eye(len(A), dtype=A.dtype)
+    power, push, time = one, one * h, h
+    for k in range(2, nilpotent + 1):
+        power, time = matmul(A, power) / k, time * h
+        push = push + power * time
+    noise, Q, time = S, S * h, h
+    for k in range(2, 2 * nilpotent):
+        turned = matmul(A, noise)
+        noise, time = (turned + turned.T) / k, time * h
+        Q = Q + noise * time
+    return Step(one + matmul(A, push), push, Q)
 
 
 def _series(T: Array, N: Array, h: Array | float, terms: int) -> Step:

@@ -82,25 +82,23 @@ def start(model: Model, params: Any) -> AnyEstimate:
 
 def noisy(model: Model, at: Values, now: Now) -> tuple[Array, Array]:
     """R, ``(m,)`` or ``(m, m)``, and z without the numbers whose variance is not known."""
-    absent = [
-        jnp.stack([now.absent[name] for name in needed]).any()
-        for node in model.R.variances
-        if (needed := sorted(names_in(node) & now.absent.keys()))
-    ]
-    which = [bool(names_in(node) & now.absent.keys()) for node in model.R.variances]
-    measured = any(names_in(node) & frozenset(model.input_names) for node in model.R.variances)
-    if not measured:
-        return _spread(model, at), now.z
-    left, gone = iter(absent), []
-    for each in which:
-        gone.append(next(left) if each else jnp.zeros((), bool))
     R = _spread(model, at)
+    held = [names_in(node) & frozenset(model.input_names) for node in model.R.variances]
+    if not any(held):
+        return R, now.z
+    none = jnp.zeros((), bool)
+    absent = [any_of([now.absent.get(name, none) for name in sorted(names)]) for names in held]
     variances = jnp.diagonal(R) if R.ndim == 2 else R
-    seen = (variances > 0) & ~jnp.stack(gone)
+    seen = (variances > 0) & ~jnp.stack(absent)
     z = jnp.where(seen, now.z, jnp.nan)
     if R.ndim == 1:
         return jnp.where(seen, R, 1.0), z
     return jnp.where(seen[:, None] & seen, R, jnp.eye(len(R), dtype=R.dtype)), z
+
+
+def any_of(flags: list[Array]) -> Array:
+    """Whether any of some flags is set, ``()``."""
+    return jnp.stack([jnp.zeros((), bool), *flags]).any()
 
 
 def _spread(model: Model, at: Values) -> Array:

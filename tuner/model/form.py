@@ -10,8 +10,8 @@ from filters import Channel, Measured, Transition
 from filters.linear import LinearForm
 from filters.small_linalg import matmul
 from tuner.model.algebra import names_in, separated
+from tuner.model.covariance import Rows
 from tuner.model.description import Model, coefficients
-from tuner.model.entries import Rows
 from tuner.model.evaluate import Values
 from tuner.model.exact import Step
 from tuner.model.expression import ONE, Name, Node

@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from tuner.model.algebra import made, total
-from tuner.model.entries import Covariance, Entries
+from tuner.model.covariance import Covariance
+from tuner.model.entries import Entries
 from tuner.model.expression import ZERO, Name, Node
 from tuner.model.quantities import Quantity, named, quantity
 

@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from tuner.model.algebra import names_in
+from tuner.model.covariance import Rows
 from tuner.model.description import Model
-from tuner.model.entries import Rows
 from tuner.model.evaluate import Values
 from tuner.model.findings import Findings
 

@@ -1,4 +1,4 @@
-"""The named quantities of a model document: parameters, inputs, states and measurements."""
+"""The named quantities of a model document: inputs, states, and what all of them have."""
 
 import keyword
 import math
@@ -20,22 +20,6 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 _TAKEN = frozenset((*FUNCTIONS, *CONSTANTS, "dt", "t", "unit", "inf", "nan"))
 _OUTPUTS = frozenset(("innovation", "variance", "P", "count", "index"))
 """What a filter puts out beside its states, and what tuples have of their own."""
-WIDE = 1e6
-"""Factor from a start to the ends of its search where they are not given."""
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A number that is tuned, or held where it has no range; in SI."""
-
-    name: str
-    unit: str | None
-    meaning: str
-    typical: float
-    low: float | None
-    high: float | None
-    smaller: str
-    larger: str
 
 
 @dataclass(frozen=True)
@@ -81,57 +65,6 @@ def _no_name(name: str) -> str:
     return ""
 
 
-def parameters(findings: Findings, document: Mapping[str, Any]) -> tuple[Parameter, ...]:
-    """The parameters, their numbers in SI."""
-    tables = named(findings, document, "parameters")
-    if not tables and not len(findings):
-        findings.add(("parameters",), "is missing; name what shall be tuned, as in q = {}")
-    return tuple(_parameter(findings, name, table) for name, table in tables.items())
-
-
-_OF_PARAMETER = ("start", "low", "high", "fixed", "unit", "meaning", "smaller", "larger")
-
-
-def _parameter(findings: Findings, name: str, table: Mapping[str, Any]) -> Parameter:
-    path: Path = ("parameters", name)
-    findings.keys(path, table, _OF_PARAMETER)
-    unit, factor = _unit(findings, path, table)
-    numbers = {
-        key: number(findings, (*path, key), table[key], factor)
-        for key in ("start", "low", "high", "fixed")
-        if key in table
-    }
-    typical, low, high = _range(findings, path, numbers)
-    texts = (text(findings, path, table, key) for key in ("meaning", "smaller", "larger"))
-    meaning, smaller, larger = texts
-    return Parameter(name, unit, meaning or name, typical, low, high, smaller, larger)
-
-
-def _range(
-    findings: Findings, path: Path, given: Mapping[str, float]
-) -> tuple[float, float | None, float | None]:
-    """Where a search begins and ends; positive and of any size where nothing is said."""
-    if "fixed" in given:
-        if len(given) > 1:
-            findings.add(path, "is fixed, and has a start or a range as well; give one of them")
-        return given["fixed"], None, None
-    start, low, high = (given.get(key) for key in ("start", "low", "high"))
-    if (low is None) != (high is None):
-        findings.add(path, "has one end of its search; give both, low and high")
-        return start or 1.0, None, None
-    if low is None or high is None:
-        if start is not None and start <= 0:
-            findings.add(path, f"begins at {start:g}; give low and high for what may be negative")
-            return start, None, None
-        start = 1.0 if start is None else start
-        return start, start / WIDE, start * WIDE
-    if start is None:
-        start = math.sqrt(low) * math.sqrt(high) if 0 < low < high else (low + high) / 2
-    if not low < start < high:
-        findings.add(path, f"begins at {start:g}, which is not between {low:g} and {high:g}")
-    return start, low, high
-
-
 def inputs(findings: Findings, document: Mapping[str, Any]) -> tuple[Quantity, ...]:
     """The known inputs."""
     found = []
@@ -158,16 +91,16 @@ def states(findings: Findings, document: Mapping[str, Any]) -> tuple[Quantity, .
 
 def quantity(findings: Findings, path: Path, table: Mapping[str, Any]) -> Quantity:
     """An input, a state or a measurement, in SI."""
-    unit, factor = _unit(findings, path, table)
+    si, factor = unit_in_si(findings, path, table)
     if factor != 1.0:
         findings.add(
             path,
             f"is in {unit_text(table)}, and a model computes in SI, to which a log is converted; "
-            f"give {unit or 'no unit'}",
+            f"give {si or 'no unit'}",
         )
     angle = flag(findings, path, table)
     meaning = text(findings, path, table, "meaning")
-    return Quantity(str(path[-1]), unit, meaning, axes_of(findings, path, table), angle)
+    return Quantity(str(path[-1]), si, meaning, axes_of(findings, path, table), angle)
 
 
 def flag(findings: Findings, path: Path, table: Mapping[str, Any]) -> bool:
@@ -224,7 +157,9 @@ def unit_text(table: Mapping[str, Any]) -> str:
     return brief(table.get("unit"))
 
 
-def _unit(findings: Findings, path: Path, table: Mapping[str, Any]) -> tuple[str | None, float]:
+def unit_in_si(
+    findings: Findings, path: Path, table: Mapping[str, Any]
+) -> tuple[str | None, float]:
     """The unit in SI, None where none is given, and the factor to it."""
     if "unit" not in table:
         return None, 1.0
@@ -254,6 +189,6 @@ def _own(findings: Findings, path: Path, written: str) -> str | None:
     return written
 
 
-def dimension(quantity: Parameter | Quantity) -> Dimension | None:
-    """The dimension of a quantity; None where its unit was not given."""
-    return None if quantity.unit is None else dimension_of(quantity.unit)
+def dimension(unit: str | None) -> Dimension | None:
+    """The dimension of a unit; None where none was given."""
+    return None if unit is None else dimension_of(unit)

@@ -12,7 +12,8 @@ from tuner.model.expression import ExpressionError
 from tuner.model.findings import Findings, brief
 from tuner.model.lines import Lines
 from tuner.model.observable import check_observable
-from tuner.model.quantities import Parameter, Quantity
+from tuner.model.parameters import Parameter, read_parameters
+from tuner.model.quantities import Quantity
 from tuner.model.size import check_size
 from tuner.model.units import check_units
 from tuner.names import unknown
@@ -65,7 +66,7 @@ def _read(document: Mapping[str, Any], findings: Findings) -> tuple[Model | None
     findings.keys((), document, _TOP)
     table = findings.table(("model",), document.get("model", {}))
     findings.keys(("model",), table, _MODEL)
-    parameters = quantities.parameters(findings, document)
+    parameters = read_parameters(findings, document)
     inputs = quantities.inputs(findings, document)
     states = quantities.states(findings, document)
     entries = Entries(findings, _kinds(findings, parameters, inputs, states))

@@ -10,8 +10,8 @@ from filters import linearised
 from filters.angles import difference
 from filters.diffuse import AnyEstimate, advance
 from filters.small_linalg import matmul
+from tuner.model.covariance import Rows
 from tuner.model.description import Model
-from tuner.model.entries import Rows
 from tuner.model.evaluate import Values
 from tuner.model.exact import Step, exact
 from tuner.model.expression import ZERO

@@ -23,12 +23,12 @@ def check_units(model: Model, entries: Entries, findings: Findings) -> None:
 class _Check:
     def __init__(self, model: Model, entries: Entries, findings: Findings) -> None:
         self.model, self.written, self.findings = model, entries.written, findings
-        self.states = {state.name: dimension(state) for state in model.states}
+        self.states = {state.name: dimension(state.unit) for state in model.states}
         self.known: dict[str, Dimension | None] = {"dt": SECOND, **self.states}
-        self.known |= {each.name: dimension(each) for each in model.parameters}
+        self.known |= {each.name: dimension(each.unit) for each in model.parameters}
         for each in model.inputs:
-            self.known |= dict.fromkeys(each.symbols, dimension(each))
-        self.measured = [dimension(group) for group in model.groups for _ in group.symbols]
+            self.known |= dict.fromkeys(each.symbols, dimension(each.unit))
+        self.measured = [dimension(group.unit) for group in model.groups for _ in group.symbols]
         self.per_step = BARE if model.time == "discrete" else SECOND
 
     def all(self) -> None:
@@ -38,7 +38,7 @@ class _Check:
         self._vector(("model", "f"), names, self._rates())
         self._matrix(("model", "A"), self._rates(), list(self.states.values()))
         self._matrix(("model", "F"), self._rates(), list(self.states.values()))
-        pushes = [dimension(each) for each in self.model.inputs for _ in each.symbols]
+        pushes = [dimension(each.unit) for each in self.model.inputs for _ in each.symbols]
         self._matrix(("model", "B"), self._rates(), pushes)
         self._vector(("model", "x0"), names, list(self.states.values()))
         self._square(("model", "P0"), names, list(self.states.values()), BARE)
@@ -64,7 +64,7 @@ class _Check:
         for key in ("H", "C"):
             self._matrix(("model", key), self.measured, states)
         for group in self.model.groups:
-            path, own = ("measurements", group.name), [dimension(group)] * len(group.symbols)
+            path, own = ("measurements", group.name), [dimension(group.unit)] * len(group.symbols)
             axes = group.axes or (group.name,)
             self._vector((*path, "h"), axes, own)
             self._square((*path, "R"), axes, own, BARE)

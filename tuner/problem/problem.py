@@ -84,7 +84,8 @@ class Problem:
         if len(lengths) > 1:
             raise ValueError(f"the data of {self.name} has unequal lengths {sorted(lengths)}")
         if self.filter is not None:
-            try_out(self.name, self.filter, self.static.build, self.space, self.data.inputs)
+            build = self.static.build
+            try_out(self.name, self.filter, build, self.space, self.objective, self.data)
 
     def starts(self, count: int, seed: int) -> np.ndarray:
         """Where to begin, ``(count, size)``: the initial values, known starts, random points."""

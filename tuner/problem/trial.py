@@ -13,37 +13,49 @@ import jax.numpy as jnp
 import numpy as np
 
 from filters import Lanes, bare
+from objectives import Data, is_fold
 from tuner.problem.facts import check_frozen
 from tuner.problem.mistakes import described, told
 from tuner.problem.model_shapes import check_model
 from tuner.problem.stepped import check_operations, check_outputs, check_state
 
 
-def try_out(name: str, filter: Any, build: Any, space: Any, inputs: Any) -> None:
-    """Refuse a filter, parameters or inputs that the time loop cannot take.
+def try_out(name: str, filter: Any, build: Any, space: Any, objective: Any, data: Data) -> None:
+    """Refuse a filter, parameters, inputs or a truth that the time loop cannot take.
 
     Args:
         name: of the problem.
         filter: the filter.
         build: from values by name to its parameters.
         space: the parameters.
-        inputs: what it runs over, time first.
+        objective: what judges its outputs.
+        data: what it runs over and what its outputs are held against, time first.
 
     Raises:
         ValueError: one sentence: which method of which class, what, and the way out.
     """
     check_class(filter)
+    _check_objective(objective)
+    params = _params(name, build, space)
+    check_model(name, params)
+    lanes = (filter.count,) if isinstance(filter, Lanes) else ()
+    alone: Any = filter.filter if isinstance(filter, Lanes) else filter
+    sample = jax.tree.map(lambda leaf: _one(name, leaf, len(lanes)), data.inputs)
+    leaves, kind = jax.tree.flatten((params, sample))
+    outputs = _tried(alone, tuple(leaves), kind)
+    each = jax.tree.map(lambda one: _behind(lanes, one), outputs)
+    samples = tuple(np.shape(leaf)[:1] for leaf in jax.tree.leaves(data.inputs)[:1])
+    judged, kept = jax.tree.flatten((each, jax.tree.map(_whole, data.truth)))
+    _judged(type(bare(filter)).__name__, objective, sum(samples, ()), tuple(judged), kept)
+
+
+def _params(name: str, build: Any, space: Any) -> Any:
+    """What the filter takes, by its shapes."""
     try:
         z = jax.ShapeDtypeStruct((space.size,), jnp.float64)
-        params = jax.eval_shape(lambda at: build(space.constrain(at)), z)
+        return jax.eval_shape(lambda at: build(space.constrain(at)), z)
     except Exception as error:
         raise told(f"the parameters of {name}", error) from error
-    check_model(name, params)
-    if isinstance(filter, Lanes):
-        filter, inputs = filter.filter, jax.tree.map(lambda leaf: leaf[:, 0], inputs)
-    sample = jax.tree.map(lambda leaf: _one(name, leaf), inputs)
-    leaves, kind = jax.tree.flatten((params, sample))
-    _tried(filter, tuple(leaves), kind)
 
 
 def check_class(filter: Any) -> None:
@@ -62,6 +74,13 @@ def check_class(filter: Any) -> None:
         hash(filter)
     except TypeError:
         raise ValueError(_unhashable(filter)) from None
+
+
+def _check_objective(objective: Any) -> None:
+    try:
+        hash(objective)
+    except TypeError:
+        raise ValueError(_unhashable(objective)) from None
 
 
 def _check_method(name: str, filter: Any, method: str, given: tuple[str, ...]) -> None:
@@ -93,19 +112,56 @@ def _unhashable(filter: Any) -> str:
     return f"{cls} cannot be hashed, so no compilation can be kept for it; leave out its __eq__"
 
 
-def _one(name: str, leaf: Any) -> jax.ShapeDtypeStruct:
-    """One sample of an input, by its shape."""
-    shape, dtype = np.shape(leaf), getattr(leaf, "dtype", np.asarray(leaf).dtype)
-    if not shape:
+def _one(name: str, leaf: Any, lanes: int = 0) -> jax.ShapeDtypeStruct:
+    """One sample of an input, of one recording, by its shape."""
+    whole = _whole(leaf)
+    if not whole.shape:
         raise ValueError(
             f"the inputs of {name} hold a single number, and time is their first axis; give an "
             "array (N, ...)"
         )
-    return jax.ShapeDtypeStruct(shape[1:], dtype)
+    return jax.ShapeDtypeStruct(whole.shape[1 + lanes :], whole.dtype)
+
+
+def _whole(leaf: Any) -> jax.ShapeDtypeStruct:
+    return jax.ShapeDtypeStruct(np.shape(leaf), getattr(leaf, "dtype", np.asarray(leaf).dtype))
+
+
+def _behind(axes: tuple[int, ...], one: Any) -> jax.ShapeDtypeStruct:
+    return jax.ShapeDtypeStruct(axes + one.shape, one.dtype)
 
 
 @lru_cache(maxsize=256)
-def _tried(filter: Any, leaves: tuple[Any, ...], kind: Any) -> None:
+def _judged(
+    name: str, objective: Any, many: tuple[int, ...], leaves: tuple[Any, ...], kind: Any
+) -> None:
+    """Refuse outputs and a truth that the objective cannot take."""
+    outputs, truth = jax.tree.unflatten(kind, leaves)
+    what = f"the objective {type(objective).__name__}"
+    try:
+        if is_fold(objective):
+            sample = jax.tree.map(lambda leaf: _one(name, leaf), truth)
+            total = jax.eval_shape(objective.init)
+            jax.eval_shape(objective.update, total, outputs, sample)
+            return
+        what = f"the objective {getattr(objective, '__name__', type(objective).__name__)}"
+        stacked = jax.tree.map(
+            lambda one: jax.ShapeDtypeStruct(many + one.shape, one.dtype), outputs
+        )
+        value = jax.eval_shape(objective, stacked, truth)
+    except Exception as error:
+        shapes = {str(leaf.shape) for leaf in jax.tree.leaves(truth)}
+        held = f", with outputs {described(outputs)} a sample and a truth of {', '.join(shapes)}"
+        raise told(f"{what} on {name}{held if shapes else ''}", error) from error
+    if getattr(value, "shape", None) != ():
+        raise ValueError(
+            f"{what} returns {described(value)}, and one number is needed; take its mean"
+        )
+
+
+@lru_cache(maxsize=256)
+def _tried(filter: Any, leaves: tuple[Any, ...], kind: Any) -> Any:
+    """What the filter puts out in a sample, by its shapes."""
     params, sample = jax.tree.unflatten(kind, leaves)
     name = type(bare(filter)).__name__
     try:
@@ -123,3 +179,4 @@ def _tried(filter: Any, leaves: tuple[Any, ...], kind: Any) -> None:
     check_state(name, state, after[0])
     check_outputs(name, filter, after[1])
     check_operations(name, jaxpr)
+    return after[1]

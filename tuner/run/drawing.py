@@ -10,9 +10,13 @@ from tuner.run.figure import Chart, Figure, Line
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
+    from matplotlib.lines import Line2D
+    from matplotlib.transforms import Bbox
 
 MANY = 6
 """A legend of more entries than this stands beside the axes."""
+FEW = 50
+"""So many points at most are drawn large."""
 WIDTH = 0.7
 """Share of the distance between numbers over which the points of several lines spread."""
 
@@ -67,13 +71,28 @@ def draw(figure: Figure, canvas: "Canvas", axes: "Axes") -> None:
 
 
 def _explain(canvas: "Canvas", axes: "Axes") -> None:
-    """The legend: where it covers least, or beside the axes if it would cover much anywhere."""
+    """The legend: within the axes where it covers no curve, or else beside them."""
     entries = len(axes.get_legend_handles_labels()[0])
     if entries > MANY:
         canvas.legend(fontsize=8, loc="outside right upper")
     elif entries:
         # Left to its default, which is the same, matplotlib warns where finding it took a second.
-        axes.legend(fontsize=8, framealpha=0.9, loc="best")
+        legend = axes.legend(fontsize=8, framealpha=0.9, loc="best")
+        if axes.collections:  # a map's right side is its colours'
+            return
+        canvas.draw_without_rendering()
+        box = legend.get_window_extent()
+        if any(_covered(line, box) for line in axes.lines):
+            legend.remove()
+            axes.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def _covered(line: "Line2D", box: "Bbox") -> bool:
+    """Whether a box on the picture covers some of a curve, or one of a row of points."""
+    drawn = line.get_transform().transform_path(line.get_path())
+    if line.get_linestyle() == "None":
+        return bool(box.count_contains(drawn.vertices))
+    return bool(drawn.intersects_bbox(box, filled=False))
 
 
 def _draw_chart(chart: Chart, axes: "Axes") -> None:
@@ -112,7 +131,8 @@ def _draw_lines(lines: tuple[Line, ...], axes: "Axes", *, on_map: bool) -> None:
             axes.fill_between(line.x, line.y, line.upper, label=line.label, color="0.85", zorder=0)
             continue
         if line.drawn == "points":
-            axes.plot(line.x, line.y, "os^Dv"[i % 5], label=line.label, ms=2.5, alpha=0.7)
+            size = 2.5 if np.size(line.x) > FEW else 5.0
+            axes.plot(line.x, line.y, "os^Dv"[i % 5], label=line.label, ms=size, alpha=0.7)
             continue
         # Thinner dashes over thicker lines: curves that coincide all stay visible.
         style = "o" if np.size(line.x) == 1 else ("-", "--", ":", "-.")[curves % 4]

@@ -170,6 +170,7 @@ def fit(
     Raises:
         ValueError: for what does not go together, in one sentence with the way out.
 
+    >>> import numpy as np
     >>> rng = np.random.default_rng(1)
     >>> level = np.cumsum(0.1 * rng.standard_normal(400))
     >>> record = Record.of({"z": level + rng.standard_normal(400)}, rate_hz=1.0)

@@ -133,8 +133,14 @@ def _shown(objective: Objective, value: float) -> float:
 
 
 def picture_of(posed: Posed, found: Trade) -> Iterator[Chart]:
-    """Both objectives, each point the best in one for the other; with the knee."""
-    lines = [_line("front", found.points), replace(_line("found", found.points), drawn="points")]
+    """Both objectives, each point the best in one for the other; with the knee.
+
+    Between points that are far apart nothing need be: what joins them is not drawn as a curve.
+    """
+    front, between = (_line(label, found.points) for label in ("front", "between its points"))
+    lines = [replace(front, drawn="points")]
+    if len(found.points) > 1:
+        lines.append(replace(between, drawn="limit"))
     lines += [_line("knee", [each]) for each in found.points if each.knee]
     labels = [
         f"{name}, {unit}" if unit else name
