@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from tests.tuner.recordings import refusal
 from tuner.data.logs.timename import is_time, unit_of
 from tuner.data.reading import read_record, read_records
-from tuner.run.recipe import read_recipe
+from tuner.run.recipe import LogEntries
 
 N = 300
 
@@ -141,13 +141,15 @@ def test_the_unit_of_a_likely_rate_is_proposed(tmp_path, step, unit, rate):
     assert f"--time 'timestamp:{unit}' ({rate} Hz), or :s where it is" in refusal(path, ["z=x"])
 
 
-def test_repeats_by_the_command_line_and_again(cli, here):
+def test_repeats_by_the_command_line(cli, here):
+    words = ("--filter", "local-level", "--map", "z=x:m", "--dry-run", "--jobs", 1)
     path = written(here, TWICE)
-    words = ("--filter", "local-level", "--map", "z=x:m", "--starts", 1, "--no-hold-out")
-    code, _, err = cli("fit", path, *words, "--jobs", 1, "--out", "one")
-    assert code == 2
-    assert "--drop-repeats" in err
-    code, out, err = cli("fit", path, *words, "--drop-repeats", "--jobs", 1, "--out", "one")
+    code, out, err = cli("fit", path, *words, "--drop-repeats")
     assert code == 0, (out, err)
     assert "8 rows with the time of the row before left out" in err + out
-    assert read_recipe(here / "one" / "study.toml").log.drop_repeats is True
+
+
+def test_repeats_in_a_recipe():
+    entries = LogEntries.told({"drop_repeats": True, "from_s": 0.0})
+    assert entries.options == ["--drop-repeats", "--from"]
+    assert LogEntries.told({"drop_repeats": None}).drop_repeats is None

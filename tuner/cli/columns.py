@@ -1,7 +1,7 @@
 """tuner columns: what a log holds, before anything of it is mapped."""
 
 import json as json_
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from tuner.data.logs.clock import Clock
@@ -63,21 +63,24 @@ def show(path: Path, *, json: bool) -> None:
 def _clocks(table: Table) -> list[ClockFound]:
     """The columns of a group, by their length."""
     numbers = [name for name in table.names if name not in table.texts]
-    raw, unread = _loaded(table, numbers)
+    raw, unread, told = _loaded(table, numbers)
     lengths: dict[int, list[str]] = {}
     for name in numbers:
         if name in raw:
             lengths.setdefault(len(raw[name]) if raw[name].ndim else 0, []).append(name)
     found = [_clock(table, raw, names, length) for length, names in lengths.items()]
+    if found and told:
+        found[0] = replace(found[0], notes=[*told, *found[0].notes])
     others = [*table.texts, *unread]
     texts = [ColumnFound(name, [], "text", "") for name in table.names if name in others]
     return found if not texts else [*found, ClockFound(texts, 0, "", None, None, [])]
 
 
-def _loaded(table: Table, names: list[str]) -> tuple[dict[str, Raw], list[str]]:
-    """All columns of numbers, and the names of those that hold something else."""
+def _loaded(table: Table, names: list[str]) -> tuple[dict[str, Raw], list[str], list[str]]:
+    """All columns of numbers, the names of those that hold something else, and what was found."""
     try:
-        return load_columns(table, (), names).raw, []
+        columns = load_columns(table, (), names)
+        return columns.raw, [], list(columns.table.notes[len(table.notes) :])
     except LogError:
         raw: dict[str, Raw] = {}
         unread = []
@@ -86,12 +89,12 @@ def _loaded(table: Table, names: list[str]) -> tuple[dict[str, Raw], list[str]]:
                 raw |= load_columns(table, (), [name]).raw
             except LogError:
                 unread.append(name)
-        return raw, unread
+        return raw, unread, []
 
 
 def _clock(table: Table, raw: dict[str, Raw], names: list[str], rows: int) -> ClockFound:
     columns = [
-        ColumnFound(name, list(raw[name].shape), raw[name].dtype.name, table.units.get(name, ""))
+        ColumnFound(name, list(raw[name].shape), _type(raw[name]), table.units.get(name, ""))
         for name in names
     ]
     if rows < 2:
@@ -104,6 +107,10 @@ def _clock(table: Table, raw: dict[str, Raw], names: list[str], rows: int) -> Cl
         return ClockFound(columns, rows, "", None, None, [why])
     notes = [*clock.notes, *_peculiar(clock)]
     return ClockFound(columns, rows, clock.source, clock.rate_hz, float(clock.seconds[-1]), notes)
+
+
+def _type(array: Raw) -> str:
+    return "date or time" if array.dtype.kind == "S" else array.dtype.name
 
 
 def _peculiar(clock: Clock) -> list[str]:

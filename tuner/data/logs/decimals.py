@@ -22,6 +22,7 @@ _DIGITS = 19
 _TENS = np.array([10**k for k in range(_DIGITS + 1)], np.uint64)
 _OUTSIDE = np.array([8 * (8 - k) for k in range(9)], np.uint64)
 _ZEROS, _ABOVE_9, _TOP = (np.uint64(word * 0x0101010101010101) for word in (ord("0"), 0x76, 0x80))
+_SIGN = np.uint64(63)
 _PAIRS = [  # digits to pairs, pairs to fours, fours to all eight
     tuple(map(np.uint64, step))
     for step in (
@@ -114,7 +115,7 @@ def read_decimals(text: NDArray[np.uint8], spans: Spans) -> Numbers:
         power[raised] += found
         odd[raised] |= failed
     values = scaled(whole, power, odd)
-    np.negative(values, where=negative, out=values)
+    values.view(np.uint64)[:] |= negative.astype(np.uint64) << _SIGN
     empty = spans.starts == spans.ends
     if empty.any():
         values[empty] = np.nan

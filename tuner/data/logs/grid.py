@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tuner.data.logs.decimals import MARGIN, Numbers, Spans, read_decimals
 from tuner.data.logs.scaling import Index
 
-_NEWLINE, _SMALL = ord("\n"), 0x20
+_NEWLINE = ord("\n")
 _BEFORE = b"\n" * MARGIN
 
 
@@ -55,8 +55,9 @@ def find_cells(block: bytes, delimiter: str, width: int, point: str) -> Grid | N
     mark = text == ord(delimiter)
     mark |= text == _NEWLINE
     mark |= text == ord(point)
-    if b"e" in block or b"E" in block:
-        mark |= (text | _SMALL) == ord("e")
+    for letter in b"eE":
+        if letter in block:
+            mark |= text == letter
     marks = np.flatnonzero(mark)
     kinds = text[marks]
     border = (kinds == ord(delimiter)) | (kinds == _NEWLINE)
@@ -73,13 +74,17 @@ def find_cells(block: bytes, delimiter: str, width: int, point: str) -> Grid | N
 
 def _spans(marks: Index, dot: NDArray[np.bool_], border: NDArray[np.bool_], places: Index) -> Spans:
     """The parts of each cell by the marks before its end: a point, an exponent, both or none."""
-    last = marks[places]
+    last = marks.take(places)
     starts, ends = last[MARGIN - 1 : -1] + 1, last[MARGIN:]
     before = places[MARGIN:] - 1
-    raised = ~(dot | border)[before]
-    stops = np.where(raised, marks[before], ends) if raised.any() else ends
-    before -= raised
-    dotted = dot[before]
-    points = np.where(dotted, marks[before], stops)
-    odd = ~border[before - dotted]
-    return Spans(starts, points, stops, ends, odd)
+    stops = ends
+    raised = np.flatnonzero(~(dot | border).take(before))
+    if len(raised):
+        stops = ends.copy()
+        stops[raised] = marks[before[raised]]
+        before[raised] -= 1
+    dotted = dot.take(before)
+    points = marks.take(before)
+    np.copyto(points, stops, where=~dotted)
+    before -= dotted
+    return Spans(starts, points, stops, ends, ~border.take(before))
