@@ -77,7 +77,7 @@ def test_two_readings_of_a_comma_are_named(tmp_path):
     text = "t;x\n" + "".join(f"{k};1,{k + 234}\n" for k in range(6))
     z, lines = read(tmp_path, text)
     assert z.values[0] == 1.234
-    assert "'1,236' read as 1.236; where it is 1236, map it as COLUMN*1000" in lines
+    assert "'1,234' read as 1.234; where it is 1234, map it as COLUMN*1000" in lines
 
 
 @pytest.mark.parametrize("row", ["ms,deg/s,m/s^2", "(ms),(deg/s),(m/s^2)", "[ms],[deg/s],"])
@@ -258,3 +258,20 @@ def test_two_numbers_and_a_colon(tmp_path):
     )
     assert read(tmp_path, text, time="time:min-s")[0].rate_hz == 1
     assert read(tmp_path, text, time="time:h-min")[0].times[1] == pytest.approx(60)
+
+
+def test_far_more_lines_above_than_rows(tmp_path):
+    lines = [f"property {k}, value" for k in range(300)]
+    rows = [f"{0.01 * k:.2f},{k % 3}" for k in range(30)]
+    path = tmp_path / "log.csv"
+    path.write_text("\n".join([*lines, "t,x", *rows]))
+    record = read_record(path, ["z=x"])
+    assert record.channels["z"].values.tolist() == [k % 3 for k in range(30)]
+    assert "300 lines above the columns left out" in record.notes
+
+
+def test_a_lost_page_is_a_line(tmp_path):
+    rows = "".join(f"{0.01 * k:.2f},{k % 3},1\n" for k in range(200))
+    path = tmp_path / "log.csv"
+    path.write_text("t,x,y\n" + rows + "\0" * 64 + "\n" + rows)
+    assert "line 202 has 1 cell instead of 3" in refusal(path, ["z=x"])

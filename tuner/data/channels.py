@@ -17,6 +17,7 @@ from tuner.data.units import Unit, change
 from tuner.data.wanted import Wanted
 
 _IN_BRACKETS = re.compile(r".*[(\[]([^()\[\]]*)[)\]]\s*")
+_ROWS = 4096
 _DEGREES = ("lat", "lon")
 
 
@@ -117,8 +118,18 @@ def _in_si(
         changed, unit, note = _changed(columns, one, mapping, values, zero)
         parts.append(changed)
         notes.append(note)
-    together = parts[0] if len(parts) == 1 else np.stack(parts, axis=1)
+    together = parts[0] if len(parts) == 1 else _side_by_side(parts)
     return together, unit, tuple(dict.fromkeys(notes))
+
+
+def _side_by_side(parts: Sequence[Floats]) -> Floats:
+    """Columns as one array, some rows at a time, which the cache holds."""
+    together = np.empty((len(parts[0]), len(parts)))
+    for start in range(0, len(together), _ROWS):
+        rows = slice(start, start + _ROWS)
+        for k, part in enumerate(parts):
+            together[rows, k] = part[rows]
+    return together
 
 
 def _changed(

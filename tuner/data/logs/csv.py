@@ -17,7 +17,8 @@ from tuner.data.logs.block import Block, read_rows, tidied
 from tuner.data.logs.error import LogError, counted
 from tuner.data.logs.kinds import Chosen
 from tuner.data.logs.layout import Layout, read_layouts
-from tuner.data.logs.parts import Part, columns_of, joined, mend, text_of
+from tuner.data.logs.parts import Part, mend, read_part, text_of
+from tuner.data.logs.store import Store
 from tuner.data.logs.stream import lines
 from tuner.data.logs.table import Loaded, Raw, Table, together
 
@@ -116,35 +117,36 @@ def _load(layout: Layout, places: Mapping[str, int]) -> Loaded:
     """Some columns, and what is to be said of them."""
     dates = [place for place in places.values() if layout.names[place] in layout.moments]
     others = [place for place in places.values() if layout.names[place] not in layout.moments]
-    columns: dict[int, list[Raw]] = {place: [] for place in places.values()}
+    written: dict[int, list[Raw]] = {place: [] for place in dates}
+    store = Store(layout.path.stat().st_size, len(others))
     known: dict[bytes, tuple[float, str] | None] = {}
     left_out: Counter[str] = Counter()
     told: Counter[str] = Counter()
     for part in _in_turn(layout, dates, others):
-        left_out.update(part.rows.left_out)
+        left_out.update(part.left_out)
         mend(layout, part, others, known, told)
-        for place in dates:
-            columns[place].append(np.array(part.rows.grid.cells(place), np.bytes_))
-        for place, values in zip(others, columns_of(part, others), strict=True):
-            columns[place].append(values)
-    raw = {name: joined(columns.pop(place)) for name, place in places.items()}
+        for place, cells in part.dates.items():
+            written[place].append(cells)
+        store.add(part.values, part.whole, part.size)
+    found = dict(zip(others, store.columns(), strict=True))
+    found |= {place: _together(cells) for place, cells in written.items()}
     notes = [f"{counted(number, what)} left out" for what, number in left_out.items()]
     notes += [f"{what} in {counted(number, 'cell')}" for what, number in told.items()]
-    return Loaded(raw, tuple(notes))
+    return Loaded({name: found[place] for name, place in places.items()}, tuple(notes))
+
+
+def _together(cells: list[Raw]) -> Raw:
+    return np.concatenate(cells) if cells else np.empty(0, "S1")
 
 
 def _in_turn(layout: Layout, dates: list[int], others: list[int]) -> Iterator[Part]:
     """The blocks one after another, of which a few are worked on at a time."""
 
-    def read(block: Block) -> Part:
-        rows = read_rows(layout, block)
-        return Part(rows, rows.grid.numbers(others))
-
     with ThreadPoolExecutor(_AT_ONCE) as pool:
         waiting: deque[Future[Part]] = deque()
         for block in _blocks(layout):
-            waiting.append(pool.submit(read, block))
-            if len(waiting) > 2 * _AT_ONCE:
+            waiting.append(pool.submit(read_part, layout, block, dates, others))
+            if len(waiting) > _AT_ONCE:
                 yield waiting.popleft().result()
         while waiting:
             yield waiting.popleft().result()

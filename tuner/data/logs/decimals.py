@@ -18,7 +18,8 @@ from tuner.data.logs.scaling import Bits, Floats, Index, scaled
 MARGIN = 24
 """So many characters before, and eight after, a text may be looked at."""
 
-_DIGITS = 19
+_DIGITS, _SINGLY = 19, 3
+_POWERS = 10.0 ** np.arange(9)
 _TENS = np.array([10**k for k in range(_DIGITS + 1)], np.uint64)
 _OUTSIDE = np.array([8 * (8 - k) for k in range(9)], np.uint64)
 _ZEROS, _ABOVE_9, _TOP = (np.uint64(word * 0x0101010101010101) for word in (ord("0"), 0x76, 0x80))
@@ -93,29 +94,34 @@ def read_decimals(text: NDArray[np.uint8], spans: Spans) -> Numbers:
     words = text.view(np.uint64)
     first = text.take(spans.starts)
     negative = first == ord("-")
-    starts = spans.starts + (negative | (first == ord("+")))
+    starts = spans.starts + (negative | (first == ord("+"))).astype(np.intp)
+    pointed = (spans.points < spans.stops).astype(np.intp)
     before = spans.points - starts
     behind = spans.stops - spans.points
-    behind -= behind > 0
-    count = before + behind
-    odd = spans.odd | (count < 1) | (count > _DIGITS)
+    behind -= pointed
+    length = spans.stops - starts
+    odd = spans.odd | (length <= pointed) | (length > _DIGITS + pointed)
     if odd.any():
         before[odd] = 0
         behind[odd] = 0
     wrong = np.zeros(len(starts), np.uint64)
-    whole = _integers(words, spans.points, before, wrong)
-    whole *= _TENS.take(behind)
-    whole += _integers(words, spans.stops, behind, wrong)
-    power = -behind
+    plain = spans.stops is spans.ends or bool((spans.stops == spans.ends).all())
+    if length.max(initial=0) <= 8:
+        whole = _at_once(words, spans.stops, before, pointed, behind, wrong)
+        values = _quotients(whole, behind) if plain else np.empty(0)
+    else:
+        whole = _integers(words, spans.points, before, wrong)
+        whole *= _TENS.take(behind)
+        whole += _integers(words, spans.stops, behind, wrong)
+        values = np.empty(0)
     wrong &= _TOP
     odd |= wrong != 0
-    raised = np.flatnonzero(spans.stops < spans.ends)
-    if len(raised):
-        found, failed = _exponents(text, spans.stops[raised] + 1, spans.ends[raised])
-        power[raised] += found
-        odd[raised] |= failed
-    values = scaled(whole, power, odd)
-    values.view(np.uint64)[:] |= negative.astype(np.uint64) << _SIGN
+    if not len(values):
+        power = -behind
+        if not plain:
+            _raise(text, spans, power, odd)
+        values = scaled(whole, power, odd)
+    np.negative(values, where=negative, out=values)
     empty = spans.starts == spans.ends
     if empty.any():
         values[empty] = np.nan
@@ -123,19 +129,61 @@ def read_decimals(text: NDArray[np.uint8], spans: Spans) -> Numbers:
     return Numbers(values, whole, negative, np.flatnonzero(odd))
 
 
+def _quotients(whole: Bits, behind: Index) -> Floats:
+    """Few digits over few: one rounding."""
+    values = whole.astype(np.float64)
+    values /= _POWERS.take(behind)
+    return values
+
+
+def _at_once(
+    words: Bits, ends: Index, before: Index, pointed: Index, behind: Index, wrong: Bits
+) -> Bits:
+    """The digits of numbers of eight characters at most, the point taken out."""
+    found = _word(words, ends - 8)
+    outside = _OUTSIDE.take(behind)
+    part = found >> outside
+    part <<= outside
+    found <<= ((behind + pointed) << 3).view(np.uint64)
+    outside = _OUTSIDE.take(before)
+    found >>= outside
+    found <<= outside
+    found >>= (behind << 3).view(np.uint64)
+    found |= part
+    return _value(found, wrong)
+
+
 def _integers(words: Bits, ends: Index, count: Index, wrong: Bits) -> Bits:
     """The numbers of ``count`` digits before ``ends``; a top bit of ``wrong`` is set where not."""
-    total = _eight(words, ends - 8, np.minimum(count, 8), wrong)
     longest = int(count.max(initial=0))
-    for step in range(1, -(-longest // 8)):
-        part = np.clip(count - 8 * step, 0, 8)
-        total += _eight(words, ends - 8 * (step + 1), part, wrong) * _TENS[8 * step]
+    total = _part(words, ends, np.minimum(count, 8), min(longest, 8), wrong)
+    for step in range(8, longest, 8):
+        most = min(longest - step, 8)
+        part = np.clip(count - step, 0, 8)
+        total += _part(words, ends - step, part, most, wrong) * _TENS[step]
     return total
 
 
-def _eight(words: Bits, starts: Index, count: Index, wrong: Bits) -> Bits:
-    """The number of the last ``count`` of eight characters."""
-    at, shift = starts >> 3, ((starts & 7) << 3).astype(np.uint64)
+def _part(words: Bits, ends: Index, count: Index, most: int, wrong: Bits) -> Bits:
+    """The numbers of ``count`` digits before ``ends``, ``most`` of 8 at most."""
+    if most > _SINGLY:
+        found = _word(words, ends - 8)
+        outside = _OUTSIDE.take(count)
+        found >>= outside
+        found <<= outside
+        return _value(found, wrong)
+    text, total = words.view(np.uint8), np.zeros(len(ends), np.uint64)
+    for k in range(most):
+        digit = text.take(ends - (k + 1)) ^ np.uint8(ord("0"))
+        digit *= count > k
+        total += digit * _TENS[k]
+        wrong |= (digit > 9) * _TOP
+    return total
+
+
+def _word(words: Bits, starts: Index) -> Bits:
+    """Eight characters from ``starts`` on, digits by their values."""
+    at, shift = starts >> 3, ((starts & 7) << 3).view(np.uint64)
     found = words.take(at)
     found >>= shift
     shift = np.uint64(64) - shift
@@ -144,17 +192,26 @@ def _eight(words: Bits, starts: Index, count: Index, wrong: Bits) -> Bits:
     following <<= shift
     found |= following
     found ^= _ZEROS
-    outside = _OUTSIDE.take(count)
-    found >>= outside
-    found <<= outside
+    return found
+
+
+def _value(found: Bits, wrong: Bits) -> Bits:
+    """The number of eight digits."""
     wrong |= found
-    np.add(found, _ABOVE_9, out=following)
-    wrong |= following
-    for factor, shift_, mask in _PAIRS:
+    wrong |= found + _ABOVE_9
+    for factor, shift, mask in _PAIRS:
         found *= factor
-        found >>= shift_
+        found >>= shift
         found &= mask
     return found
+
+
+def _raise(text: NDArray[np.uint8], spans: Spans, power: Index, odd: NDArray[np.bool_]) -> None:
+    """Add what stands behind each exponent to the powers."""
+    raised = np.flatnonzero(spans.stops < spans.ends)
+    found, failed = _exponents(text, spans.stops[raised] + 1, spans.ends[raised])
+    power[raised] += found
+    odd[raised] |= failed
 
 
 def _exponents(

@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TypeVar
 
 from tuner.data.logs.cells import decimal_mark, is_number
 from tuner.data.logs.error import LogError, counted, quoted
@@ -26,6 +27,8 @@ from tuner.data.logs.stream import Encoding, is_content, read_head, split
 _WIDEST = 100_000
 _DELIMITERS = "\t;,|"
 _SAMPLE = 300
+_FEW = 20
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True)
@@ -115,16 +118,15 @@ def _read_layout(
 ) -> Layout:
     """The layout of rows of one kind."""
     cells = list(split(lines.texts, delimiter))
-    width = _width(cells)
+    width = _width(_end(cells))
     if width > _WIDEST:
         raise LogError(f"{path.name}: its rows have {width} cells; at most {_WIDEST} are read")
-    sample = [row for row in cells[len(cells) // 2 :][-_SAMPLE:] if len(row) == width]
-    point, note = decimal_mark(cell for row in sample for cell in row)
-    values = tuple(k for k in range(width) if holds_values([row[k] for row in sample], point))
-    head = Head(lines.numbers, cells, width, point, values)
+    head = Head(lines.numbers, cells, width, *_columns(_end(cells), width)[:2])
     first = first_row(head)
     if first is None:
         raise LogError(f"{path.name}: there is not one row of numbers in it; record the log again")
+    sample = [row for row in cells[first:][-_SAMPLE:] if len(row) == width]
+    point, values, note = _columns(sample, width)
     if chosen is None:
         check_names(path.name, head, first)
     named, units, titles = names_above(head, first)
@@ -159,8 +161,8 @@ def _read_layout(
 
 
 def _delimiter(lines: list[str]) -> str | None:
-    """What most lines of the lower half hold; a decimal comma yields to all others."""
-    lines = lines[len(lines) // 2 :]
+    """What most lines at the end hold; a decimal comma yields to all others."""
+    lines = list(_end(lines))
     for delimiter in _DELIMITERS:
         if 2 * sum(delimiter in line for line in lines) > len(lines):
             return None if delimiter == "," and _blanks_fit_better(lines) else delimiter
@@ -177,7 +179,20 @@ def _blanks_fit_better(lines: list[str]) -> bool:
     )
 
 
-def _width(rows: Sequence[Sequence[str]]) -> int:
-    """How many cells most rows of the lower half have."""
-    counts = Counter(map(len, rows[len(rows) // 2 :]))
+def _end(rows: Sequence[_T]) -> Sequence[_T]:
+    """Some rows at the end, where numbers stand and not what is said of them."""
+    return rows[len(rows) // 2 :][-_FEW:]
+
+
+def _columns(rows: Sequence[list[str]], width: int) -> tuple[str, tuple[int, ...], str]:
+    """The decimal mark of rows, the columns that hold numbers or times, and what is to be said."""
+    fitting = [row for row in rows if len(row) == width]
+    point, note = decimal_mark(cell for row in fitting for cell in row)
+    columns = ([row[k] for row in fitting] for k in range(width))
+    return point, tuple(k for k, cells in enumerate(columns) if holds_values(cells, point)), note
+
+
+def _width(rows: Sequence[list[str]]) -> int:
+    """How many cells most rows have."""
+    counts = Counter(map(len, rows))
     return max(counts, key=lambda width: (counts[width], width), default=0)

@@ -1,29 +1,65 @@
 """Blocks of a text log as columns of numbers."""
 
 from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from tuner.data.logs.block import INSIDE, Rows
+from tuner.data.logs.block import INSIDE, Block, read_rows
 from tuner.data.logs.cells import read_cell
-from tuner.data.logs.decimals import Numbers
 from tuner.data.logs.error import LogError
 from tuner.data.logs.layout import Layout
+from tuner.data.logs.scaling import Floats
 from tuner.data.logs.table import Raw
 
 _KNOWN = 10_000
 _SHOWN = 40
-_LARGE = np.uint64(1 << 53)
-_TOP = np.uint64(1 << 63)
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """One block: its rows, and some columns of them as numbers, row by row."""
+    """What a block holds of some columns.
 
-    rows: Rows
-    numbers: Numbers
+    Attributes:
+        values: their numbers, a column after another.
+        whole: those that float64 would round as integers, by the column's place among them.
+        odd: cells that are read one by one: row, place of the column, and what is written.
+        dates: of other columns, as they are written.
+        lines: the numbers of the rows in the file.
+        left_out: why other lines were left out, with a number each.
+        size: bytes.
+    """
+
+    values: Sequence[Floats]
+    whole: Mapping[int, Raw]
+    odd: Sequence[tuple[int, int, bytes]]
+    dates: Mapping[int, Raw]
+    lines: Sequence[int]
+    left_out: Mapping[str, int]
+    size: int
+
+
+def read_part(layout: Layout, block: Block, dates: list[int], columns: list[int]) -> Part:
+    """Some columns of a block, and those of its dates."""
+    rows = read_rows(layout, block)
+    numbers = rows.grid.numbers(columns)
+    values = numbers.values.reshape(-1, max(len(columns), 1))
+    row, place = np.divmod(numbers.odd, max(len(columns), 1))
+    written = rows.grid.chosen(columns, numbers.odd)
+    cells = {
+        date: np.array([text_of(layout, cell).encode() for cell in rows.grid.cells(date)])
+        for date in dates
+    }
+    return Part(
+        [values[:, k] for k in range(len(columns))],
+        rows.grid.whole(columns, numbers),
+        list(zip(row.tolist(), place.tolist(), written, strict=True)),
+        {date: column for date, column in cells.items() if len(column)},
+        rows.lines,
+        rows.left_out,
+        len(block.text),
+    )
 
 
 def mend(
@@ -34,17 +70,15 @@ def mend(
     told: Counter[str],
 ) -> None:
     """Read the cells that are no plain numbers one by one."""
-    for index in part.numbers.odd.tolist():
-        row, column = index // len(columns), columns[index % len(columns)]
-        cell = part.rows.grid.cell(row, column)
+    for row, place, cell in part.odd:
         if len(known) > _KNOWN:
             known.clear()
         if cell not in known:
             known[cell] = read_cell(text_of(layout, cell), layout.point)
-        found = known[cell]
+        found, column = known[cell], columns[place]
         if found is None:
-            raise _no_number(layout, part.rows.lines[row], column, text_of(layout, cell))
-        part.numbers.values[index] = found[0]
+            raise _no_number(layout, part.lines[row], column, text_of(layout, cell))
+        part.values[place][row] = found[0]
         if found[1]:
             told[f"{layout.names[column]}: {found[1]}"] += 1
 
@@ -64,32 +98,3 @@ def _no_number(layout: Layout, line: int, column: int, cell: str) -> LogError:
         f"{layout.path.name}: line {line}, column {layout.names[column]!r} holds {shown!r}, not a "
         f"number; {way_out}"
     )
-
-
-def columns_of(part: Part, columns: list[int]) -> list[Raw]:
-    """The numbers by column; whole ones that float64 would round as integers."""
-    shape = (-1, len(columns))
-    values = part.numbers.values.reshape(shape)
-    found: list[Raw] = [values[:, k].copy() for k in range(len(columns))]
-    whole = part.numbers.whole.reshape(shape)
-    for k in np.flatnonzero((whole > _LARGE).any(axis=0)).tolist():
-        spans = part.rows.grid.spans
-        plain = spans.points[:, columns[k]] == spans.ends[:, columns[k]]
-        if plain.all() and whole[:, k].max() < _TOP and np.isfinite(found[k]).all():
-            sign = 1 - 2 * part.numbers.negative.reshape(shape)[:, k].astype(np.int64)
-            found[k] = sign * whole[:, k].astype(np.int64)
-    return found
-
-
-def joined(parts: list[Raw]) -> Raw:
-    """A column from its parts: integers where all of it are whole numbers."""
-    if not parts:
-        return np.empty(0)
-    whole = [part.dtype.kind == "i" for part in parts]
-    if any(whole) and not all(whole):
-        exact = all(
-            is_int or (part == np.trunc(part)).all()
-            for is_int, part in zip(whole, parts, strict=True)
-        )
-        parts = [part.astype(np.int64 if exact else np.float64) for part in parts]
-    return np.concatenate(parts)

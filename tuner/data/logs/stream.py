@@ -17,6 +17,7 @@ _BLOCK = 1 << 20
 _LONGEST_LINE = 1 << 24
 _LARGEST = 1 << 33
 _SHARE = 0.8
+_ZEROS = 0.05  # a log on flash memory may have lost a page
 _SPARE, _RATIO = 1 << 25, 60  # a log shrinks to a tenth, an idle one to a fiftieth
 _MARKS = {
     codecs.BOM_UTF8: "utf-8",
@@ -67,7 +68,7 @@ def read_head(path: Path) -> tuple[bytes, Encoding]:
         head += block
         if head.count(b"\n") > _FEW:
             break
-    if b"\0" in head:
+    if head.count(0) > _ZEROS * len(head):
         raise LogError(
             f"{path.name}: the file is neither text nor of a known format; export it as CSV"
         )

@@ -86,7 +86,22 @@ def without_repeats(columns: Columns, time: Sequence[Mapping] | None, samples: i
         )
     new = ~same_as_before(columns, parts)
     told = f"{counted(int((~new).sum()), 'row')} with the time of the row before left out"
+    if others := _unlike(columns, np.flatnonzero(~new), samples):
+        told += f", {others} of them with other numbers"
     return columns.rows(np.flatnonzero(new), samples).with_notes([told])
+
+
+def _unlike(columns: Columns, rows: NDArray[np.intp], samples: int) -> int:
+    """How many of some rows differ in a column from the row before."""
+    differ = np.zeros(len(rows), bool)
+    for array in columns.raw.values():
+        if array.ndim and len(array) == samples:
+            here, before = (array[k].reshape(len(rows), -1) for k in (rows, rows - 1))
+            unlike = here != before
+            if array.dtype.kind == "f":
+                unlike &= ~(np.isnan(here) & np.isnan(before))
+            differ |= unlike.any(axis=1)
+    return int(differ.sum())
 
 
 def restarts(columns: Columns, time: Sequence[Mapping] | None, samples: int) -> NDArray[np.int64]:

@@ -171,10 +171,13 @@ def to_float(columns: Columns, mapping: Mapping, column: Raw) -> Floats:
     """
     _check_exact(columns, mapping, column)
     factor = factor_of(columns, mapping) * (-1.0 if mapping.minus else 1.0)
-    with np.errstate(over="ignore"):
-        values = np.array(column, dtype=np.float64, order="C") * factor
-    values[~(np.abs(values) < _HUGE)] = np.nan
-    return values
+    values = np.ascontiguousarray(column, dtype=np.float64)
+    if factor != 1.0:
+        with np.errstate(over="ignore"):
+            values = values * factor
+    if values.size and values.min() > -_HUGE and values.max() < _HUGE:
+        return values  # NaN compares false
+    return np.where(np.abs(values) < _HUGE, values, np.nan)
 
 
 def _check_exact(columns: Columns, mapping: Mapping, column: Raw) -> None:
