@@ -23,7 +23,6 @@ _POWERS = 10.0 ** np.arange(9)
 _TENS = np.array([10**k for k in range(_DIGITS + 1)], np.uint64)
 _OUTSIDE = np.array([8 * (8 - k) for k in range(9)], np.uint64)
 _ZEROS, _ABOVE_9, _TOP = (np.uint64(word * 0x0101010101010101) for word in (ord("0"), 0x76, 0x80))
-_SIGN = np.uint64(63)
 _PAIRS = [  # digits to pairs, pairs to fours, fours to all eight
     tuple(map(np.uint64, step))
     for step in (

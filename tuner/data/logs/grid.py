@@ -102,9 +102,8 @@ def find_cells(block: bytes, delimiter: str, width: int, point: str) -> Grid | N
     mark = text == ord(delimiter)
     mark |= text == _NEWLINE
     mark |= text == ord(point)
-    for letter in b"eE":
-        if letter in block:
-            mark |= text == letter
+    if b"e" in block or b"E" in block:
+        mark |= (text | _SMALL) == ord("e")
     marks = np.flatnonzero(mark)
     kinds = text.take(marks)
     dot = kinds == ord(point)
