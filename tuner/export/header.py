@@ -1,9 +1,8 @@
-"""The C header: constants for double and for float, and the filters that are known in C."""
+"""The C header: constants for double and for float, and what else it is given."""
 
 import json
 import re
-from collections.abc import Iterator, Mapping
-from importlib.resources import files
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,12 +13,6 @@ from tuner.export.document import flat, head, label, nested, tuned_from
 from tuner.export.literals import double, single, value_of
 from tuner.export.tuned import Tuned
 
-_NOISE = {"R": (), "Q": (), "P0": (2, 2)}
-_NEEDS: dict[str, dict[str, tuple[int, ...]]] = {
-    "AccelerometerFilter": _NOISE,
-    "GyroscopeFilter": _NOISE,
-    "FixedGainFilter": {"K1": (), "K2": ()},
-}
 _LINE = re.compile(r"^ \* ([\w.]+): (.+)$", re.MULTILINE)
 _QUANTITY = re.compile(r"^/\* quantity: (.+) \*/$", re.MULTILINE)
 _DEFINE = re.compile(r"^#define (\w+) (.+)$", re.MULTILINE)
@@ -28,31 +21,38 @@ _UNSAFE = re.compile(r"(?<=\*)/|/(?=\*)|(?<=\?)\?")
 
 
 def dump(tuned: Tuned) -> bytes:
-    """A header in ASCII for C99 and C++17; it includes nothing and allocates nothing.
+    """A header in ASCII for C99 and C++17: the numbers alone; it includes nothing."""
+    return header(tuned, ()).encode("ascii")
 
-    The filters of :mod:`filters.kownacki` come with functions that run them, if all their
-    numbers are there, of the discrete model; a filter with K1 and K2 also in its fixed form.
-    """
-    from jinja2 import Environment, StrictUndefined
 
-    environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters["comment"] = _comment
-    template = environment.from_string(
-        files(__package__).joinpath("header.h.j2").read_text("utf-8")
-    )
+def header(tuned: Tuned, code: Sequence[str]) -> str:
+    """The header with lines of code after its numbers; ASCII, as they have to be."""
+    guard = f"{tuned.name.upper()}_HEADER_INCLUDED"
+    lines = [*_numbers(tuned, guard), *(["", *code] if code else []), "", f"#endif /* {guard} */"]
+    return "\n".join([*lines, ""])
+
+
+def _numbers(tuned: Tuned, guard: str) -> Iterator[str]:
     prefix = tuned.name.upper()
-    text = template.render(
-        prefix=prefix,
-        head=flat(head(tuned)),
-        dt=list(_macros(f"{prefix}_DT", np.array(tuned.dt))),
-        states=[state.upper() for state in tuned.states],
-        quantities=[
-            (label(quantity), list(_macros(f"{prefix}_{quantity.name.upper()}", quantity.value)))
-            for quantity in tuned.quantities
-        ],
-        functions=_functions(tuned),
-    )
-    return f"{text}\n".encode("ascii")
+    yield "/*"
+    yield " * A tuned filter, written by filter-tuner; do not edit it, export it again."
+    yield " *"
+    for key, value in flat(head(tuned)).items():
+        yield f" * {key}: {_comment(value)}"
+    yield " *"
+    yield " * Each number is a macro for double, and one for float whose name ends in _F."
+    yield " * Vectors and matrices are initialisers, rows first. Units stand above; time is in s."
+    yield " */"
+    yield from (f"#ifndef {guard}", f"#define {guard}", "")
+    yield "/* The sample time, s. */"
+    yield from _macros(f"{prefix}_DT", np.array(tuned.dt))
+    yield from ("", "/* The states and their places. */")
+    yield f"#define {prefix}_STATES {len(tuned.states)}"
+    for place, state in enumerate(tuned.states):
+        yield f"#define {prefix}_STATE_{state.upper()} {place}"
+    for quantity in tuned.quantities:
+        yield from ("", f"/* quantity: {_comment(label(quantity))} */")
+        yield from _macros(f"{prefix}_{quantity.name.upper()}", quantity.value)
 
 
 def load(data: bytes) -> Tuned:
@@ -95,19 +95,3 @@ def _macros(name: str, value: NDArray[np.float64]) -> Iterator[str]:
         yield f"/* {name}_F is left out: float cannot hold it in full precision. */"
     else:
         yield f"#define {name}_F {narrow}"
-
-
-def _functions(tuned: Tuned) -> list[tuple[str, str]]:
-    """The filters to write in C, and the beginnings of their functions' names."""
-    if tuned.convention != "discrete":
-        return []  # these filters take the numbers of the discrete model
-    stem = tuned.name.lower()
-    wanted = {stem: tuned.filter}
-    if tuned.filter in ("AccelerometerFilter", "GyroscopeFilter"):
-        wanted[f"{stem}_fixed"] = "FixedGainFilter"
-    shapes = {quantity.name: quantity.value.shape for quantity in tuned.quantities}
-    return [
-        (kind, stem)
-        for stem, kind in wanted.items()
-        if kind in _NEEDS and _NEEDS[kind].items() <= shapes.items()
-    ]

@@ -1,0 +1,134 @@
+"""Nodes as statements: what is used twice or named in the source stands in a variable."""
+
+import re
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable
+from typing import Any
+
+from tuner.code.expression import Expressions
+from tuner.code.graph import Graph
+from tuner.code.literal import Precision, type_of
+from tuner.code.names import identifier, in_comment
+from tuner.code.source import Said, said
+from tuner.code.trace import Label
+
+_LONGEST = 26
+_WIDTH = 100
+
+
+class Statements:
+    """Statements for nodes of a graph, in one function.
+
+    Args:
+        graph: of the nodes.
+        labels: where nodes were traced.
+        precision: of real numbers.
+        input: what an input is called in this function.
+        given: nodes that stand somewhere already, by what they are called.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        labels: dict[int, list[Label]],
+        precision: Precision,
+        input: Callable[[Any], str],
+        given: dict[int, str] | None = None,
+    ) -> None:
+        self.graph, self.labels, self.precision = graph, labels, precision
+        self.names: dict[int, str] = dict(given or {})
+        self.expressions = Expressions(graph, precision, input, self.names)
+        self.lines: list[str] = []
+        self._taken = set[str]()
+        self._turns: dict[tuple[str, int], str] = {}
+        self._before: tuple[str, ...] = ()
+
+    def add(self, roots: Iterable[int]) -> None:
+        """Statements that work out these nodes; each of them gets a variable if it is worked out."""
+        wanted = {k for k in roots if self.graph.nodes[k].op != "constant"}
+        live = self._live(wanted)
+        uses = Counter(k for entry in live for k in self.graph.nodes[entry].args)
+        both = {k for entry in live for k in self._branches(entry)}
+        size: dict[int, int] = {}
+        for entry in live:
+            node = self.graph.nodes[entry]
+            if node.op == "input":
+                if entry in wanted and node.value[0] == "state":  # which is written to in the end
+                    self._declare(entry, None)
+                continue
+            size[entry] = 1 + sum(size.get(k, 1) for k in node.args if k not in self.names)
+            told = self._told(entry) if entry in self.labels else None
+            named = told is not None and size[entry] > 2
+            if uses[entry] > 1 or entry in wanted | both or size[entry] > _LONGEST or named:
+                self._declare(entry, told)
+
+    def _live(self, roots: Collection[int]) -> list[int]:
+        """What has to be worked out, without what stands somewhere already."""
+        seen, open_ = set[int](), list(roots)
+        while open_:
+            entry = open_.pop()
+            if entry in seen or entry in self.names:
+                continue
+            seen.add(entry)
+            open_ += self.graph.nodes[entry].args
+        return sorted(k for k in seen if self.graph.nodes[k].op != "constant")
+
+    def _branches(self, entry: int) -> tuple[int, ...]:
+        """What is worked out whichever way a choice goes, so that every step takes the same time."""
+        node = self.graph.nodes[entry]
+        return node.args[1:] if node.op == "choose" else ()
+
+    def _told(self, entry: int) -> tuple[Said, tuple[int, ...], int] | None:
+        for source, index, number in self.labels[entry]:
+            found = said(source)
+            if found is not None:
+                return found, index, number
+        return None
+
+    def _declare(self, entry: int, told: tuple[Said, tuple[int, ...], int] | None) -> None:
+        text = self.expressions.text(entry)
+        node = self.graph.nodes[entry]
+        if told is not None and told[0][1:] != self._before:
+            self._before = told[0][1:]
+            words = in_comment(f"{told[0].where}: {told[0].text}", 110)
+            self.lines += ["", f"    /* {words} */"]
+        name = self._plain() if told is None else self._named(*told)
+        self._taken.add(name)
+        self.names[entry] = name
+        type_ = type_of(node.kind, self.precision)
+        self.lines.append(wrapped(f"    const {type_} {name} = {text};"))
+
+    def _plain(self) -> str:
+        return next(new for k in range(10**9) if (new := f"t{k}") not in self._taken)
+
+    def _named(self, told: Said, index: tuple[int, ...], number: int) -> str:
+        """A name with the entry's place; the same name given again has a letter more."""
+        base = identifier(told.name)
+        if (base, number) not in self._turns:
+            turn = sum(1 for name, _ in self._turns if name == base)
+            self._turns[base, number] = _letters(turn)
+        whole = "_".join((base.rstrip("_") or "a", *map(str, index))) if index else base
+        stem = self._turns[base, number]
+        return identifier(f"{whole}_{stem}" if stem else whole, self._taken)
+
+
+def _letters(turn: int) -> str:
+    """Nothing for the first, then b, c, ... z, ba and so on."""
+    text = ""
+    while turn:
+        turn, rest = divmod(turn, 26)
+        text = "abcdefghijklmnopqrstuvwxyz"[rest] + text
+    return text
+
+
+def wrapped(line: str, width: int = _WIDTH) -> str:
+    """A long statement broken before operators."""
+    parts, rest = [], line
+    while len(rest) > width:
+        breaks = re.finditer(r" (?=[-+*/?:] |\|\| |&& )", rest[:width])
+        at = max((found.start() for found in breaks if found.start() > 12), default=None)
+        if at is None:
+            break
+        parts.append(rest[:at])
+        rest = "        " + rest[at + 1 :]
+    return "\n".join([*parts, rest])

@@ -1,0 +1,144 @@
+"""A graph of a filter as functions of C: statement by statement, without loops."""
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+
+from tuner.code.fields import Field
+from tuner.code.flat import Statements, wrapped
+from tuner.code.graph import Graph
+from tuner.code.literal import literal
+from tuner.code.trace import Program
+from tuner.code.walk import Arrays
+from tuner.code.written import Written, declarations, unused
+
+Cells = list[tuple[str, int]]
+"""Places in memory with the nodes that go there."""
+
+
+def written(program: Program, stem: str, values: Arrays) -> Written:
+    """A filter's functions.
+
+    Args:
+        program: the filter.
+        stem: what the names of its types and functions begin with.
+        values: of its parameters, for ``defaults`` where it is tunable.
+    """
+    parts = [
+        ("state", "What the filter keeps between samples.", program.state),
+        ("input", "A sample; NaN where a measurement is missing.", program.inputs),
+        ("output", "What it puts out after a sample.", program.outputs),
+    ]
+    if program.tunable:
+        parts.append(("params", "Its parameters.", program.params))
+    step = _step_cells(program)
+    hoisted = _hoisted(program, [node for _, node in step]) if program.tunable else []
+    head = declarations(
+        stem, program.precision, parts, len(hoisted) if program.tunable else None
+    )
+    tables = {node: f"tables->derived[{k}]" for k, node in enumerate(hoisted)}
+    lines = [*_tunable(program, stem, hoisted, values), *_init(program, stem), ""]
+    more = f",\n    const {stem}_tables *tables" if program.tunable else ""
+    body = _body(program, step, tables)
+    lines.append(
+        f"void {stem}_step({stem}_state *state, const {stem}_input *in, {stem}_output *out{more})"
+    )
+    used = ("state", "in", "out", *(("tables",) if program.tunable else ()))
+    lines += ["{", *body, *unused(body, used), "}"]
+    live = program.graph.reached(node for _, node in step)
+    count = sum(program.graph.nodes[k].op not in ("constant", "input") for k in live)
+    return Written(
+        stem,
+        program.precision,
+        program.state,
+        program.inputs,
+        program.outputs,
+        program.params if program.tunable else [],
+        list(head),
+        lines,
+        count,
+    )
+
+
+def _tunable(program: Program, stem: str, hoisted: list[int], values: Arrays) -> Iterator[str]:
+    if not program.tunable:
+        return
+    yield f"void {stem}_defaults({stem}_params *params)"
+    yield "{"
+    for field, value in zip(program.params, values, strict=True):
+        for index in field.entries():
+            number = literal(value[index], field.kind, program.precision)
+            yield f"    params->{field.place(index)} = {number};"
+    yield from ("}", "")
+    yield f"void {stem}_set({stem}_tables *tables, const {stem}_params *params)"
+    yield "{"
+    places: Cells = [(f"tables->derived[{k}]", node) for k, node in enumerate(hoisted)]
+    body = _body(program, places, {})
+    yield from (*body, *unused(body, ("tables", "params")), "}", "")
+
+
+def _init(program: Program, stem: str) -> Iterator[str]:
+    more = f", const {stem}_params *params" if program.tunable else ""
+    yield f"void {stem}_init({stem}_state *state{more})"
+    yield "{"
+    body = _body(program, list(_cells("state", program.state, program.start)), {})
+    names = ("state", "params") if program.tunable else ("state",)
+    yield from (*body, *unused(body, names), "}")
+
+
+def _body(program: Program, cells: Cells, given: dict[int, str]) -> list[str]:
+    """Statements that work nodes out, and then put them where they belong."""
+    graph = program.graph
+    made = Statements(graph, program.labels, program.precision, _reference, given)
+    made.add(node for _, node in cells)
+    ends = [wrapped(f"    {place} = {made.expressions.text(node)};") for place, node in cells]
+    gap = [""] if made.lines and ends else []
+    lines = made.lines[1:] if made.lines[:1] == [""] else made.lines
+    return [*lines, *gap, *ends]
+
+
+def _reference(value: Any) -> str:
+    group, place = value
+    return f"{group}->{place}"
+
+
+def _step_cells(program: Program) -> Cells:
+    """The next state and the outputs; what stays in its place is left there."""
+    state = _cells("state", program.state, program.after)
+    found = [
+        (place, node)
+        for place, node in state
+        if program.graph.nodes[node].op != "input"
+        or _reference(program.graph.nodes[node].value) != place
+    ]
+    return [*found, *_cells("out", program.outputs, program.out)]
+
+
+def _cells(group: str, fields: Iterable[Field], nodes: Arrays) -> Iterator[tuple[str, int]]:
+    for field, array in zip(fields, nodes, strict=True):
+        for index in field.entries():
+            yield f"{group}->{field.place(index)}", int(array[index])
+
+
+def _hoisted(program: Program, roots: list[int]) -> list[int]:
+    """What a step takes that follows from the parameters alone."""
+    graph = program.graph
+    alone = _of_parameters(graph)
+    live = graph.reached(roots)
+    edges = {k for entry in live if not alone[entry] for k in graph.nodes[entry].args}
+    return sorted(
+        k
+        for k in edges | set(roots)
+        if alone[k] and graph.nodes[k].op != "constant" and graph.nodes[k].kind == "real"
+    )
+
+
+def _of_parameters(graph: Graph) -> np.ndarray:
+    alone = np.zeros(len(graph.nodes), bool)
+    for k, node in enumerate(graph.nodes):
+        if node.op == "input":
+            alone[k] = node.value[0] == "params"
+        else:
+            alone[k] = all(alone[j] for j in node.args)
+    return alone

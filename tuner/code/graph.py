@@ -1,0 +1,122 @@
+"""A calculation as a graph of scalars: equal nodes are one, and what is constant is a number."""
+
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tuner.code.operations import COMMUTE, LOGIC, Kind, in_numpy, kind_of
+from tuner.code.points import Points
+from tuner.code.simplify import simpler
+
+
+class Node(NamedTuple):
+    """One scalar.
+
+    Attributes:
+        op: of :mod:`tuner.code.operations`, or ``constant``, ``input``, ``choose``, ``convert``.
+        args: numbers of the nodes it is made of; ``choose`` has the condition, yes and no.
+        value: of a constant; of an input, what it is called by those who ask for it.
+        kind: what it is.
+    """
+
+    op: str
+    args: tuple[int, ...] = ()
+    value: Any = None
+    kind: Kind = "real"
+
+
+class Graph:
+    """Nodes in the order in which they can be worked out; an algebra for a walk.
+
+    Args:
+        precision: the type of its real numbers.
+        halves: whether the mean of two entries that stand opposite in a symmetric matrix is one of
+            them.
+
+    >>> graph = Graph()
+    >>> x = graph.input("x")
+    >>> one = graph.constant(1.0)
+    >>> graph.apply("mul", x, one) == x
+    True
+    """
+
+    def __init__(self, precision: type[np.floating] = np.float64, *, halves: bool = True) -> None:
+        self.precision, self.halves = precision, halves
+        self.nodes: list[Node] = []
+        self.points = Points(self.nodes, 1e-10 if precision is np.float64 else 4e-6)
+        self._known: dict[Any, int] = {}
+
+    def input(self, name: Any, kind: Kind = "real") -> int:
+        """A number that is known only as the step runs."""
+        return self._node(Node("input", (), name, kind))
+
+    def constant(self, value: Any) -> int:
+        """A number; real ones in the precision of the graph."""
+        kind = kind_of(value)
+        number = {"real": self.precision, "truth": bool, "whole": int}[kind](value)
+        return self._node(Node("constant", (), number, kind))
+
+    def apply(self, op: str, *entries: int) -> int:
+        """One operation, as simply as it can be put."""
+        if all(self.is_constant(k) for k in entries):
+            return self.constant(in_numpy(op, *(self.nodes[k].value for k in entries)))
+        found = simpler(self, op, entries)
+        return self.make(op, *entries) if found is None else found
+
+    def make(self, op: str, *entries: int) -> int:
+        """One operation as it is."""
+        kinds = [self.nodes[k].kind for k in entries]
+        kind: Kind = "truth" if op in LOGIC else "real" if "real" in kinds else kinds[0]
+        return self._node(Node(op, entries, None, kind))
+
+    def choose(self, condition: int, no: int, yes: int) -> int:
+        """One of two."""
+        if self.is_constant(condition):
+            return yes if self.nodes[condition].value else no
+        if no == yes:
+            return yes
+        if self.nodes[condition].op == "not":
+            return self.choose(self.nodes[condition].args[0], yes, no)
+        if self.nodes[yes].kind == "truth":
+            against = self.apply("and", self.apply("not", condition), no)
+            return self.apply("or", self.apply("and", condition, yes), against)
+        return self._node(Node("choose", (condition, yes, no), None, self.nodes[yes].kind))
+
+    def convert(self, entry: int, dtype: np.dtype) -> int:
+        """The same as another kind of number."""
+        kind = kind_of(dtype)
+        if kind == self.nodes[entry].kind:
+            return entry
+        if self.is_constant(entry):
+            return self.constant(np.asarray(self.nodes[entry].value).astype(dtype)[()])
+        if kind == "truth":
+            zero = self.constant(0 if self.nodes[entry].kind == "whole" else 0.0)
+            return self.apply("ne", entry, zero)
+        return self._node(Node("convert", (entry,), None, kind))
+
+    def is_constant(self, entry: int, value: float | None = None) -> bool:
+        """Whether a node is a number, or a certain one."""
+        node = self.nodes[entry]
+        if node.op != "constant" or value is None:
+            return node.op == "constant"
+        return node.kind != "truth" and bool(node.value == value)
+
+    def reached(self, roots: Iterable[int]) -> list[int]:
+        """The nodes that others are made of, themselves included, in order."""
+        seen, open_ = set[int](), list(roots)
+        while open_:
+            k = open_.pop()
+            if k not in seen:
+                seen.add(k)
+                open_ += self.nodes[k].args
+        return sorted(seen)
+
+    def _node(self, node: Node) -> int:
+        args = tuple(sorted(node.args)) if node.op in COMMUTE else node.args
+        value = repr(node.value) if node.op == "constant" else node.value
+        key = node.op, args, value, node.kind
+        if key not in self._known:
+            self._known[key] = len(self.nodes)
+            self.nodes.append(node)
+        return self._known[key]

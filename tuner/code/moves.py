@@ -1,0 +1,184 @@
+"""Operations of JAX that move numbers, on arrays of anything."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import jax
+import numpy as np
+
+from tuner.code.walk import (
+    Algebra,
+    Arrays,
+    NoCounterpartError,
+    Rule,
+    each,
+    mixed,
+    objects,
+    worked_out,
+)
+
+MOST_WAYS = 16
+"""Entries of a table of which one is chosen as the step runs; all of them are looked at."""
+
+
+def _broadcast(x: np.ndarray, params: Mapping[str, Any]) -> np.ndarray:
+    axes = [1] * len(params["shape"])
+    for axis, size in zip(params["broadcast_dimensions"], x.shape, strict=True):
+        axes[axis] = size
+    return np.broadcast_to(x.reshape(axes), params["shape"])
+
+
+def _slice(x: np.ndarray, params: Mapping[str, Any]) -> np.ndarray:
+    steps = params["strides"] or (1,) * x.ndim
+    return x[tuple(map(slice, params["start_indices"], params["limit_indices"], steps))]
+
+
+_OF_ONE: Mapping[str, Callable[[np.ndarray, Mapping[str, Any]], np.ndarray]] = {
+    "broadcast_in_dim": _broadcast,
+    "slice": _slice,
+    "reshape": lambda x, params: x.reshape(params["new_sizes"]),
+    "squeeze": lambda x, params: np.squeeze(x, axis=params["dimensions"]),
+    "expand_dims": lambda x, params: np.expand_dims(x, params["dimensions"]),
+    "transpose": lambda x, params: x.transpose(params["permutation"]),
+    "rev": lambda x, params: np.flip(x, params["dimensions"]),
+    "copy": lambda x, _: x,
+    "copy_p": lambda x, _: x,
+    "stop_gradient": lambda x, _: x,
+    "reduce_precision": lambda x, _: x,
+}
+
+
+def _of_one(move: Callable[[np.ndarray, Mapping[str, Any]], np.ndarray]) -> Rule:
+    return lambda _, equation, given: [move(given[0], equation.params)]
+
+
+def _joined(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
+    return [np.concatenate(mixed(algebra, given), axis=equation.params["dimension"])]
+
+
+def _stacked(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
+    return [np.stack(mixed(algebra, given), axis=equation.params["axis"])]
+
+
+def _parted(_: Algebra, equation: Any, given: Arrays) -> Arrays:
+    ends = np.cumsum(equation.params["sizes"])[:-1]
+    return list(np.split(given[0], ends, axis=equation.params["axis"]))
+
+
+def _unstacked(_: Algebra, equation: Any, given: Arrays) -> Arrays:
+    rows = np.moveaxis(given[0], equation.params["axis"], 0)
+    return [rows[k : k + 1].reshape(rows.shape[1:]) for k in range(len(rows))]
+
+
+def _placed(first: int, last: int = 100) -> Rule:
+    """A move of which JAX says where to, by moving the places of entries.
+
+    Args:
+        first: of the operands that say where to.
+        last: the one after them.
+    """
+
+    def rule(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
+        if any(array.dtype == object for array in given[first:last]):
+            name = equation.primitive.name
+            raise NoCounterpartError(f"{name} by an index that is known only as the step runs")
+        where = range(first, min(last, len(given)))
+        asked = [one if k in where else one.shape for k, one in enumerate(given)]
+        found = places(equation, asked)
+        moving = [one.ravel() for k, one in enumerate(given) if k not in where]
+        entries = np.concatenate([*objects(algebra, moving), np.empty(1, object)])
+        if any((place < 0).any() for place in found):
+            entries[-1] = algebra.constant(equation.outvars[0].aval.dtype.type(np.nan))
+        return [entries[place.ravel()].reshape(place.shape) for place in found]
+
+    return rule
+
+
+def _by_index(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
+    """A part of a short table by an index that is known only as the step runs: one of a few."""
+    table, *starts = given
+    if all(start.dtype != object for start in starts):
+        return _placed(1)(algebra, equation, given)
+    sizes = equation.params["slice_sizes"]
+    free = [n - size for n, size in zip(table.shape, sizes, strict=True)]
+    ways = [range(n + 1) if s.dtype == object else [int(np.clip(s, 0, n))] for n, s in zip(free, starts, strict=True)]
+    count = math.prod(map(len, ways))
+    if count > MOST_WAYS:
+        raise NoCounterpartError(
+            f"a table of {count} entries by an index that is known only as the step runs has no "
+            f"counterpart among scalars; one of {MOST_WAYS} has"
+        )
+    (entries,) = objects(algebra, [table])
+
+    def part(axis: int, before: tuple[int, ...]) -> np.ndarray:
+        """What the index of this axis and those behind it choose."""
+        if axis == len(ways):
+            whole = [slice(at, at + size) for at, size in zip(before, sizes, strict=True)]
+            return entries[tuple(whole)]
+        found = [part(axis + 1, (*before, at)) for at in ways[axis]]
+        chosen = found[-1]
+        for at, one in zip(ways[axis][-2::-1], found[-2::-1], strict=True):
+            here = algebra.apply("le", starts[axis][()], algebra.constant(np.int64(at)))
+            chosen = each(lambda no, yes, c=here: algebra.choose(c, no, yes), chosen, one)
+        return chosen
+
+    return [part(0, ())]
+
+
+def places(equation: Any, given: Sequence[Any]) -> Arrays:
+    """Where each entry of the results is from, counted through all operands; -1: from nowhere.
+
+    Args:
+        equation: what moves them.
+        given: the shape of an operand whose entries move, or the numbers that say where to.
+    """
+    counted, at, params = [], 0, dict(equation.params)
+    for one in given:
+        if isinstance(one, tuple):
+            counted.append(np.arange(at, at + math.prod(one), dtype=np.int64).reshape(one))
+            at += math.prod(one)
+        else:
+            counted.append(one)
+    if "fill_value" in params:
+        params["fill_value"] = -1
+    with jax.ensure_compile_time_eval():
+        found = equation.primitive.bind(*counted, **params)
+    return [np.asarray(one) for one in (found if equation.primitive.multiple_results else [found])]
+
+
+def _added(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
+    """Entries added in other places; each place is met once."""
+    target, where, more = given
+    if where.dtype == object:
+        raise NoCounterpartError("scatter-add by an index that is known only as the step runs")
+    nothing = np.zeros(target.shape, np.int64)
+    (met,) = worked_out(equation, [nothing, where, np.ones(more.shape, np.int64)])
+    if (met > 1).any():
+        raise NoCounterpartError("scatter-add of several numbers to one place")
+    counted = np.arange(1, more.size + 1, dtype=np.int64).reshape(more.shape)
+    (hit,) = worked_out(equation, [nothing, where, counted])
+    target, more = objects(algebra, (target, more))
+    flat = more.ravel()
+    return [each(lambda x, k: algebra.apply("add", x, flat[k - 1]) if k else x, target, hit)]
+
+
+MOVES: Mapping[str, Rule] = {
+    **{name: _of_one(move) for name, move in _OF_ONE.items()},
+    "concatenate": _joined,
+    "stack": _stacked,
+    "split": _parted,
+    "unstack": _unstacked,
+}
+"""Moves that are the same of numbers and of entries."""
+
+PLACED: Mapping[str, Rule] = {
+    "pad": _placed(2),
+    "gather": _placed(1),
+    "scatter": _placed(1, 2),
+    "dynamic_slice": _by_index,
+    "dynamic_update_slice": _placed(2),
+    "scatter-add": _added,
+    "scatter_add": _added,
+}
+"""Moves to places that operands say."""

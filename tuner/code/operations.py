@@ -1,0 +1,86 @@
+"""The operations of scalars: what each is in NumPy, and what it gives."""
+
+import math
+from collections.abc import Callable
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+
+Kind: TypeAlias = Literal["real", "truth", "whole"]
+"""What a scalar is: a number, a truth value, or a whole number."""
+
+
+def _whole(function: Callable[[float], float]) -> Callable[..., Any]:
+    return np.vectorize(function, otypes=[float])
+
+
+UNARY: dict[str, Callable[..., Any]] = {
+    "neg": np.negative,
+    "not": np.logical_not,
+    "is_finite": np.isfinite,
+    "isnan": np.isnan,
+    "abs": np.abs,
+    "sqrt": np.sqrt,
+    "cbrt": np.cbrt,
+    "sin": np.sin,
+    "cos": np.cos,
+    "tan": np.tan,
+    "asin": np.arcsin,
+    "acos": np.arccos,
+    "atan": np.arctan,
+    "sinh": np.sinh,
+    "cosh": np.cosh,
+    "tanh": np.tanh,
+    "asinh": np.arcsinh,
+    "acosh": np.arccosh,
+    "atanh": np.arctanh,
+    "exp": np.exp,
+    "exp2": np.exp2,
+    "expm1": np.expm1,
+    "log": np.log,
+    "log1p": np.log1p,
+    "floor": np.floor,
+    "ceil": np.ceil,
+    "round": np.rint,
+    "erf": _whole(math.erf),
+    "erfc": _whole(math.erfc),
+    "lgamma": _whole(math.lgamma),
+}
+
+BINARY: dict[str, Callable[..., Any]] = {
+    "add": np.add,
+    "sub": np.subtract,
+    "mul": np.multiply,
+    "div": np.divide,
+    "rem": np.fmod,
+    "pow": np.power,
+    "atan2": np.arctan2,
+    "max": np.maximum,
+    "min": np.minimum,
+    "eq": np.equal,
+    "ne": np.not_equal,
+    "lt": np.less,
+    "le": np.less_equal,
+    "gt": np.greater,
+    "ge": np.greater_equal,
+    "and": np.logical_and,
+    "or": np.logical_or,
+    "xor": np.logical_xor,
+}
+
+COMMUTE = frozenset({"add", "mul", "and", "or", "xor", "eq", "ne"})
+COMPARE = frozenset({"eq", "ne", "lt", "le", "gt", "ge"})
+LOGIC = COMPARE | {"and", "or", "xor", "not", "is_finite", "isnan"}
+"""What gives a truth value."""
+
+
+def in_numpy(op: str, *values: Any) -> Any:
+    """An operation on numbers or arrays."""
+    with np.errstate(all="ignore"):
+        return (UNARY if len(values) == 1 else BINARY)[op](*values)
+
+
+def kind_of(value: Any) -> Kind:
+    """What an array or a type holds."""
+    dtype = value if isinstance(value, np.dtype) else np.asarray(value).dtype
+    return "truth" if dtype == bool else "whole" if dtype.kind in "iu" else "real"

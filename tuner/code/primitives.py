@@ -1,0 +1,205 @@
+"""What each operation of JAX is on arrays of entries."""
+
+import math
+from collections.abc import Callable, Mapping
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from tuner.code.moves import MOVES, PLACED
+from tuner.code.operations import BINARY, UNARY
+from tuner.code.walk import Algebra, Arrays, NoCounterpartError, Rule, Walk, each, objects
+
+
+def _plain(op: str) -> Rule:
+    def rule(algebra: Algebra, _: Any, given: Arrays) -> Arrays:
+        return [each(lambda *x: algebra.apply(op, *x), *objects(algebra, given))]
+
+    return rule
+
+
+def _logic(op: str) -> Rule:
+    def rule(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
+        if equation.invars[0].aval.dtype != bool:
+            raise NoCounterpartError(f"{op} of the bits of whole numbers has no counterpart")
+        return _plain(op)(algebra, equation, given)
+
+    return rule
+
+
+def _sign(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
+    """Of NaN it is NaN."""
+    number = equation.invars[0].aval.dtype.type
+    zero, one, below = (algebra.constant(number(value)) for value in (0, 1, -1))
+
+    def of(x: Any) -> Any:
+        rest = algebra.choose(algebra.apply("lt", x, zero), x, below)
+        return algebra.choose(algebra.apply("gt", x, zero), rest, one)
+
+    return [each(of, *given)]
+
+
+def _rounded(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
+    if int(equation.params["rounding_method"]) != 1:
+        raise NoCounterpartError("rounding halves away from zero has no counterpart; round to even")
+    return _plain("round")(algebra, equation, given)
+
+
+def _square(algebra: Algebra, _: Any, given: Arrays) -> Arrays:
+    return [each(lambda x: algebra.apply("mul", x, x), *given)]
+
+
+def _rsqrt(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
+    one = algebra.constant(equation.invars[0].aval.dtype.type(1))
+    return [each(lambda x: algebra.apply("div", one, algebra.apply("sqrt", x)), *given)]
+
+
+def _logistic(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
+    one = algebra.constant(equation.invars[0].aval.dtype.type(1))
+
+    def of(x: Any) -> Any:
+        falling = algebra.apply("exp", algebra.apply("neg", x))
+        return algebra.apply("div", one, algebra.apply("add", one, falling))
+
+    return [each(of, *given)]
+
+
+def _choose(algebra: Algebra, _: Any, given: Arrays) -> Arrays:
+    if len(given) != 3:
+        raise NoCounterpartError("select_n of more than two has no counterpart among scalars")
+    if given[0].dtype != object:
+        _, no, yes = objects(algebra, given)
+        return [np.where(given[0], yes, no)]
+    return [each(algebra.choose, *objects(algebra, given))]
+
+
+def _convert(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
+    dtype = np.dtype(equation.params["new_dtype"])
+    return [each(lambda x: algebra.convert(x, dtype), *given)]
+
+
+def _clamp(algebra: Algebra, _: Any, given: Arrays) -> Arrays:
+    def between(low: Any, x: Any, high: Any) -> Any:
+        return algebra.apply("min", algebra.apply("max", x, low), high)
+
+    return [each(between, *objects(algebra, given))]
+
+
+def _power(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
+    one = equation.invars[0].aval.dtype.type(1)
+
+    def times(x: Any, n: int) -> Any:
+        if n < 0:
+            return algebra.apply("div", algebra.constant(one), times(x, -n))
+        if n < 2:
+            return x if n else algebra.constant(one)
+        half = times(x, n // 2)
+        whole = algebra.apply("mul", half, half)
+        return algebra.apply("mul", whole, x) if n % 2 else whole
+
+    return [each(lambda x: times(x, equation.params["y"]), *given)]
+
+
+def _reduced(op: str) -> Rule:
+    def rule(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
+        axes = equation.params["axes"]
+        kept = [k for k in range(given[0].ndim) if k not in axes]
+        shape = [given[0].shape[k] for k in kept]
+        out = np.empty(shape, object)
+        rows = given[0].transpose((*kept, *axes)).reshape((*shape, -1))
+        for index in np.ndindex(*shape):
+            total = rows[index][0]
+            for entry in rows[index][1:]:
+                total = algebra.apply(op, total, entry)
+            out[index] = total
+        return [out]
+
+    return rule
+
+
+def _place(better: str) -> Rule:
+    def rule(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
+        (axis,), dtype = equation.params["axes"], np.dtype(equation.params["index_dtype"])
+        rows = np.moveaxis(given[0], axis, 0)
+        best, at = rows[0], each(lambda _: algebra.constant(dtype.type(0)), rows[0])
+        for k, row in enumerate(rows[1:], 1):
+            here = algebra.constant(dtype.type(k))
+            wins = each(lambda x, y: algebra.apply(better, x, y), row, best)
+            best = each(algebra.choose, wins, best, row)
+            at = each(lambda c, old, new=here: algebra.choose(c, old, new), wins, at)
+        return [at]
+
+    return rule
+
+
+def _cumulated(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
+    rows = np.moveaxis(given[0], equation.params["axis"], 0)
+    back = slice(None, None, -1 if equation.params["reverse"] else 1)
+    sums = [rows[back][0]]
+    for row in rows[back][1:]:
+        sums.append(each(lambda x, y: algebra.apply("add", x, y), sums[-1], row))
+    return [np.moveaxis(np.stack(sums)[back], 0, equation.params["axis"])]
+
+
+def _product(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
+    (cx, cy), (bx, by) = equation.params["dimension_numbers"]
+    x, y = objects(algebra, given)
+    fx = [k for k in range(x.ndim) if k not in (*cx, *bx)]
+    fy = [k for k in range(y.ndim) if k not in (*cy, *by)]
+    batch, rows, columns = (
+        [a.shape[k] for k in axes] for a, axes in ((x, bx), (x, fx), (y, fy))
+    )
+    length = math.prod(x.shape[k] for k in cx)
+    x = x.transpose(*bx, *fx, *cx).reshape(math.prod(batch), math.prod(rows), length)
+    y = y.transpose(*by, *fy, *cy).reshape(math.prod(batch), math.prod(columns), length)
+    out = np.empty((math.prod(batch), math.prod(rows), math.prod(columns)), object)
+    for b, i, j in product(*map(range, out.shape)):
+        total = algebra.constant(equation.outvars[0].aval.dtype.type(0))
+        for k in range(length):
+            total = algebra.apply("add", total, algebra.apply("mul", x[b, i, k], y[b, j, k]))
+        out[b, i, j] = total
+    return [out.reshape((*batch, *rows, *columns))]
+
+
+_SUMS = {"sum": "add", "prod": "mul", "max": "max", "min": "min", "and": "and", "or": "or"}
+
+_NUMBERS: Mapping[str, Callable[..., Any]] = {
+    **{name: function for name, function in (UNARY | BINARY).items() if name != "isnan"},
+    "add_any": np.add,
+    "square": np.square,
+}
+"""What NumPy does as JAX does, of real numbers: without compiling anything."""
+
+_RULES: Mapping[str, Rule] = {
+    **{name: _plain(name) for name in (*UNARY, *BINARY) if name != "isnan"},
+    **{f"reduce_{name}": _reduced(op) for name, op in _SUMS.items()},
+    **MOVES,
+    **PLACED,
+    **{name: _logic(name) for name in ("and", "or", "xor", "not")},
+    "add_any": _plain("add"),
+    "sign": _sign,
+    "round": _rounded,
+    "square": _square,
+    "rsqrt": _rsqrt,
+    "logistic": _logistic,
+    "select_n": _choose,
+    "convert_element_type": _convert,
+    "clamp": _clamp,
+    "integer_pow": _power,
+    "argmax": _place("gt"),
+    "argmin": _place("lt"),
+    "cumsum": _cumulated,
+    "dot_general": _product,
+}
+"""How each operation is done."""
+
+
+def walk(algebra: Algebra, told: Callable[[Any, Arrays], None] | None = None) -> Walk:
+    """A way through traced functions with entries of an algebra.
+
+    Args:
+        algebra: what the entries are.
+        told: told of every operation, with its results.
+    """
+    return Walk(algebra, _RULES, MOVES, _NUMBERS, told)

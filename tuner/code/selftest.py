@@ -1,0 +1,172 @@
+"""The self-test: samples with what is expected, as a function of C that compares them."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from tuner.code.fields import Field
+from tuner.code.flat import wrapped
+from tuner.code.literal import Precision, literal
+from tuner.code.tried import Tried
+from tuner.code.written import Written
+
+
+def selftest(file: str, forms: Sequence[tuple[Written, Tried]]) -> str:
+    """A source file with a function that is 0 where all forms do what they should.
+
+    Args:
+        file: name of the header, without its suffix.
+        forms: what was written, and what it is tried on.
+    """
+    stem = forms[0][0].stem
+    lines = [
+        "/*",
+        " * Samples, and what filter-tuner's own filter makes of them; written by filter-tuner.",
+        f" * {stem}_selftest() is 0, or the number of the first sample that is off. To run it alone:",
+        f" * cc -DSELFTEST_MAIN {file}.c {file}_selftest.c -lm && ./a.out",
+        " */",
+        f'#include "{file}.h"',
+        "",
+        "#include <math.h>",
+        "",
+    ]
+    for written, tried in forms:
+        lines += _form(written, tried)
+    calls = [f"{written.stem}_run_selftest()" for written, _ in forms]
+    lines += [f"int {stem}_selftest(void)", "{", f"    int off = {calls[0]};"]
+    for call in calls[1:]:
+        lines += ["    if (off == 0) {", f"        off = {call};", "    }"]
+    lines += ["    return off;", "}", "", "#ifdef SELFTEST_MAIN", "#include <stdio.h>", ""]
+    lines += ["int main(void)", "{", f"    const int off = {stem}_selftest();"]
+    lines += ["    if (off == 0) {", '        (void)puts("the filter does what it should");']
+    lines += ["    } else {", '        (void)printf("sample %d is off\\n", off);', "    }"]
+    return "\n".join([*lines, "    return (off == 0) ? 0 : 1;", "}", "#endif", ""])
+
+
+def _form(written: Written, tried: Tried) -> Iterator[str]:
+    stem, real = written.stem, written.precision
+    samples = np.hstack(_flat(written.inputs, tried.samples))
+    expected = np.hstack(_flat(written.outputs, tried.expected))
+    allowed = np.hstack([row[0] for row in _flat(written.outputs, [a[None] for a in tried.allowed])])
+    after, most = (
+        np.hstack([row[0] for row in _flat(written.state, [np.asarray(a)[None] for a in part])])
+        for part in (tried.after, tried.allowed_after)
+    )
+    yield from _table(f"{stem}_samples", real, samples)
+    yield from _table(f"{stem}_expected", real, expected)
+    yield from _table(f"{stem}_allowed", real, allowed)
+    yield from _table(f"{stem}_after", real, after)
+    yield from _table(f"{stem}_allowed_after", real, most)
+    fabs = "fabs" if real == "double" else "fabsf"
+    yield f"static int {stem}_off(const {real} found, const {real} right, const {real} allowed)"
+    yield "{"
+    yield "    if (isnan(right)) {"
+    yield "        return isnan(found) ? 0 : 1;"
+    yield "    }"
+    yield f"    return ({fabs}(found - right) <= allowed) ? 0 : 1;"
+    yield from ("}", "")
+    yield f"static int {stem}_run_selftest(void)"
+    yield "{"
+    for name in ("state", "input", "output"):
+        yield f"    {stem}_{name} {name};"
+    yield "    int off = 0;"
+    if written.params:
+        yield from (f"    {stem}_params params;", f"    {stem}_tables tables;")
+        yield f"    {stem}_defaults(&params);"
+        yield f"    {stem}_set(&tables, &params);"
+    yield f"    {stem}_init(&state{', &params' if written.params else ''});"
+    yield f"    for (int k = 0; k < {len(samples)}; k++) {{"
+    for at, (place, field) in enumerate(_places("input", written.inputs)):
+        yield f"        {place} = {_given(f'{stem}_samples[k][{at}]', field, real)};"
+    tables = ", &tables" if written.params else ""
+    yield f"        {stem}_step(&state, &input, &output{tables});"
+    yield from _compared("output", written.outputs, stem, real, "expected[k]", "allowed", "        ")
+    yield "        if (off != 0) {"
+    yield "            return k + 1;"
+    yield from ("        }", "    }")
+    yield from _compared("state", written.state, stem, real, "after", "allowed_after", "    ")
+    yield f"    return (off != 0) ? {len(samples)} : 0;"
+    yield from ("}", "")
+
+
+def _compared(
+    part: str,
+    fields: Sequence[Field],
+    stem: str,
+    real: Precision,
+    right: str,
+    allowed: str,
+    pad: str,
+) -> Iterator[str]:
+    at = 0
+    for field in fields:
+        place = "i" if at == 0 else f"{at} + i"
+        if not field.shape:
+            found = _found(f"{part}.{field.name}", field, real)
+            ends = f"{stem}_{right}[{at}], {stem}_{allowed}[{at}]"
+            yield wrapped(f"{pad}off |= {stem}_off({found}, {ends});")
+        else:
+            found = _found(f"{part}.{field.name}[i]", field, real)
+            ends = f"{stem}_{right}[{place}], {stem}_{allowed}[{place}]"
+            yield f"{pad}for (int i = 0; i < {field.size}; i++) {{"
+            yield f"{pad}    off |= {stem}_off({found}, {ends});"
+            yield f"{pad}}}"
+        at += field.size
+
+
+def _found(place: str, field: Field, real: Precision) -> str:
+    if field.kind == "truth":
+        return f"{place} ? {literal(1, 'real', real)} : {literal(0, 'real', real)}"
+    return place if field.kind == "real" else f"({real}){place}"
+
+
+def _given(text: str, field: Field, real: Precision) -> str:
+    if field.kind == "truth":
+        return f"{text} > {literal(0.5, 'real', real)}"
+    return text if field.kind == "real" else f"(int){text}"
+
+
+def _places(part: str, fields: Sequence[Field]) -> Iterator[tuple[str, Field]]:
+    for field in fields:
+        for index in field.entries():
+            yield f"{part}.{field.place(index)}", field
+
+
+def _flat(fields: Sequence[Field], arrays: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Rows of what each field keeps, ``(N, size)``."""
+    found = []
+    for field, array in zip(fields, arrays, strict=True):
+        entries = [array[(slice(None), *index)] for index in field.entries()]
+        found.append(np.stack(entries, axis=1) if entries else np.zeros((len(array), 0)))
+    return found or [np.zeros((1, 0))]
+
+
+def _table(name: str, real: Precision, values: np.ndarray) -> Iterator[str]:
+    """A constant array of one or two axes; C has no empty ones."""
+    if not values.size:
+        values = np.zeros((*values.shape[:-1], 1))
+    sizes = "".join(f"[{n}]" for n in values.shape)
+    yield f"static const {real} {name}{sizes} = {{"
+    rows = values if values.ndim == 2 else values[None]
+    for k, row in enumerate(rows):
+        text = ", ".join(literal(x, "real", real) for x in row)
+        end = "," if k + 1 < len(rows) else ""
+        yield _row(f"{{{text}}}{end}" if values.ndim == 2 else text)
+    yield from ("};", "")
+
+
+def _row(text: str) -> str:
+    """A row of numbers in lines that are not too long."""
+    lines, line = [], "   "
+    for part in text.split(" "):
+        if len(line) + len(part) + 1 > 100:
+            lines.append(line)
+            line = "       "
+        line += f" {part}"
+    return "\n".join([*lines, line])
+
+
+def numbers(trees: Any) -> list[np.ndarray]:
+    """Arrays as real numbers."""
+    return [np.asarray(tree, float) for tree in trees]

@@ -1,0 +1,95 @@
+"""Which assignment of a source file an operation is the whole value of: names and comments.
+
+JAX keeps with each operation where it was traced. Where it keeps nothing, nothing is named.
+"""
+
+import ast
+from collections.abc import Iterator
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, NamedTuple, TypeAlias
+
+Span: TypeAlias = tuple[int, int, int, int]
+"""First line and column of a value, last line and column."""
+
+
+class Said(NamedTuple):
+    """An assignment.
+
+    Attributes:
+        name: what is assigned to.
+        text: the statement, on one line.
+        where: the file's name and the line.
+    """
+
+    name: str
+    text: str
+    where: str
+
+
+def said(source: Any) -> Said | None:
+    """The assignment whose whole value an operation is, from the innermost call outwards.
+
+    Args:
+        source: what JAX keeps with the operation.
+    """
+    for file, span in _frames(getattr(source, "traceback", None)):
+        found = _assigned(file).get(span)
+        if found is None:
+            return None
+        if found.name:
+            return found
+    return None
+
+
+def _frames(traceback: Any) -> Iterator[tuple[str, Span]]:
+    """The calls outside of JAX, innermost first."""
+    try:
+        codes, at = traceback.raw_frames()
+    except AttributeError:
+        return
+    for code, instruction in zip(codes, at, strict=True):
+        if code.co_filename.startswith(_libraries()):
+            continue
+        positions = list(code.co_positions())[instruction // 2]
+        if None not in positions:
+            first, last, left, right = positions
+            yield code.co_filename, (first, left, last, right)
+
+
+@cache
+def _libraries() -> tuple[str, ...]:
+    specs = [find_spec(name) for name in ("jax", "jaxlib", "numpy")]
+    return tuple(str(Path(spec.origin).parent) for spec in specs if spec and spec.origin)
+
+
+@cache
+def _assigned(file: str) -> dict[Span, Said]:
+    """What a file assigns, by where the value stands; of what it returns, no name."""
+    try:
+        text = Path(file).read_text("utf-8")
+        tree = ast.parse(text)
+    except (OSError, SyntaxError, ValueError):
+        return {}
+    found = {}
+    for node in ast.walk(tree):
+        for target, value in _pairs(node):
+            whole = " ".join((ast.get_source_segment(text, node) or "").split())
+            place = Said(target, whole, f"{Path(file).name}:{node.lineno}")
+            found[value.lineno, value.col_offset, value.end_lineno or 0, value.end_col_offset or 0] = place
+    return found
+
+
+def _pairs(node: Any) -> Iterator[tuple[str, ast.expr]]:
+    """Names with the values that a statement gives them."""
+    if isinstance(node, ast.Return) and node.value is not None:
+        yield "", node.value
+    if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
+        return
+    target = node.targets[0] if isinstance(node, ast.Assign) else node.target
+    both = isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple)
+    pairs = zip(target.elts, node.value.elts, strict=False) if both else [(target, node.value)]
+    for one, value in pairs:
+        if isinstance(one, ast.Name):
+            yield one.id, value

@@ -1,0 +1,120 @@
+"""What a filter is tried on where it runs: a few samples, and what JAX makes of them."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import numpy as np
+
+from filters import run
+from tuner.code.trace import in_precision
+
+SAMPLES = 50
+_ROUNDING = {"double": 1e-12, "float": 1e-6}
+"""What is so far below the largest number of the state is left of rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """Samples and what follows from them, flat; whole numbers and truth values as real ones.
+
+    Attributes:
+        samples: the inputs, ``(N, inputs)``.
+        expected: the outputs, a field each, ``(N, ...)``.
+        allowed: how far an output may be off, a field each, ``(...)``.
+        after: the state after the last sample, a field each.
+        allowed_after: how far it may be off.
+    """
+
+    samples: list[np.ndarray]
+    expected: list[np.ndarray]
+    allowed: list[np.ndarray]
+    after: list[np.ndarray]
+    allowed_after: list[np.ndarray]
+
+
+def tried(filter: Any, params: Any, inputs: Any, kept: list[bool], precision: str) -> Tried:
+    """Run a filter over some of its samples, in the precision that it is written for.
+
+    The first samples and some of all the others, with holes where the filter takes them.
+
+    Args:
+        filter: the filter.
+        params: its parameters.
+        inputs: its inputs, time first.
+        kept: which of the outputs are put out.
+        precision: double or float.
+    """
+    samples = _with_holes(filter, params, _chosen(inputs))
+    exact = _ran(filter, params, samples, np.float64)
+    rounded = exact
+    if precision == "float":
+        rounded = _ran(filter, params, samples, np.float32)
+    start = [np.asarray(leaf) for leaf in jax.tree.leaves(filter.init(params))]
+    rest = _ROUNDING[precision] * max(map(_size, (*start, *rounded[0])), default=0.0)
+    outputs = [
+        (right, near)
+        for right, near, wanted in zip(exact[1], rounded[1], kept, strict=True)
+        if wanted
+    ]
+    dtype = np.float32 if precision == "float" else np.float64
+    return Tried(
+        [np.asarray(leaf) for leaf in jax.tree.leaves(in_precision(samples, dtype))],
+        [near for _, near in outputs],
+        [_allowed(*pair, precision) for pair in outputs],
+        rounded[0],
+        [
+            _allowed(right[None], near[None], precision) + rest
+            for right, near in zip(exact[0], rounded[0], strict=True)
+        ],
+    )
+
+
+def _chosen(inputs: Any) -> Any:
+    """The first half one after another, the others from everywhere behind it."""
+    count = len(jax.tree.leaves(inputs)[0])
+    near = np.arange(min(count, SAMPLES // 2))
+    far = np.linspace(len(near), count - 1, min(SAMPLES, count) - len(near)).astype(int)
+    which = np.concatenate([near, far])
+    return jax.tree.map(lambda leaf: np.asarray(leaf)[which], inputs)
+
+
+def _with_holes(filter: Any, params: Any, samples: Any) -> Any:
+    """The same with samples missing in every channel that the filter can miss."""
+    leaves, tree = jax.tree.flatten(samples)
+    for k, leaf in enumerate(leaves):
+        if leaf.dtype.kind != "f" or np.isnan(leaf).any() or len(leaf) < SAMPLES:
+            continue
+        holed = leaf.copy()
+        holed[4 + k % 5 :: 13] = np.nan
+        other = tree.unflatten([*leaves[:k], holed, *leaves[k + 1 :]])
+        if all(np.isfinite(part).all() for part in _ran(filter, params, other, np.float64)[0]):
+            leaves[k] = holed
+    return tree.unflatten(leaves)
+
+
+def _ran(filter: Any, params: Any, samples: Any, dtype: type[np.floating]) -> Iterator[Any]:
+    """State and outputs, flat, as real numbers."""
+    found = _run(filter, in_precision(params, dtype), in_precision(samples, dtype))
+    return [[np.asarray(x, dtype) for x in jax.tree.leaves(part)] for part in found]
+
+
+@jax.jit(static_argnums=0)
+def _run(filter: Any, params: Any, samples: Any) -> Any:
+    return run(filter, params, samples)
+
+
+def _allowed(exact: np.ndarray, near: np.ndarray, precision: str) -> np.ndarray:
+    """How far another machine may be off in a number, over the samples."""
+    with np.errstate(invalid="ignore"):
+        strays = np.abs(near.astype(float) - exact)
+    strays = np.where(np.isfinite(strays), strays, 0).max(axis=0)
+    size = np.where(np.isfinite(near), np.abs(near), 0).max(axis=0).astype(float)
+    if precision == "double":
+        return 1e-9 * size
+    return 4 * strays + 4e-6 * size
+
+
+def _size(array: np.ndarray) -> float:
+    return float(np.abs(array[np.isfinite(array)]).max(initial=0.0))

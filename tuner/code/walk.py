@@ -1,0 +1,199 @@
+"""A traced function, operation by operation, on arrays whose entries are anything.
+
+The entries are nodes of a graph or another program's symbols, in NumPy arrays of objects. What
+depends on none of them is worked out by JAX. A table says what each operation is; loops within a
+step are unrolled, both branches of a condition taken. What has no entry is refused by its name.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Protocol, TypeAlias
+
+import jax
+import numpy as np
+from jax.extend import core
+
+Arrays: TypeAlias = list[np.ndarray]
+Rule: TypeAlias = "Callable[[Algebra, Any, Arrays], Arrays]"
+"""From the entries, an operation as JAX traced it, and its operands to its results."""
+
+
+class NoCounterpartError(ValueError):
+    """An operation that scalars do not have."""
+
+
+class Algebra(Protocol):
+    """What the entries are."""
+
+    def constant(self, value: Any) -> Any:
+        """The entry that is a number."""
+        ...
+
+    def apply(self, op: str, *entries: Any) -> Any:
+        """One operation of :mod:`tuner.code.operations`."""
+        ...
+
+    def choose(self, condition: Any, no: Any, yes: Any) -> Any:
+        """One of two."""
+        ...
+
+    def convert(self, entry: Any, dtype: np.dtype) -> Any:
+        """The same as another kind of number."""
+        ...
+
+
+@dataclass(frozen=True)
+class Walk:
+    """A way through traced functions.
+
+    Attributes:
+        algebra: what the entries are.
+        rules: what each operation is.
+        moves: those of them that move numbers as well as entries.
+        numbers: functions of NumPy that do with real numbers what operations do.
+        told: told of every operation in the function itself and its loops, with its results.
+    """
+
+    algebra: Algebra
+    rules: Mapping[str, Rule]
+    moves: Mapping[str, Rule]
+    numbers: Mapping[str, Callable[..., Any]]
+    told: Callable[[Any, Arrays], None] | None = None
+
+    def closed(self, jaxpr: core.ClosedJaxpr, arguments: Sequence[np.ndarray]) -> Arrays:
+        """The results of a traced function.
+
+        Raises:
+            NoCounterpartError: names the operation that has no counterpart.
+        """
+        known: dict[Any, np.ndarray] = {}
+        known.update(zip(jaxpr.jaxpr.constvars, map(np.asarray, jaxpr.consts), strict=True))
+        known.update(zip(jaxpr.jaxpr.invars, arguments, strict=True))
+
+        def read(atom: Any) -> np.ndarray:
+            if isinstance(atom, core.Literal):
+                return np.asarray(atom.val, atom.aval.dtype)
+            return known[atom]
+
+        for equation in jaxpr.jaxpr.eqns:
+            found = self.equation(equation, [read(atom) for atom in equation.invars])
+            known.update(zip(equation.outvars, found, strict=True))
+            if self.told is not None:
+                self.told(equation, found)
+        return [read(atom) for atom in jaxpr.jaxpr.outvars]
+
+    def equation(self, equation: Any, given: Arrays) -> Arrays:
+        """The results of one operation."""
+        name, inner = equation.primitive.name, inner_of(equation)
+        if inner is not None:  # JAX remembers these, with lines of whoever called them first
+            return replace(self, told=None).closed(inner, given)
+        if all(array.dtype != object for array in given):
+            return self.known(equation, given)
+        if name == "scan":
+            return self._scan(equation.params, given)
+        if name == "cond":
+            return self._cond(equation.params["branches"], given[0], given[1:])
+        if name not in self.rules:
+            raise no_counterpart(name)
+        return self.rules[name](self.algebra, equation, given)
+
+    def known(self, equation: Any, given: Arrays) -> Arrays:
+        """What is known already: by NumPy where that does the same, else JAX has to compile it."""
+        name = equation.primitive.name
+        if name in self.moves:
+            return self.moves[name](self.algebra, equation, given)
+        if name in self.numbers and all(array.dtype.kind == "f" for array in given):
+            with np.errstate(all="ignore"):
+                found = self.numbers[name](*given)
+            return [np.asarray(found, equation.outvars[0].aval.dtype)]
+        return worked_out(equation, given)
+
+    def _scan(self, params: Mapping[str, Any], given: Arrays) -> Arrays:
+        shared, carried = params["num_consts"], params["num_carry"]
+        consts, carry = given[:shared], given[shared : shared + carried]
+        stacked = given[shared + carried :]
+        turns = range(params["length"])
+        rows: dict[int, Arrays] = {}
+        for k in reversed(turns) if params["reverse"] else turns:
+            now = [array[k : k + 1].reshape(array.shape[1:]) for array in stacked]
+            found = self.closed(params["jaxpr"], [*consts, *carry, *now])
+            carry, rows[k] = found[:carried], found[carried:]
+        columns = zip(*(rows[k] for k in turns), strict=True)
+        return [*carry, *(np.stack(mixed(self.algebra, column)) for column in columns)]
+
+    def _cond(self, branches: Sequence[Any], index: np.ndarray, given: Arrays) -> Arrays:
+        if index.dtype != object:
+            return self.closed(branches[int(np.clip(index, 0, len(branches) - 1))], given)
+        found = [self.closed(branch, given) for branch in branches]
+        chosen = found[-1]
+        for k in range(len(branches) - 2, -1, -1):
+            here = self.algebra.apply("le", index[()], self.algebra.constant(np.int32(k)))
+            chosen = [
+                each(lambda no, yes, at=here: self.algebra.choose(at, no, yes), *pair)
+                for pair in zip(
+                    *(objects(self.algebra, part) for part in (chosen, found[k])), strict=True
+                )
+            ]
+        return chosen
+
+
+def no_counterpart(name: str) -> NoCounterpartError:
+    """The error that names an operation."""
+    words = _KNOWN.get(name, name)
+    return NoCounterpartError(f"{words} has no counterpart among scalars")
+
+
+_KNOWN = {
+    "while": "a while loop, which takes as long as its data want (while),",
+    "sort": "sorting (sort)",
+    "fft": "a Fourier transform (fft)",
+    "pure_callback": "a call of Python (pure_callback)",
+    "io_callback": "a call of Python (io_callback)",
+    "custom_linear_solve": "solving a system of equations in the step (custom_linear_solve)",
+}
+
+
+def inner_of(equation: Any) -> core.ClosedJaxpr | None:
+    """The function that an operation calls, and nothing else."""
+    name, params = equation.primitive.name, equation.params
+    if name in ("jit", "pjit", "closed_call", "core_call", "custom_jvp_call", "custom_vjp_call"):
+        for key in ("jaxpr", "call_jaxpr"):
+            if isinstance(params.get(key), core.ClosedJaxpr):
+                closed: core.ClosedJaxpr = params[key]
+                return closed
+    if name in ("remat", "remat2", "checkpoint"):
+        return core.ClosedJaxpr(params["jaxpr"], ())
+    return None
+
+
+def worked_out(equation: Any, given: Sequence[Any]) -> Arrays:
+    """What depends on no entry JAX works out itself."""
+    with jax.ensure_compile_time_eval():
+        found = equation.primitive.bind(*given, **equation.params)
+    return [
+        np.asarray(part) for part in (found if equation.primitive.multiple_results else [found])
+    ]
+
+
+def each(function: Callable[..., Any], *arrays: np.ndarray) -> np.ndarray:
+    """A function of entries, entry by entry; shapes of JAX fit already, or are of one number."""
+    shape = np.broadcast_shapes(*(array.shape for array in arrays))
+    out = np.empty(shape, object)
+    whole = [np.broadcast_to(array, shape) for array in arrays]
+    for index in np.ndindex(shape):
+        out[index] = function(*(array[index] for array in whole))
+    return out
+
+
+def objects(algebra: Algebra, arrays: Sequence[np.ndarray]) -> Arrays:
+    """The same as entries: numbers become constants."""
+    return [
+        array if array.dtype == object else each(algebra.constant, array) for array in arrays
+    ]
+
+
+def mixed(algebra: Algebra, arrays: Sequence[np.ndarray]) -> Arrays:
+    """The same; as entries, where one of them is of entries."""
+    if all(array.dtype != object for array in arrays):
+        return list(arrays)
+    return objects(algebra, arrays)

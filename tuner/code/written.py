@@ -1,0 +1,94 @@
+"""What is written of one form of a filter: its declarations, its definitions, and what it took."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from tuner.code.fields import Field
+from tuner.code.literal import Precision, type_of
+from tuner.code.names import in_comment
+
+
+@dataclass(frozen=True)
+class Written:
+    """A form of a filter in C.
+
+    Attributes:
+        stem: what the names of its types and functions begin with.
+        precision: of its real numbers.
+        state, inputs, outputs, params: its fields; no params where they are numbers.
+        declarations: lines of the header.
+        definitions: lines of the source.
+        operations: how many a step takes.
+    """
+
+    stem: str
+    precision: Precision
+    state: list[Field]
+    inputs: list[Field]
+    outputs: list[Field]
+    params: list[Field]
+    declarations: list[str]
+    definitions: list[str]
+    operations: int
+
+
+def declarations(
+    stem: str,
+    precision: Precision,
+    parts: Iterable[tuple[str, str, Sequence[Field]]],
+    derived: int | None,
+) -> Iterator[str]:
+    """The types and functions of a form.
+
+    Args:
+        stem: what names begin with.
+        precision: of real numbers.
+        parts: the structs: their names, what they are, their fields.
+        derived: how many numbers follow from parameters; None where there are no parameters.
+    """
+    for name, meaning, fields in parts:
+        yield f"/* {meaning} */"
+        yield "typedef struct {"
+        yield from _members(fields, precision)
+        yield f"}} {stem}_{name};"
+        yield ""
+    if derived is None:
+        yield from ("/* Begin anew. */", f"void {stem}_init({stem}_state *state);", "")
+    else:
+        yield "/* What follows from the parameters, worked out by set. */"
+        yield "typedef struct {"
+        yield f"    {precision} derived[{max(derived, 1)}];"
+        yield f"}} {stem}_tables;"
+        yield ""
+        yield "/* The parameters as they were tuned. */"
+        yield f"void {stem}_defaults({stem}_params *params);"
+        yield ""
+        yield "/* Take parameters over: call it first, and after a change. */"
+        yield f"void {stem}_set({stem}_tables *tables, const {stem}_params *params);"
+        yield ""
+        yield "/* Begin anew. */"
+        yield f"void {stem}_init({stem}_state *state, const {stem}_params *params);"
+        yield ""
+    yield "/* Take one sample. */"
+    tables = "" if derived is None else f",\n    const {stem}_tables *tables"
+    yield f"void {stem}_step({stem}_state *state, const {stem}_input *in, {stem}_output *out{tables});"
+
+
+def _members(fields: Sequence[Field], precision: Precision) -> Iterator[str]:
+    if not fields:
+        yield "    char none; /* nothing: C has no empty structs */"
+    for field in fields:
+        size = f"[{field.size}]" if field.shape else ""
+        shape = " x ".join(map(str, field.shape)) if len(field.shape) > 1 else ""
+        kept = f"upper half of {shape}, rows first" if field.half else f"{shape}, rows first"
+        words = "; ".join(w for w in (in_comment(field.meaning, 200), kept if shape else "") if w)
+        note = f" /* {words} */" if words else ""
+        yield f"    {type_of(field.kind, precision)} {field.name}{size};{note}"
+
+
+def unused(lines: Sequence[str], names: Iterable[str]) -> Iterator[str]:
+    """Statements for parameters of a function that none of its lines uses."""
+    text = "\n".join(lines)
+    for name in names:
+        if f"{name}->" not in text:
+            yield f"    (void){name};"
