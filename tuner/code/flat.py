@@ -25,6 +25,7 @@ class Statements:
         precision: of real numbers.
         input: what an input is called in this function.
         given: nodes that stand somewhere already, by what they are called.
+        stem: what names of variables begin with that the source does not name.
     """
 
     def __init__(
@@ -34,12 +35,13 @@ class Statements:
         precision: Precision,
         input: Callable[[Any], str],
         given: dict[int, str] | None = None,
+        stem: str = "t",
     ) -> None:
         self.graph, self.labels, self.precision = graph, labels, precision
         self.names: dict[int, str] = dict(given or {})
         self.expressions = Expressions(graph, precision, input, self.names)
         self.lines: list[str] = []
-        self._taken = set[str]()
+        self._taken, self._stem = set[str](), stem
         self._turns: dict[tuple[str, int], str] = {}
         self._before: tuple[str, ...] = ()
 
@@ -99,7 +101,7 @@ class Statements:
         self.lines.append(wrapped(f"    const {type_} {name} = {text};"))
 
     def _plain(self) -> str:
-        return next(new for k in range(10**9) if (new := f"t{k}") not in self._taken)
+        return next(new for k in range(10**9) if (new := f"{self._stem}{k}") not in self._taken)
 
     def _named(self, told: Said, index: tuple[int, ...], number: int) -> str:
         """A name with the entry's place; the same name given again has a letter more."""
@@ -121,11 +123,11 @@ def _letters(turn: int) -> str:
     return text
 
 
-def wrapped(line: str, width: int = _WIDTH) -> str:
-    """A long statement broken before operators."""
+def wrapped(line: str, width: int = _WIDTH, before: str = r" (?=[-+*/?:] |\|\| |&& )") -> str:
+    """A long statement broken before operators, or at what else is asked for."""
     parts, rest = [], line
     while len(rest) > width:
-        breaks = re.finditer(r" (?=[-+*/?:] |\|\| |&& )", rest[:width])
+        breaks = re.finditer(before, rest[:width])
         at = max((found.start() for found in breaks if found.start() > 12), default=None)
         if at is None:
             break

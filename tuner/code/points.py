@@ -1,9 +1,9 @@
 """Whether two nodes are the same formula: they have to agree at random points.
 
 Formulas that agree at random points of all that goes into them agree everywhere, as polynomials
-do. What a formula decides is taken as random as well, whatever is compared, and so is which of two
-numbers is the larger: else formulas would be called the same that agree only where the points lie.
-Half of the points find what is the same, the other half has to confirm it.
+do. What a formula compares is taken as any function of both numbers that is true as often as not,
+and the larger of two numbers as any function of them: else formulas would be called the same that
+agree only where the points lie. Half of the points find what is the same, the other half confirms.
 """
 
 from collections.abc import Callable, Mapping
@@ -24,9 +24,17 @@ _ANYWHERE: Mapping[str, Callable[..., Any]] = {
     "atanh": lambda x: 0.9 * np.arctan(x),
     "lgamma": lambda x: np.sin(x),
     "pow": lambda x, y: np.abs(x) ** y,
+    "max": lambda x, y: 0.6 * x + 0.5 * y,
+    "min": lambda x, y: 0.5 * x + 0.6 * y,
+    "isnan": lambda x: np.sin(7 * x) > 0,
+    "is_finite": lambda x: np.sin(5 * x) > 0,
+    **{
+        name: lambda x, y, k=k: np.sin(3.0 * k * x + 5.0 * y) > 0
+        for k, name in enumerate(sorted(COMPARE), 1)
+    },
 }
-"""Functions that do not exist everywhere, by others that do: what is the same formula of one
-function is the same of any."""
+"""Functions that do not exist everywhere or that decide, by others: what is the same formula of
+one function is the same of any."""
 _SMALL = 1e-6
 
 
@@ -64,14 +72,10 @@ class Points:
         with np.errstate(all="ignore"):
             if node.op == "constant":
                 return np.full(COUNT, node.value, None if node.kind != "real" else float)
-            if node.op in COMPARE or node.op in ("isnan", "is_finite"):
-                return self._draw.random(COUNT) < 0.5
             if node.op == "input":
                 return self._drawn(node.kind)
             if node.op == "choose":
                 return np.where(*given)
-            if node.op in ("max", "min"):
-                return np.where(self._draw.random(COUNT) < 0.5, *given)
             if node.op == "convert":
                 return given[0].astype({"real": float, "truth": bool, "whole": int}[node.kind])
             if node.op in _ANYWHERE:

@@ -171,7 +171,7 @@ _NUMBERS: Mapping[str, Callable[..., Any]] = {
 }
 """What NumPy does as JAX does, of real numbers: without compiling anything."""
 
-_RULES: Mapping[str, Rule] = {
+RULES: Mapping[str, Rule] = {
     **{name: _plain(name) for name in (*UNARY, *BINARY) if name != "isnan"},
     **{f"reduce_{name}": _reduced(op) for name, op in _SUMS.items()},
     **MOVES,
@@ -202,4 +202,4 @@ def walk(algebra: Algebra, told: Callable[[Any, Arrays], None] | None = None) ->
         algebra: what the entries are.
         told: told of every operation, with its results.
     """
-    return Walk(algebra, _RULES, MOVES, _NUMBERS, told)
+    return Walk(algebra, RULES, MOVES, _NUMBERS, told)

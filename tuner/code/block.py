@@ -1,0 +1,146 @@
+"""Statements of C with loops, and the arrays that they need, each used again where it can be."""
+
+import math
+import re
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+
+from tuner.code.flat import wrapped
+from tuner.code.literal import literal, type_of
+from tuner.code.memory import Held, Index, Lazy, Listed, View, view
+from tuner.code.operations import Kind
+from tuner.code.tables import Tables
+
+_SIMPLE = re.compile(r"-?[\w.>+*\[\] -]+|\(-[\w.]+\)")
+
+
+class Block:
+    """A function's body under way.
+
+    Args:
+        tables: constant arrays.
+        spare: memory that may be used once what it holds is not needed any more, with its size.
+    """
+
+    def __init__(self, tables: Tables, spare: dict[str, tuple[int, Kind]]) -> None:
+        self.tables, self.precision = tables, tables.precision
+        self.lines: list[str] = []
+        self.locals: dict[str, tuple[int, Kind]] = {}
+        self.depth, self._names = 1, 0
+        self._spare = spare
+        self._free: set[str] = set()
+
+    def say(self, text: str) -> None:
+        """A statement."""
+        self.lines.append(wrapped("    " * self.depth + text))
+
+    def fresh(self, stem: str) -> str:
+        """A name that nothing has."""
+        self._names += 1
+        return f"{stem}{self._names}"
+
+    def number(self, value: object, kind: Kind) -> str:
+        """A number as an operand."""
+        text = literal(value, kind, self.precision)
+        return f"({text})" if text.startswith(("-", "(")) else text
+
+    # Memory
+
+    def buffer(self, shape: Sequence[int], kind: Kind) -> View:
+        """Memory for an array: some that is free, or more."""
+        size, shape = math.prod(shape), tuple(shape)
+        fits = [
+            name
+            for name in sorted(self._free)
+            if self._kept[name][1] == kind and self._kept[name][0] >= size
+        ]
+        if fits:
+            name = min(fits, key=lambda one: (self._kept[one][0], one))
+            self._free.discard(name)
+        else:
+            name = self.fresh("m")
+            self.locals[name] = (size, kind)
+        return View(name, shape, kind, 0, view(name, shape, kind).strides)
+
+    @property
+    def _kept(self) -> dict[str, tuple[int, Kind]]:
+        return self.locals | self._spare
+
+    def release(self, alive: Iterable[str]) -> None:
+        """All memory is free but what is alive."""
+        self._free = set(self._kept) - set(alive)
+
+    def keep_spare(self) -> None:
+        """From now on memory that is not the function's own is written to by results alone."""
+        self._free -= set(self._spare)
+
+    # Loops
+
+    def nest(self, shape: Sequence[int], body: Callable[[list[int | str]], None]) -> None:
+        """Loops around statements, which are given the index."""
+        index: list[int | str] = []
+        for size in shape:
+            if size == 1:
+                index.append(0)
+                continue
+            name = f"i{self.depth}"
+            index.append(name)
+            self.say(f"for (int {name} = 0; {name} < {size}; {name}++) {{")
+            self.depth += 1
+        body(index)
+        for size in shape:
+            if size != 1:
+                self.depth -= 1
+                self.say("}")
+
+    def put(self, x: Held, into: View) -> None:
+        """Write entries to memory."""
+        self.nest(x.shape, lambda index: self.say(f"{into.at(index)} = {x.at(index)};"))
+
+    def put_listed(self, x: Listed, into: View) -> None:
+        """Write entries that stand in variables to memory."""
+        for index in np.ndindex(x.shape):
+            self.say(f"{into.at(index)} = {x.texts[index]};")
+
+    def made(self, x: Held, dying: Iterable[str] = ()) -> View:
+        """The same in memory: where it is, or in place of what is needed no more.
+
+        Args:
+            x: what is to be there.
+            dying: memory that nothing but this needs.
+        """
+        if isinstance(x, View):
+            return x
+        if not x.shape:
+            name = self.fresh("t")
+            self.say(f"const {type_of(x.kind, self.precision)} {name} = {x.at([])};")
+            return View(name, (), x.kind, alone=True)
+        begun, depth = len(self.lines), self.depth
+        found: list[tuple[list[int | str], str]] = []
+        self.nest(x.shape, lambda index: found.append((list(index), x.at(index))))
+        (index, text), lines = found[0], self.lines[begun:]
+        into = self._in_place(x, index, "\n".join([*lines, text]), dying)
+        into = self.buffer(x.shape, x.kind) if into is None else into
+        closing = sum(size != 1 for size in x.shape)
+        at = len(self.lines) - closing
+        self.lines.insert(at, wrapped("    " * (depth + closing) + f"{into.at(index)} = {text};"))
+        return into
+
+    def _in_place(self, x: Lazy, index: Index, text: str, dying: Iterable[str]) -> View | None:
+        """Memory that is read only where it would be written."""
+        for name in sorted(set(dying) & set(self._kept) & x.buffers):
+            size, kind = self._kept[name]
+            into = view(name, x.shape, kind)
+            read = set(re.findall(rf"(?<![\w>]){re.escape(name)}\[[^\]]*\]", text))
+            if kind == x.kind and size >= math.prod(x.shape) and read == {into.at(index)}:
+                return into
+        return None
+
+    def simple(self, text: str, kind: Kind) -> str:
+        """An operand that may stand twice, and that takes its time whether it is used or not."""
+        if _SIMPLE.fullmatch(text):
+            return text
+        name = self.fresh("e")
+        self.say(f"const {type_of(kind, self.precision)} {name} = {text};")
+        return name

@@ -1,0 +1,126 @@
+"""A filter as functions of C with loops: for matrices that are too large to be written out."""
+
+import re
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from tuner.code.block import Block
+from tuner.code.fields import Field
+from tuner.code.memory import Held, Lazy, View, view
+from tuner.code.operations import Kind
+from tuner.code.straight import Slot, straight
+from tuner.code.tables import Tables
+from tuner.code.trace import Traced
+from tuner.code.turns import Turns
+from tuner.code.literal import literal, type_of
+from tuner.code.written import Written, declarations, unused
+
+
+def looped(traced: Traced, stem: str, *, tunable: bool = False) -> Written:
+    """A filter's functions.
+
+    Args:
+        traced: the filter.
+        stem: what the names of its types and functions begin with.
+        tunable: whether its parameters come in.
+
+    Raises:
+        ValueError: for an operation that has no counterpart.
+    """
+    outputs = [field for field, kept in zip(traced.outputs, traced.kept, strict=True) if kept]
+    parts = [
+        ("state", "What the filter keeps between samples.", traced.state),
+        ("input", "A sample; NaN where a measurement is missing.", traced.inputs),
+        ("output", "What it puts out after a sample.", outputs),
+    ]
+    if tunable:
+        parts.append(("params", "Its parameters.", traced.params))
+    tables = Tables(stem, traced.precision)
+    begun = _function(traced, tables, "start", tunable)
+    stepped = _function(traced, tables, "step", tunable)
+    more = ", const {0}_params *params".format(stem) if tunable else ""
+    lines = [*tables.used([*begun, *stepped]), "", f"void {stem}_init({stem}_state *state{more})", "{", *begun, "}", ""]
+    after = f",\n    const {stem}_params *params" if tunable else ""
+    lines.append(
+        f"void {stem}_step({stem}_state *state, const {stem}_input *in, {stem}_output *out{after})"
+    )
+    lines += ["{", *stepped, "}"]
+    return Written(
+        stem,
+        traced.precision,
+        traced.state,
+        traced.inputs,
+        outputs,
+        traced.params if tunable else [],
+        list(declarations(stem, traced.precision, parts, None)),
+        lines,
+        0,
+    )
+
+
+def _function(traced: Traced, tables: Tables, which: str, tunable: bool) -> list[str]:
+    """The body of init or of step."""
+    state = [_place("state", field) for field in traced.state]
+    kept = [_place("out", f) for f, k in zip(traced.outputs, traced.kept, strict=True) if k]
+    ends = state if which == "start" else [*state, *kept]
+    spare = {v.buffer: (int(np.prod(v.shape)), v.kind) for v in ends if not v.alone}
+    block = Block(tables, spare)
+    known: dict[Slot, Held] = {}
+    given: list[Slot | np.ndarray] = [*traced.values]
+    if tunable:
+        given = _slots(traced, "params", traced.params, known)
+    if which == "start":
+        code = straight(traced.start, given)
+    else:
+        given += _slots(traced, "state", traced.state, known)
+        given += _slots(traced, "in", traced.inputs, known)
+        wanted = [*range(len(state)), *(len(state) + k for k, w in enumerate(traced.kept) if w)]
+        code = straight(traced.step, given, wanted)
+    known = {slot: x for slot, x in known.items() if slot in code.uses}
+    block.release(v.buffer for v in known.values() if isinstance(v, View))
+    found = Turns(block).run(code, known)
+    _store(block, found, ends)
+    types = [
+        f"    {type_of(kind, traced.precision)} {name}[{size}];"
+        for name, (size, kind) in block.locals.items()
+    ]
+    names = ["state"] if which == "start" else ["state", "in", "out"]
+    names += ["params"] if tunable else []
+    return [*types, *block.lines, *unused(block.lines, names)]
+
+
+def _store(block: Block, found: Sequence[Held], ends: Sequence[View]) -> None:
+    """Put results where they belong; none is read after another is written over it."""
+    block.keep_spare()
+    places = {end.buffer for end in ends}
+    ready: list[Held] = []
+    for x, end in zip(found, ends, strict=True):
+        if isinstance(x, Lazy) and x.number is None and x.buffers:
+            x = block.made(x)
+        crossed = isinstance(x, View) and x != end and x.buffer in places
+        if crossed:
+            name = block.buffer(x.shape or (1,), x.kind)
+            away = View(name.buffer, x.shape, x.kind, 0, view("", x.shape, x.kind).strides)
+            block.put(x, away)
+            x = away
+        ready.append(x)
+    for x, end in zip(ready, ends, strict=True):
+        if x != end:
+            block.put(x, end)
+
+
+def _slots(
+    traced: Traced, group: str, fields: Sequence[Field], known: dict[Slot, Held]
+) -> list[Slot]:
+    dtypes = {"real": np.dtype(traced.dtype), "truth": np.dtype(bool), "whole": np.dtype(int)}
+    slots = []
+    for field in fields:
+        slot = Slot(field.shape, dtypes[field.kind])
+        known[slot] = _place(group, field)
+        slots.append(slot)
+    return slots
+
+
+def _place(group: str, field: Field) -> View:
+    return view(f"{group}->{field.name}", field.shape, field.kind)

@@ -1,0 +1,145 @@
+"""Arrays in C: memory that is read with strides, and expressions of an index."""
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from tuner.code.operations import Kind
+
+Index: TypeAlias = "Sequence[int | str]"
+"""Numbers and names of loop variables, an axis each."""
+
+
+@dataclass(frozen=True)
+class View:
+    """Memory that is read with strides.
+
+    Attributes:
+        buffer: what C calls it.
+        shape: its axes.
+        kind: what it holds.
+        base: where it begins: a number, or an expression.
+        strides: how far the entries of each axis are apart.
+        alone: whether it is a variable and no array.
+    """
+
+    buffer: str
+    shape: tuple[int, ...]
+    kind: Kind
+    base: int | str = 0
+    strides: tuple[int, ...] = ()
+    alone: bool = False
+
+    @property
+    def buffers(self) -> frozenset[str]:
+        """The memory that is read."""
+        return frozenset({self.buffer})
+
+    def at(self, index: Index) -> str:
+        """An entry."""
+        if self.alone:
+            return self.buffer
+        return f"{self.buffer}[{total(self.base, *map(times, self.strides, index))}]"
+
+
+@dataclass(frozen=True)
+class Lazy:
+    """An expression of the index, which may take statements before it.
+
+    Attributes:
+        shape: its axes.
+        kind: what it gives.
+        at: an entry: a name, a number, a call, or in brackets.
+        buffers: the memory that it reads.
+        number: what all entries are, where that is known.
+    """
+
+    shape: tuple[int, ...]
+    kind: Kind
+    at: Callable[[Index], str]
+    buffers: frozenset[str] = frozenset()
+    number: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Listed:
+    """Entries that each stand in a variable of their own.
+
+    Attributes:
+        texts: what they are called.
+        kind: what they hold.
+    """
+
+    texts: np.ndarray
+    kind: Kind
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The axes."""
+        return self.texts.shape
+
+
+Held: TypeAlias = View | Lazy
+
+
+def view(buffer: str, shape: tuple[int, ...], kind: Kind) -> View:
+    """All of some memory, rows first."""
+    return View(buffer, shape, kind, 0, rows_first(shape), alone=not shape)
+
+
+def rows_first(shape: Sequence[int]) -> tuple[int, ...]:
+    """The strides of an array that lies in memory rows first.
+
+    >>> rows_first((2, 3))
+    (3, 1)
+    """
+    return tuple(math.prod(shape[k + 1 :]) for k in range(len(shape)))
+
+
+def total(*terms: int | str) -> str:
+    """A sum of places.
+
+    >>> total(0, "3 * i1", 2), total(0, "0")
+    ('3 * i1 + 2', '0')
+    """
+    number = sum(term for term in terms if isinstance(term, int))
+    texts = [term for term in terms if isinstance(term, str) and term != "0"]
+    return " + ".join([*texts, *([str(number)] if number or not texts else [])])
+
+
+def times(stride: int, index: int | str) -> int | str:
+    """A stride times an index.
+
+    >>> times(3, 2), times(3, "i1"), times(1, "i1"), times(0, "i1")
+    (6, '3 * i1', 'i1', 0)
+    """
+    if isinstance(index, int):
+        return stride * index
+    if stride == 0:
+        return 0
+    if stride == 1:
+        return index
+    return f"{stride} * {index}" if re.fullmatch(r"\w+", index) else f"{stride} * ({index})"
+
+
+def affine(places: np.ndarray) -> tuple[int, tuple[int, ...]] | None:
+    """Base and strides of a table of places; None where it has none.
+
+    >>> affine(np.array([[1, 4], [2, 5]]))
+    (1, (1, 3))
+    """
+    if not places.size:
+        return 0, (0,) * places.ndim
+    base, grid = int(places.ravel()[0]), np.zeros(places.shape, int)
+    strides = []
+    for axis, size in enumerate(places.shape):
+        second = np.take(places, 1, axis).ravel()[0] if size > 1 else base
+        strides.append(int(second) - base)
+        grid = grid + strides[-1] * np.arange(size).reshape(
+            [-1 if k == axis else 1 for k in range(places.ndim)]
+        )
+    return (base, tuple(strides)) if np.array_equal(grid + base, places) else None

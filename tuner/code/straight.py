@@ -1,0 +1,155 @@
+"""A traced function as one list of operations: what it calls is written out, what is known is done.
+
+Loops stay what they are. What nobody needs is left out.
+"""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field
+from itertools import count
+from typing import Any, TypeAlias
+
+import numpy as np
+from jax.extend import core
+
+from tuner.code.primitives import walk
+from tuner.code.walk import NoCounterpartError, inner_of
+
+
+@dataclass(frozen=True, eq=False)
+class Slot:
+    """A result that is known only as the step runs.
+
+    Attributes:
+        shape: of the array.
+        dtype: of its entries.
+    """
+
+    shape: tuple[int, ...]
+    dtype: np.dtype
+
+
+Atom: TypeAlias = Slot | np.ndarray
+"""A result, or numbers."""
+
+
+@dataclass(frozen=True, eq=False)
+class Operation:
+    """One operation.
+
+    Attributes:
+        name: of JAX's primitive.
+        equation: as JAX traced it, for its parameters.
+        inputs: what it takes.
+        outputs: what it gives.
+    """
+
+    name: str
+    equation: Any
+    inputs: tuple[Atom, ...]
+    outputs: tuple[Slot, ...]
+
+
+@dataclass(frozen=True)
+class Straight:
+    """Operations in their order.
+
+    Attributes:
+        operations: all that is needed.
+        results: of the function.
+        last: number of the operation that needs a slot last; of results, one behind all.
+        uses: operations that take a slot, by number; one behind all for each result.
+    """
+
+    operations: list[Operation]
+    results: list[Atom]
+    last: dict[Slot, int]
+    uses: dict[Slot, list[int]]
+
+
+def straight(
+    closed: core.ClosedJaxpr, given: Sequence[Atom], wanted: Collection[int] | None = None
+) -> Straight:
+    """The operations of a traced function.
+
+    Args:
+        closed: the function.
+        given: what it takes.
+        wanted: numbers of the results that are needed; None: all.
+    """
+    writer = _Writer()
+    results = writer.closed(closed, given)
+    kept = results if wanted is None else [results[k] for k in sorted(wanted)]
+    return needed(writer.operations, kept)
+
+
+def needed(operations: Sequence[Operation], results: list[Atom]) -> Straight:
+    """Without what nobody needs, and with when it is needed."""
+    live = {atom for atom in results if isinstance(atom, Slot)}
+    kept: list[Operation] = []
+    for operation in reversed(operations):
+        if live.intersection(operation.outputs):
+            live |= {atom for atom in operation.inputs if isinstance(atom, Slot)}
+            kept.append(operation)
+    kept.reverse()
+    uses: dict[Slot, list[int]] = {}
+    for number, operation in enumerate(kept):
+        for atom in operation.inputs:
+            if isinstance(atom, Slot):
+                uses.setdefault(atom, []).append(number)
+    for atom in results:
+        if isinstance(atom, Slot):
+            uses.setdefault(atom, []).append(len(kept))
+    return Straight(kept, results, {slot: max(where) for slot, where in uses.items()}, uses)
+
+
+@dataclass
+class _Writer:
+    operations: list[Operation] = field(default_factory=list)
+    _numbers: Any = field(default_factory=count)
+
+    def closed(self, closed: core.ClosedJaxpr, given: Sequence[Atom]) -> list[Atom]:
+        known: dict[Any, Atom] = {}
+        known.update(zip(closed.jaxpr.constvars, map(np.asarray, closed.consts), strict=True))
+        known.update(zip(closed.jaxpr.invars, given, strict=True))
+
+        def read(atom: Any) -> Atom:
+            if isinstance(atom, core.Literal):
+                return np.asarray(atom.val, atom.aval.dtype)
+            return known[atom]
+
+        for equation in closed.jaxpr.eqns:
+            found = self._equation(equation, [read(atom) for atom in equation.invars])
+            known.update(zip(equation.outvars, found, strict=True))
+        return [read(atom) for atom in closed.jaxpr.outvars]
+
+    def _equation(self, equation: Any, given: list[Atom]) -> list[Atom]:
+        inner = inner_of(equation)
+        if inner is not None:
+            return self.closed(inner, given)
+        numbers = [atom for atom in given if isinstance(atom, np.ndarray)]
+        if len(numbers) == len(given):
+            return list(walk(_NO_ENTRIES).known(equation, numbers))
+        if equation.primitive.name == "cond":
+            return self._cond(equation, given)
+        return self._write(equation.primitive.name, equation, given, equation.outvars)
+
+    def _cond(self, equation: Any, given: list[Atom]) -> list[Atom]:
+        branches = equation.params["branches"]
+        if isinstance(given[0], np.ndarray):
+            chosen = int(np.clip(given[0], 0, len(branches) - 1))
+            return self.closed(branches[chosen], given[1:])
+        if len(branches) != 2:
+            raise NoCounterpartError("a switch of more than two ways has no counterpart in loops")
+        no, yes = (self.closed(branch, given[1:]) for branch in branches)
+        found: list[Atom] = []
+        for one, other, out in zip(no, yes, equation.outvars, strict=True):
+            found += self._write("select_n", equation, [given[0], one, other], [out])
+        return found
+
+    def _write(self, name: str, equation: Any, given: list[Atom], outs: Sequence[Any]) -> list[Atom]:
+        slots = tuple(Slot(tuple(out.aval.shape), np.dtype(out.aval.dtype)) for out in outs)
+        self.operations.append(Operation(name, equation, tuple(given), slots))
+        return list(slots)
+
+
+_NO_ENTRIES: Any = None

@@ -1,0 +1,195 @@
+"""Operations in their order as statements with loops; a loop within a step stays one."""
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+from jax.extend import core
+
+from tuner.code.block import Block
+from tuner.code.bulk import BY_ENTRY, SUMS, by_entry, product, summed
+from tuner.code.flat import Statements
+from tuner.code.graph import Graph
+from tuner.code.memory import Held, Lazy, Listed, View, rows_first, times, total
+from tuner.code.operations import kind_of
+from tuner.code.primitives import walk
+from tuner.code.shifts import JOINED, MOVED, SCATTERED, joined, moved, scattered
+from tuner.code.straight import Atom, Operation, Slot, Straight, straight
+from tuner.code.walk import each, no_counterpart, objects
+
+SMALL = 32
+"""A loop whose arrays are no larger has its turns written out entry by entry."""
+_STREAMED = BY_ENTRY | SUMS.keys()
+
+
+class Turns:
+    """Writes operations into a block.
+
+    Args:
+        block: where to.
+        held: memory that is not free, whatever else.
+    """
+
+    def __init__(self, block: Block, held: frozenset[str] = frozenset()) -> None:
+        self.block, self.held = block, held
+
+    def run(self, code: Straight, known: Mapping[Slot, Held]) -> list[Held]:
+        """The results of operations.
+
+        Args:
+            code: the operations.
+            known: what is there already.
+        """
+        values: dict[Slot, Held] = dict(known)
+        for number, operation in enumerate(code.operations):
+            values = {slot: x for slot, x in values.items() if code.last.get(slot, -1) >= number}
+            later = _buffers(x for slot, x in values.items() if code.last[slot] > number)
+            here = _buffers(values[a] for a in operation.inputs if isinstance(a, Slot))
+            dying = here - later - self.held
+            given = [self._held(atom, values) for atom in operation.inputs]
+            found = self._operation(operation, given, dying, later | here | self.held)
+            for slot, x in zip(operation.outputs, found, strict=True):
+                if slot in code.uses:
+                    values[slot] = self._kept(code, slot, x, dying)
+            alive = _buffers(x for slot, x in values.items() if code.last.get(slot, -1) > number)
+            self.block.release(alive | self.held)
+        return [self._held(atom, values) for atom in code.results]
+
+    def _held(self, atom: Atom, values: Mapping[Slot, Held]) -> Held:
+        return self.block.tables.read(atom) if isinstance(atom, np.ndarray) else values[atom]
+
+    def _kept(self, code: Straight, slot: Slot, x: Held, dying: frozenset[str]) -> Held:
+        """An expression stays one where it is needed once, and entry by entry."""
+        if isinstance(x, View) or x.number is not None:
+            return x
+        where = code.uses[slot]
+        once = x.shape and len(where) == 1 and where[0] < len(code.operations)
+        if once and code.operations[where[0]].name in _STREAMED:
+            return x
+        return self.block.made(x, dying)
+
+    def _operation(
+        self,
+        operation: Operation,
+        given: list[Held],
+        dying: frozenset[str],
+        busy: frozenset[str],
+    ) -> Sequence[Held]:
+        name, block = operation.name, self.block
+        if name in BY_ENTRY:
+            return [by_entry(block, operation, given)]
+        if name in SUMS:
+            return [summed(block, operation, given)]
+        if name == "dot_general":
+            return [product(block, operation, given)]
+        if name in MOVED:
+            return moved(block, operation, given)
+        if name in JOINED:
+            return [joined(block, operation, given)]
+        if name in SCATTERED:
+            return [scattered(block, operation, given, dying)]
+        if name == "scan":
+            return self._scan(operation, given, busy)
+        raise no_counterpart(name)
+
+    def _scan(
+        self, operation: Operation, given: list[Held], busy: frozenset[str]
+    ) -> Sequence[Held]:
+        """A loop of its own: what is carried lies in memory, rows are read and written in turn."""
+        block, params = self.block, operation.equation.params
+        shared, carried, length = params["num_consts"], params["num_carry"], params["length"]
+        given = [block.made(x) if x.buffers or k >= shared else x for k, x in enumerate(given)]
+        consts, first, rows = (
+            given[:shared],
+            given[shared : shared + carried],
+            given[shared + carried :],
+        )
+        carry = [block.buffer(x.shape or (1,), x.kind) for x in first]
+        for x, into in zip(first, carry, strict=True):
+            block.put(x, _like(into, x.shape))
+        carry = [_like(into, x.shape) for into, x in zip(carry, first, strict=True)]
+        stacked = [block.buffer(s.shape, kind_of(s.dtype)) for s in operation.outputs[carried:]]
+        held = self.held | busy | _buffers([*carry, *stacked, *given])
+        k = f"k{block.depth}"
+        block.say(f"for (int {k} = 0; {k} < {length}; {k}++) {{")
+        block.depth += 1
+        at = f"{length - 1} - {k}" if params["reverse"] else k
+        now = [_row(x, at) for x in rows if isinstance(x, View)]
+        found = self._turn(params["jaxpr"], [*consts, *carry, *now], held)
+        ends = [*carry, *(_row(y, at) for y in stacked)]
+        self._end(found, ends, _buffers(carry))
+        block.depth -= 1
+        block.say("}")
+        return [*carry, *stacked]
+
+    def _end(
+        self, found: Sequence[Held | Listed], ends: Sequence[View], moving: frozenset[str]
+    ) -> None:
+        """Put results of a turn where they belong; none is read after another is written over it."""
+        ready: list[Held | Listed] = []
+        for x, into in zip(found, ends, strict=True):
+            if isinstance(x, Listed) or x == into or not x.buffers & moving:
+                ready.append(x)
+                continue
+            away = self.block.buffer(x.shape or (1,), x.kind)
+            self.block.put(x, _like(away, x.shape))
+            ready.append(_like(away, x.shape))
+        for x, into in zip(ready, ends, strict=True):
+            if isinstance(x, Listed):
+                self.block.put_listed(x, into)
+            elif x != into:
+                self.block.put(x, into)
+
+    def _turn(
+        self, closed: core.ClosedJaxpr, given: list[Held], held: frozenset[str]
+    ) -> Sequence[Held | Listed]:
+        variables = (*closed.jaxpr.invars, *closed.jaxpr.outvars)
+        if max((int(np.prod(v.aval.shape)) for v in variables), default=0) <= SMALL:
+            return self._written_out(closed, given)
+        slots = [Slot(v.aval.shape, np.dtype(v.aval.dtype)) for v in closed.jaxpr.invars]
+        code = straight(closed, slots)
+        return Turns(self.block, held).run(code, dict(zip(slots, given, strict=True)))
+
+    def _written_out(self, closed: core.ClosedJaxpr, given: list[Held]) -> list[Listed]:
+        """One turn, entry by entry."""
+        graph = Graph(np.float64 if self.block.precision == "double" else np.float32)
+        entries = [_entries(graph, x) for x in given]
+        found = objects(graph, walk(graph).closed(closed, entries))
+        made = Statements(
+            graph,
+            {},
+            self.block.precision,
+            lambda value: str(value[1]),
+            stem=f"{self.block.fresh('s')}_",
+        )
+        made.add(int(k) for array in found for k in array.ravel())
+        pad = "    " * (self.block.depth - 1)
+        self.block.lines += [pad + line for text in made.lines for line in text.split("\n")]
+        kinds = [graph.nodes[int(array.flat[0])].kind for array in found]
+        texts = [each(lambda k: made.expressions.text(int(k)), array) for array in found]
+        return [Listed(*pair) for pair in zip(texts, kinds, strict=True)]
+
+
+def _entries(graph: Graph, x: Held) -> np.ndarray:
+    """Entries of an array as nodes of a graph."""
+    array = np.empty(x.shape, object)
+    for index in np.ndindex(x.shape):
+        if isinstance(x, Lazy) and x.number is not None:
+            number = {"real": float, "whole": int, "truth": bool}[x.kind](x.number)
+            array[index] = graph.constant(number)
+        else:
+            array[index] = graph.input(("state", x.at(index)), x.kind)
+    return array
+
+
+def _like(into: View, shape: tuple[int, ...]) -> View:
+    return View(into.buffer, shape, into.kind, 0, rows_first(shape))
+
+
+def _row(x: View, at: str) -> View:
+    """The part of an array of one turn."""
+    start = total(x.base, times(x.strides[0], at))
+    return View(x.buffer, x.shape[1:], x.kind, start, x.strides[1:])
+
+
+def _buffers(arrays: Iterable[Held]) -> frozenset[str]:
+    return frozenset[str]().union(*(x.buffers for x in arrays))
