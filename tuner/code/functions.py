@@ -8,10 +8,9 @@ import numpy as np
 from tuner.code.fields import Field
 from tuner.code.flat import Statements, wrapped
 from tuner.code.graph import Graph
-from tuner.code.literal import literal
 from tuner.code.trace import Program
 from tuner.code.walk import Arrays
-from tuner.code.written import Written, declarations, unused
+from tuner.code.written import Written, declarations, defaults, step, unused
 
 Cells = list[tuple[str, int]]
 """Places in memory with the nodes that go there."""
@@ -32,21 +31,17 @@ def written(program: Program, stem: str, values: Arrays) -> Written:
     ]
     if program.tunable:
         parts.append(("params", "Its parameters.", program.params))
-    step = _step_cells(program)
-    hoisted = _hoisted(program, [node for _, node in step]) if program.tunable else []
-    head = declarations(
-        stem, program.precision, parts, len(hoisted) if program.tunable else None
-    )
+    step_cells = _step_cells(program)
+    hoisted = _hoisted(program, [node for _, node in step_cells]) if program.tunable else []
+    member = f"{program.precision} derived[{max(len(hoisted), 1)}];" if program.tunable else None
+    head = declarations(stem, program.precision, parts, member)
     tables = {node: f"tables->derived[{k}]" for k, node in enumerate(hoisted)}
     lines = [*_tunable(program, stem, hoisted, values), *_init(program, stem), ""]
-    more = f",\n    const {stem}_tables *tables" if program.tunable else ""
-    body = _body(program, step, tables)
-    lines.append(
-        f"void {stem}_step({stem}_state *state, const {stem}_input *in, {stem}_output *out{more})"
-    )
+    body = _body(program, step_cells, tables)
+    lines += [step(stem, program.tunable)]
     used = ("state", "in", "out", *(("tables",) if program.tunable else ()))
     lines += ["{", *body, *unused(body, used), "}"]
-    live = program.graph.reached(node for _, node in step)
+    live = program.graph.reached(node for _, node in step_cells)
     count = sum(program.graph.nodes[k].op not in ("constant", "input") for k in live)
     return Written(
         stem,
@@ -64,13 +59,7 @@ def written(program: Program, stem: str, values: Arrays) -> Written:
 def _tunable(program: Program, stem: str, hoisted: list[int], values: Arrays) -> Iterator[str]:
     if not program.tunable:
         return
-    yield f"void {stem}_defaults({stem}_params *params)"
-    yield "{"
-    for field, value in zip(program.params, values, strict=True):
-        for index in field.entries():
-            number = literal(value[index], field.kind, program.precision)
-            yield f"    params->{field.place(index)} = {number};"
-    yield from ("}", "")
+    yield from defaults(stem, program.precision, program.params, values)
     yield f"void {stem}_set({stem}_tables *tables, const {stem}_params *params)"
     yield "{"
     places: Cells = [(f"tables->derived[{k}]", node) for k, node in enumerate(hoisted)]

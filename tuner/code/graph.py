@@ -26,6 +26,10 @@ class Node(NamedTuple):
     kind: Kind = "real"
 
 
+class TooLargeError(ValueError):
+    """A graph that is larger than it may be."""
+
+
 class Graph:
     """Nodes in the order in which they can be worked out; an algebra for a walk.
 
@@ -33,6 +37,10 @@ class Graph:
         precision: the type of its real numbers.
         halves: whether the mean of two entries that stand opposite in a symmetric matrix is one of
             them.
+        most: nodes; None: any number.
+
+    Raises:
+        TooLargeError: as it grows beyond that.
 
     >>> graph = Graph()
     >>> x = graph.input("x")
@@ -41,8 +49,8 @@ class Graph:
     True
     """
 
-    def __init__(self, precision: type[np.floating] = np.float64, *, halves: bool = True) -> None:
-        self.precision, self.halves = precision, halves
+    def __init__(self, precision: type[np.floating] = np.float64, *, halves: bool = True, most: int | None = None) -> None:
+        self.precision, self.halves, self.most = precision, halves, most
         self.nodes: list[Node] = []
         self.points = Points(self.nodes, 1e-10 if precision is np.float64 else 4e-6)
         self._known: dict[Any, int] = {}
@@ -117,6 +125,8 @@ class Graph:
         value = repr(node.value) if node.op == "constant" else node.value
         key = node.op, args, value, node.kind
         if key not in self._known:
+            if len(self.nodes) == self.most:
+                raise TooLargeError(f"the step takes more than {self.most} operations")
             self._known[key] = len(self.nodes)
             self.nodes.append(node)
         return self._known[key]

@@ -9,12 +9,12 @@ from tuner.code.block import Block
 from tuner.code.fields import Field
 from tuner.code.memory import Held, Lazy, View, view
 from tuner.code.operations import Kind
-from tuner.code.straight import Slot, straight
+from tuner.code.straight import Slot, straight, work
 from tuner.code.tables import Tables
 from tuner.code.trace import Traced
 from tuner.code.turns import Turns
 from tuner.code.literal import literal, type_of
-from tuner.code.written import Written, declarations, unused
+from tuner.code.written import Written, declarations, defaults, step, unused
 
 
 def looped(traced: Traced, stem: str, *, tunable: bool = False) -> Written:
@@ -37,15 +37,17 @@ def looped(traced: Traced, stem: str, *, tunable: bool = False) -> Written:
     if tunable:
         parts.append(("params", "Its parameters.", traced.params))
     tables = Tables(stem, traced.precision)
-    begun = _function(traced, tables, "start", tunable)
-    stepped = _function(traced, tables, "step", tunable)
-    more = ", const {0}_params *params".format(stem) if tunable else ""
-    lines = [*tables.used([*begun, *stepped]), "", f"void {stem}_init({stem}_state *state{more})", "{", *begun, "}", ""]
-    after = f",\n    const {stem}_params *params" if tunable else ""
-    lines.append(
-        f"void {stem}_step({stem}_state *state, const {stem}_input *in, {stem}_output *out{after})"
-    )
-    lines += ["{", *stepped, "}"]
+    begun, _ = _function(traced, tables, "start", tunable)
+    stepped, operations = _function(traced, tables, "step", tunable)
+    more = f", const {stem}_params *params" if tunable else ""
+    lines = [*tables.used([*begun, *stepped]), ""]
+    if tunable:
+        lines += defaults(stem, traced.precision, traced.params, traced.values)
+        lines += [f"void {stem}_set({stem}_tables *tables, const {stem}_params *params)", "{"]
+        lines += ["    tables->params = *params;", "}", ""]
+    lines += [f"void {stem}_init({stem}_state *state{more})", "{", *begun, "}", ""]
+    lines += [step(stem, tunable), "{", *stepped, "}"]
+    member = f"{stem}_params params;" if tunable else None
     return Written(
         stem,
         traced.precision,
@@ -53,28 +55,29 @@ def looped(traced: Traced, stem: str, *, tunable: bool = False) -> Written:
         traced.inputs,
         outputs,
         traced.params if tunable else [],
-        list(declarations(stem, traced.precision, parts, None)),
+        list(declarations(stem, traced.precision, parts, member)),
         lines,
-        0,
+        operations,
     )
 
 
-def _function(traced: Traced, tables: Tables, which: str, tunable: bool) -> list[str]:
-    """The body of init or of step."""
-    state = [_place("state", field) for field in traced.state]
-    kept = [_place("out", f) for f, k in zip(traced.outputs, traced.kept, strict=True) if k]
+def _function(traced: Traced, tables: Tables, which: str, tunable: bool) -> tuple[list[str], int]:
+    """The body of init or of step, and about how many operations it takes."""
+    state = [_place("state->", field) for field in traced.state]
+    kept = [_place("out->", f) for f, k in zip(traced.outputs, traced.kept, strict=True) if k]
     ends = state if which == "start" else [*state, *kept]
     spare = {v.buffer: (int(np.prod(v.shape)), v.kind) for v in ends if not v.alone}
     block = Block(tables, spare)
     known: dict[Slot, Held] = {}
     given: list[Slot | np.ndarray] = [*traced.values]
     if tunable:
-        given = _slots(traced, "params", traced.params, known)
+        where = "params->" if which == "start" else "tables->params."
+        given = _slots(traced, where, traced.params, known)
     if which == "start":
         code = straight(traced.start, given)
     else:
-        given += _slots(traced, "state", traced.state, known)
-        given += _slots(traced, "in", traced.inputs, known)
+        given += _slots(traced, "state->", traced.state, known)
+        given += _slots(traced, "in->", traced.inputs, known)
         wanted = [*range(len(state)), *(len(state) + k for k, w in enumerate(traced.kept) if w)]
         code = straight(traced.step, given, wanted)
     known = {slot: x for slot, x in known.items() if slot in code.uses}
@@ -86,8 +89,8 @@ def _function(traced: Traced, tables: Tables, which: str, tunable: bool) -> list
         for name, (size, kind) in block.locals.items()
     ]
     names = ["state"] if which == "start" else ["state", "in", "out"]
-    names += ["params"] if tunable else []
-    return [*types, *block.lines, *unused(block.lines, names)]
+    names += ["params" if which == "start" else "tables"] if tunable else []
+    return [*types, *block.lines, *unused(block.lines, names)], work(code.operations)
 
 
 def _store(block: Block, found: Sequence[Held], ends: Sequence[View]) -> None:
@@ -123,4 +126,4 @@ def _slots(
 
 
 def _place(group: str, field: Field) -> View:
-    return view(f"{group}->{field.name}", field.shape, field.kind)
+    return view(f"{group}{field.name}", field.shape, field.kind)

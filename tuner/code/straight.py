@@ -3,6 +3,7 @@
 Loops stay what they are. What nobody needs is left out.
 """
 
+import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from itertools import count
@@ -11,6 +12,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from jax.extend import core
 
+from tuner.code.moves import MOVES, PLACED
 from tuner.code.primitives import walk
 from tuner.code.walk import NoCounterpartError, inner_of
 
@@ -100,6 +102,24 @@ def needed(operations: Sequence[Operation], results: list[Atom]) -> Straight:
         if isinstance(atom, Slot):
             uses.setdefault(atom, []).append(len(kept))
     return Straight(kept, results, {slot: max(where) for slot, where in uses.items()}, uses)
+
+
+def work(operations: Sequence[Operation]) -> int:
+    """About how many scalar operations they take; what moves numbers takes none."""
+    total = 0
+    for one in operations:
+        params, size = one.equation.params, sum(math.prod(slot.shape) for slot in one.outputs)
+        if one.name == "scan":
+            slots = [Slot(v.aval.shape, v.aval.dtype) for v in params["jaxpr"].jaxpr.invars]
+            total += params["length"] * work(straight(params["jaxpr"], slots).operations)
+        elif one.name == "dot_general":
+            axes, _ = params["dimension_numbers"]
+            total += 2 * size * math.prod(one.inputs[0].shape[k] for k in axes[0])
+        elif one.name.startswith("reduce_") and one.name != "reduce_precision":
+            total += math.prod(one.inputs[0].shape)
+        elif one.name not in MOVES and one.name not in PLACED:
+            total += size
+    return total
 
 
 @dataclass

@@ -139,7 +139,7 @@ def in_precision(tree: Any, dtype: type[np.floating]) -> Any:
     return jax.tree.map(one, tree)
 
 
-def as_graph(traced: Traced, *, tunable: bool = False) -> Program:
+def as_graph(traced: Traced, *, tunable: bool = False, most: int | None = None) -> Program:
     """The graph of a traced filter; loops within a step are unrolled.
 
     Symmetric matrices of the state are kept by halves: what is taken to be symmetric has to stay
@@ -148,14 +148,16 @@ def as_graph(traced: Traced, *, tunable: bool = False) -> Program:
     Args:
         traced: the filter.
         tunable: whether parameters come in, or are the numbers that they are.
+        most: operations; None: any number.
 
     Raises:
+        TooLargeError: for more operations than that.
         ValueError: for an operation that has no counterpart.
     """
     first = walk(Graph()).closed(traced.start, traced.values)
     half = {f.name for f, x in zip(traced.state, first, strict=True) if _square(f) and _even(x)}
     while True:
-        program = _attempt(traced, half, tunable)
+        program = _attempt(traced, half, tunable, most)
         states = zip(program.state, program.after, strict=True)
         wrong = {f.name for f, after in states if f.half and not symmetric(program.graph, after)}
         half -= wrong
@@ -163,8 +165,8 @@ def as_graph(traced: Traced, *, tunable: bool = False) -> Program:
             return program
 
 
-def _attempt(traced: Traced, half: set[str], tunable: bool) -> Program:
-    graph = Graph(traced.dtype)
+def _attempt(traced: Traced, half: set[str], tunable: bool, most: int | None) -> Program:
+    graph = Graph(traced.dtype, most=most)
     labels: dict[int, list[Label]] = {}
     way = walk(graph, _labelling(graph, labels))
     state = halved(traced.state, half)

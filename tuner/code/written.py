@@ -3,8 +3,10 @@
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from tuner.code.fields import Field
-from tuner.code.literal import Precision, type_of
+from tuner.code.literal import Precision, literal, type_of
 from tuner.code.names import in_comment
 
 
@@ -36,7 +38,7 @@ def declarations(
     stem: str,
     precision: Precision,
     parts: Iterable[tuple[str, str, Sequence[Field]]],
-    derived: int | None,
+    tables: str | None,
 ) -> Iterator[str]:
     """The types and functions of a form.
 
@@ -44,7 +46,7 @@ def declarations(
         stem: what names begin with.
         precision: of real numbers.
         parts: the structs: their names, what they are, their fields.
-        derived: how many numbers follow from parameters; None where there are no parameters.
+        tables: the member for what follows from parameters; None where there are no parameters.
     """
     for name, meaning, fields in parts:
         yield f"/* {meaning} */"
@@ -52,12 +54,12 @@ def declarations(
         yield from _members(fields, precision)
         yield f"}} {stem}_{name};"
         yield ""
-    if derived is None:
+    if tables is None:
         yield from ("/* Begin anew. */", f"void {stem}_init({stem}_state *state);", "")
     else:
         yield "/* What follows from the parameters, worked out by set. */"
         yield "typedef struct {"
-        yield f"    {precision} derived[{max(derived, 1)}];"
+        yield f"    {tables}"
         yield f"}} {stem}_tables;"
         yield ""
         yield "/* The parameters as they were tuned. */"
@@ -70,8 +72,7 @@ def declarations(
         yield f"void {stem}_init({stem}_state *state, const {stem}_params *params);"
         yield ""
     yield "/* Take one sample. */"
-    tables = "" if derived is None else f",\n    const {stem}_tables *tables"
-    yield f"void {stem}_step({stem}_state *state, const {stem}_input *in, {stem}_output *out{tables});"
+    yield f"{step(stem, tables is not None)};"
 
 
 def _members(fields: Sequence[Field], precision: Precision) -> Iterator[str]:
@@ -92,3 +93,25 @@ def unused(lines: Sequence[str], names: Iterable[str]) -> Iterator[str]:
     for name in names:
         if f"{name}->" not in text:
             yield f"    (void){name};"
+
+
+def step(stem: str, tunable: bool) -> str:
+    """How the function is declared that takes a sample."""
+    more = f", const {stem}_tables *tables" if tunable else ""
+    return (
+        f"void {stem}_step({stem}_state *state,\n"
+        f"    const {stem}_input *in, {stem}_output *out{more})"
+    )
+
+
+def defaults(
+    stem: str, precision: Precision, params: Sequence[Field], values: Sequence[np.ndarray]
+) -> Iterator[str]:
+    """The function that gives parameters the values that were tuned."""
+    yield f"void {stem}_defaults({stem}_params *params)"
+    yield "{"
+    for field, value in zip(params, values, strict=True):
+        for index in field.entries():
+            number = literal(value[index], field.kind, precision)
+            yield f"    params->{field.place(index)} = {number};"
+    yield from ("}", "")

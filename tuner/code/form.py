@@ -1,0 +1,100 @@
+"""A form of a filter in C: written out or with loops, with what it is tried on."""
+
+from collections.abc import Collection
+from typing import Any, NamedTuple
+
+import jax
+import numpy as np
+
+from filters import Lanes, Timed, TimedSample
+from filters.declared import bare, channel_facts
+from tuner.code.functions import written
+from tuner.code.graph import TooLargeError
+from tuner.code.literal import Precision
+from tuner.code.looped import looped
+from tuner.code.trace import Traced, as_graph, traced
+from tuner.code.tried import Tried, tried
+from tuner.code.walk import NoCounterpartError
+from tuner.code.written import Written
+
+FLAT = 1500
+"""A step of more operations is written with loops."""
+_GRAPH = 6000
+_LARGEST = 20_000
+
+
+class Form(NamedTuple):
+    """What was written, and what it is tried on."""
+
+    written: Written
+    tried: Tried
+
+
+def form(
+    stem: str,
+    filter: Any,
+    params: Any,
+    inputs: Any,
+    precision: Precision = "double",
+    *,
+    tunable: bool = False,
+) -> Form:
+    """A filter in C.
+
+    Args:
+        stem: what the names of its types and functions begin with.
+        filter: the filter; of several recordings side by side one is written.
+        params: its parameters.
+        inputs: a recording, time first, of which samples are taken to try it.
+        precision: of its real numbers.
+        tunable: whether its parameters come in.
+
+    Raises:
+        ValueError: for a state that is too large, or an operation that C has no counterpart for.
+
+    >>> from filters import AlphaBeta, AlphaBetaGains
+    >>> gains = AlphaBetaGains(0.5, 0.1)
+    >>> found = form("track", AlphaBeta(0.1), gains, np.arange(60.0), "float")
+    >>> [field.name for field in found.written.outputs]
+    ['position', 'velocity']
+    """
+    filter, inputs = one_record(filter, inputs)
+    sample = jax.tree.map(lambda leaf: np.asarray(leaf)[0], inputs)
+    whole = traced(filter, params, sample, precision, _wanted(filter))
+    code = _written(whole, stem, tunable=tunable)
+    return Form(code, tried(filter, params, inputs, whole.kept, precision))
+
+
+def one_record(filter: Any, inputs: Any) -> tuple[Any, Any]:
+    """A filter of one recording, of one that may run over several side by side."""
+    if isinstance(filter, Lanes):
+        return one_record(filter.filter, jax.tree.map(lambda leaf: leaf[:, 0], inputs))
+    if isinstance(filter, Timed):
+        inner, rest = one_record(filter.filter, inputs.inputs)
+        return Timed(inner), TimedSample(inputs.dt, rest)
+    return filter, inputs
+
+
+def _wanted(filter: Any) -> Collection[str] | None:
+    """The outputs that are no details; all of a filter that declares none."""
+    own = bare(filter)
+    if not hasattr(own, "outputs"):
+        return None
+    facts = channel_facts(own, "outputs")
+    return [name for name, fact in facts.items() if fact.kind != "detail"] or None
+
+
+def _written(whole: Traced, stem: str, *, tunable: bool) -> Written:
+    """Written out where that is short, else with loops, else written out after all."""
+    try:
+        code = written(as_graph(whole, tunable=tunable, most=_GRAPH), stem, whole.values)
+        if code.operations <= FLAT:
+            return code
+    except TooLargeError:
+        code = None
+    try:
+        return looped(whole, stem, tunable=tunable)
+    except NoCounterpartError:
+        if code is not None:
+            return code
+    return written(as_graph(whole, tunable=tunable, most=_LARGEST), stem, whole.values)
