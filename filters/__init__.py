@@ -138,6 +138,7 @@ from filters.pi_complementary import (  # noqa: E402
 )
 from filters.protocol import AnyFilter, Filter, run  # noqa: E402
 from filters.residual_noise import ResidualNoise  # noqa: E402
+from filters.steady_gain import SteadyGain, SteadyGains, SteadyGainState  # noqa: E402
 from filters.strapdown import RestRule  # noqa: E402
 from filters.student import Student  # noqa: E402
 from filters.tilt_euler import (  # noqa: E402
@@ -247,6 +248,9 @@ __all__ = [
     "RiccatiCovariance",
     "Sample",
     "SixAxes",
+    "SteadyGain",
+    "SteadyGainState",
+    "SteadyGains",
     "SteadyState",
     "StoredGains",
     "Student",

@@ -49,7 +49,8 @@ def at_rate(settings: Settings, tuned: Tuned, rate_hz: float, densities: Collect
     found = findings(posed, {(problem.name, "riccati"): solution})
     quantities = problem.quantities(solution)
     new = replace(tuned, quantities=quantities, convention="discrete", dt=1 / rate_hz)
-    return AtRate(new, tuple(found), _notes(settings, factor, rate_hz))
+    trials = problem.on_machine(solution)
+    return AtRate(new, tuple(found), _notes(settings, factor, rate_hz), trials)
 
 
 def _notes(settings: Settings, factor: float, rate_hz: float) -> tuple[str, ...]:

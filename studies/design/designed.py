@@ -11,6 +11,7 @@ from objectives import LinearSystem, tracker_gains
 from tuner.export.tuned import Quantity
 from tuner.observers.gains import Observer
 from tuner.problem.exported import Exported, Trial, Weighed
+from tuner.problem.steady_form import steady_form
 
 SHORTEST, LONGEST = 100, 2000
 """On so many samples an observer is tried, within them on eight of its time constants."""
@@ -62,7 +63,14 @@ class Designed:
     def exported(self) -> Exported:
         """Model, gain, poles and covariance; a discrete observer is tried on simulated samples."""
         dt = self.full.dt or 0.0
-        return Exported("Observer", self.full.states, dt, self._quantities, runs=self._runs)
+        return Exported(
+            "Observer",
+            self.full.states,
+            dt,
+            self._quantities,
+            runs=self._runs,
+            machine=self._machine,
+        )
 
     def _quantities(self, observer: Observer) -> tuple[Quantity, ...]:
         return (*self._gains(observer), *self._noise(observer))
@@ -106,6 +114,13 @@ class Designed:
         filter = Weighed(StoredGains(), tuple(self.error.tolist()))
         samples = GainedSample(jnp.asarray(z), jnp.broadcast_to(K, (len(z), *K.shape)))
         return {"fixed gain": Trial(filter, self.full.filter_model(self.full.W), samples)}
+
+    def _machine(self, observer: Observer) -> dict[str, Trial]:
+        """An observer that is discrete, with all its states."""
+        K = self.sample_gain(observer)
+        if K is None or self.full.dt is None:
+            return {}
+        return {"fixed gain": steady_form(self.full, K, self.full.states)}
 
     def _simulated(self, count: int) -> np.ndarray:
         """Measurements of the model under its own noise, from zero on, ``(N, m)``."""

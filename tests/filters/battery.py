@@ -70,6 +70,8 @@ from filters import (
     RestRule,
     RiccatiCovariance,
     Sample,
+    SteadyGain,
+    SteadyGains,
     StoredGains,
     Student,
     TableCovariance,
@@ -191,6 +193,11 @@ def _seen(point):
     model = _linear(point, full=False)
     move = model.transition._replace(F=model.transition.F * jnp.exp(point[0]) / 0.3)
     return model._replace(transition=move, H=model.H * point[1], x0=point[2] * model.x0)
+
+
+def _steady(point):
+    move = _linear(point, full=False).transition.F * jnp.exp(point[0]) / 0.3
+    return SteadyGains(move, point[1] * jnp.eye(2), _GAINS[0], point[2] * jnp.eye(2))
 
 
 def _gained(z):
@@ -439,6 +446,7 @@ CASES = [
         _RNG.normal(size=(N, 1)),  # a column, for what is put out is no estimate of it alone
         lambda z: jnp.asarray(z)[:, 0],
     ),
+    Case("steady gain", SteadyGain(("a", "b")), _steady, _POINT, _TWO),
     Case("stored gains", StoredGains(), _seen, _POINT, _TWO, _gained),
     Case(
         "extended, two rates",

@@ -24,6 +24,7 @@ BUILDING_BLOCKS = {
     "KalmanCovariance",
     "LinearKalman",
     "RiccatiCovariance",
+    "SteadyGain",
     "StoredGains",
     "TableCovariance",
     "UnscentedKalman",

@@ -10,7 +10,8 @@ import pytest
 
 from tests.tuner.helpers import bowl, problem
 from tuner.certificate.solution import Status
-from tuner.code.casadi import NoCounterpartError, expressions
+from tuner.code.casadi import expressions
+from tuner.code.walk import NoCounterpartError
 from tuner.problem.constraint import Constraint
 from tuner.problem.parameters import Bounded, Covariance, Fixed, Limited, Positive
 from tuner.problem.problem import Problem
@@ -179,10 +180,10 @@ def test_symbols_say_the_same_as_jax(name):
 
 @pytest.mark.parametrize(
     "function",
-    [lambda z: jnp.linalg.inv(jnp.outer(z, z)), lambda z: jax.lax.fori_loop(0, 3, jnp.add, z)],
+    [lambda z: jnp.linalg.inv(jnp.outer(z, z)), lambda z: jax.lax.while_loop(lambda x: x[0] < 9, lambda x: 2 * x, z)],
 )
 def test_what_casadi_does_not_have_is_named(function):
-    with pytest.raises(NoCounterpartError, match="has no counterpart in CasADi"):
+    with pytest.raises(NoCounterpartError, match="has no counterpart"):
         expressions(function, [casadi.SX.sym("a"), casadi.SX.sym("b")])
 
 

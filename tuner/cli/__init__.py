@@ -279,6 +279,12 @@ def export(
     filter: Annotated[
         str | None, typer.Option(help="With --rate: FILE.py:CLASS, where the run is of one.")
     ] = None,
+    precision: Annotated[
+        str | None, typer.Option(help="With --to c: double, or float for small processors.")
+    ] = None,
+    tunable: Annotated[
+        bool, typer.Option("--tunable", help="With --to c: parameters that can be set.")
+    ] = False,
     force: Annotated[
         bool, typer.Option(help="Replace the file; export what did not converge.")
     ] = False,
@@ -287,7 +293,9 @@ def export(
     from tuner.cli.export import Wanted, write
     from tuner.cli.which import Which
 
-    wanted = Wanted(to, output, problem, rate, tuple(density or ()), Which(filter), force)
+    wanted = Wanted(
+        to, output, problem, rate, tuple(density or ()), Which(filter), force, precision, tunable
+    )
     write(run, wanted)
 
 

@@ -4,6 +4,7 @@ import json
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tuner import export
 from tuner.cli.tables import show_findings
@@ -11,6 +12,9 @@ from tuner.cli.which import Which, refuse_code
 from tuner.export import Tuned
 from tuner.names import unknown
 from tuner.run.result import Result, read_result
+
+if TYPE_CHECKING:
+    from tuner.run.at_rate import AtRate
 
 
 @dataclass(frozen=True)
@@ -25,6 +29,8 @@ class Wanted:
         densities: parameters that grow with the rate.
         which: the file of the filter's class, where it is from one.
         force: whether a file is replaced, and what did not converge is exported.
+        precision: of a filter in C; None: double.
+        tunable: whether the parameters of a filter in C can be set as it runs.
     """
 
     to: str | None
@@ -34,6 +40,8 @@ class Wanted:
     densities: tuple[str, ...] = ()
     which: Which = field(default_factory=Which)
     force: bool = False
+    precision: str | None = None
+    tunable: bool = False
 
 
 def write(run: Path, wanted: Wanted) -> None:
@@ -49,6 +57,8 @@ def write(run: Path, wanted: Wanted) -> None:
             f"give the format, --to {'|'.join(export.FORMATS)}, or --rate HZ to see the numbers at "
             "another rate"
         )
+    if wanted.to != "c" and (wanted.precision or wanted.tunable):
+        raise ValueError("--precision and --tunable say how C is written; give --to c with them")
     result = read_result(run)
     tuned = _choose(result, wanted.problem)
     status = tuned.provenance.status
@@ -56,11 +66,17 @@ def write(run: Path, wanted: Wanted) -> None:
         raise ValueError(
             f"the solution of {tuned.name} is {status!r}, not converged; --force exports it anyway"
         )
+    found = None
     if wanted.rate_hz is not None:
-        tuned = _at_rate(run, result, tuned, wanted.rate_hz, wanted)
+        found = _at_rate(run, result, tuned, wanted.rate_hz, wanted)
+        tuned = found.tuned
     elif wanted.densities:
         raise ValueError("--density says what grows with the rate; give --rate HZ with it")
-    if wanted.to is not None:
+    if wanted.to == "c":
+        from tuner.cli.export_c import write_c
+
+        write_c(run, result, tuned, found, wanted)
+    elif wanted.to is not None:
         _write(tuned, wanted.to, wanted)
 
 
@@ -69,14 +85,19 @@ def _write(tuned: Tuned, to: str, wanted: Wanted) -> None:
     if wanted.output == "-":
         sys.stdout.buffer.write(data)
         return
-    at = "" if wanted.rate_hz is None else f"_{wanted.rate_hz:g}hz"
-    path = Path(wanted.output) if wanted.output else Path(f"{tuned.name}{at}{export.suffix(to)}")
+    path = path_of(tuned, to, wanted)
     export.write(tuned, path, to, overwrite=wanted.force)
     export.read_back(tuned, path, to)
     print(f"wrote {path}: {len(tuned.quantities)} quantities, read back equal", file=sys.stderr)
 
 
-def _at_rate(run: Path, result: Result, tuned: Tuned, rate_hz: float, wanted: Wanted) -> Tuned:
+def path_of(tuned: Tuned, to: str, wanted: Wanted) -> Path:
+    """The file that is written."""
+    at = "" if wanted.rate_hz is None else f"_{wanted.rate_hz:g}hz"
+    return Path(wanted.output) if wanted.output else Path(f"{tuned.name}{at}{export.suffix(to)}")
+
+
+def _at_rate(run: Path, result: Result, tuned: Tuned, rate_hz: float, wanted: Wanted) -> "AtRate":
     """The filter at another rate; its numbers are shown where no file is asked for."""
     from tuner.cli.settings import parse_settings
     from tuner.run.cache import use_cache
@@ -99,7 +120,7 @@ def _at_rate(run: Path, result: Result, tuned: Tuned, rate_hz: float, wanted: Wa
         print(note, file=sys.stderr)
     if wanted.to is None:
         show_findings(found.findings)
-    return found.tuned
+    return found
 
 
 def _choose(result: Result, problem: str | None) -> Tuned:

@@ -1,6 +1,6 @@
 """Tables for people, on stdout."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from rich import box
@@ -12,7 +12,7 @@ from tuner.certificate.solution import Status
 from tuner.certificate.table import range_in_words
 from tuner.run.finding import Finding
 from tuner.run.noise_told import COLUMNS
-from tuner.run.result import ParameterRecord, Result, SolutionRecord
+from tuner.run.result import CodeRecord, ParameterRecord, Result, SolutionRecord
 
 _COLOURS = {
     "match": "green",
@@ -93,6 +93,8 @@ def show_result(result: Result, folder: Path) -> None:
             out.print(f"{export.file}: read back and scored, cost {export.relative_change:+.1e}")
     if result.exports:
         out.print(f"{len(result.exports)} exports, each read back, compared and scored again")
+    for line in _in_c(result.code):
+        out.print(line, soft_wrap=True, markup=False)
     for check in result.single_precision:
         share = "without bound" if check.share is None else f"by {100 * check.share:.2g} %"
         told = f"in single precision the {check.form} form strays {share}{_of(check.output)}"
@@ -103,6 +105,25 @@ def show_result(result: Result, folder: Path) -> None:
     for line in () if result.fit is None else result.fit.lines:
         told = line.replace(" RUN ", f" {folder} ")
         out.print(told, soft_wrap=True, highlight=False, markup=False)  # intervals are no markup
+
+
+def _in_c(codes: list[CodeRecord]) -> Iterator[str]:
+    """What each filter is in C, a line each."""
+    for problem in dict.fromkeys(code.problem for code in codes):
+        own = [code for code in codes if code.problem == problem]
+        good = [code for code in own if not code.refused]
+        if not good:
+            yield f"{problem}: no C, {own[0].refused}"
+            continue
+        sizes = [
+            f"{c.code_bytes} bytes of code and {c.stack_bytes} of stack as {c.precision}"
+            for c in good
+            if c.code_bytes is not None
+        ]
+        told = "; ".join([f"{good[0].operations} operations a sample", *sizes])
+        machine = " on this machine" if sizes else ""
+        yield f"{problem} in C ({good[0].file}): {told}{machine}"
+        yield from (f"{problem}: no C in {c.precision}, {c.refused}" for c in own if c.refused)
 
 
 def show_findings(findings: Iterable[Finding]) -> None:

@@ -17,7 +17,9 @@ BY_ENTRY = frozenset(
     | {"convert_element_type", "integer_pow"}
 )
 """Operations of which an entry of the result needs one entry of each operand."""
-_TWICE = frozenset("square integer_pow sign clamp max min select_n ne abs logistic".split())
+_TWICE = frozenset(
+    ["square", "integer_pow", "sign", "clamp", "max", "min", "select_n", "ne", "abs", "logistic"]
+)
 """Of these, those that need it twice, or that must take the same time whatever it is."""
 SUMS: Mapping[str, tuple[str, str]] = {
     "reduce_sum": ("0", "add"),
@@ -45,7 +47,8 @@ def by_entry(block: Block, operation: Operation, given: Sequence[Held]) -> Lazy:
             entry[()] = Text(text, x.kind, number)
             entries.append(entry)
         (found,) = rule(algebra, operation.equation, entries)
-        return str(found[()].text)
+        made: Text = found.item()
+        return made.text
 
     buffers = frozenset[str]().union(*(x.buffers for x in given))
     return Lazy(out.shape, kind_of(out.dtype), at, buffers)

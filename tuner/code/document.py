@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from tuner.code.fields import Field
+from tuner.code.form import Form
 from tuner.code.selftest import selftest
-from tuner.code.tried import Tried
 from tuner.code.written import Written
 from tuner.export.header import header
 from tuner.export.tuned import Tuned
@@ -37,15 +38,22 @@ class Files:
     source: str
     selftest: str
 
+    @property
+    def whole(self) -> str:
+        """Header and source as one text."""
+        lines = self.source.splitlines(keepends=True)
+        return self.header + "".join(line for line in lines if not line.startswith('#include "'))
 
-def files(tuned: Tuned, name: str, forms: Sequence[tuple[Written, Tried]]) -> Files:
+
+def files(tuned: Tuned, include: str, forms: Sequence[Form]) -> Files:
     """The files of a tuned filter.
 
     Args:
         tuned: its numbers.
-        name: of the files, without a suffix.
+        include: name of the header's file.
         forms: each form with what it is tried on, the main one first.
     """
+    name = include.rpartition(".")[0] or include
     stem = forms[0][0].stem
     lines = [*_USE.strip().split("\n")]
     if any(field.kind == "truth" for w, _ in forms for field in _fields(w)):
@@ -55,7 +63,10 @@ def files(tuned: Tuned, name: str, forms: Sequence[tuple[Written, Tried]]) -> Fi
         lines += ["", *written.declarations]
     lines += ["", f"/* 0, or the number of the first sample that is off; in {name}_selftest.c. */"]
     lines += [f"int {stem}_selftest(void);", "", "#ifdef __cplusplus", "}", "#endif"]
-    body = [f"/* Written by filter-tuner; do not edit it, export it again. */", f'#include "{name}.h"']
+    body = [
+        "/* Written by filter-tuner; do not edit it, export it again. */",
+        f'#include "{include}"',
+    ]
     body += ["", "#include <math.h>"]
     text = "\n".join(line for written, _ in forms for line in ["", *written.definitions])
     if "bool " in text:
@@ -63,9 +74,9 @@ def files(tuned: Tuned, name: str, forms: Sequence[tuple[Written, Tried]]) -> Fi
     return Files(
         header(tuned, lines),
         "\n".join([*body, _FINITE.rstrip(), text, ""]),
-        selftest(name, forms),
+        selftest(include, name, forms),
     )
 
 
-def _fields(written: Written):  # type: ignore[no-untyped-def]
+def _fields(written: Written) -> list[Field]:
     return [*written.state, *written.inputs, *written.outputs, *written.params]

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
-from tuner.code.graph import Graph
+from tuner.code.graph import Graph, Node
 from tuner.code.literal import Precision, literal, type_of
 from tuner.code.operations import Kind
 
@@ -21,16 +21,42 @@ INFIX = {
     "or": "||",
     "xor": "!=",
 }
+_PREFIX = {"neg": "-", "not": "!"}
+_TESTS = {"isnan": "isnan", "is_finite": "isfinite"}
 CALLS = {
     "abs": "fabs",
     "round": "rint",
     "rem": "fmod",
     **{
         name: name
-        for name in (
-            "sqrt cbrt sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh exp exp2 expm1 "
-            "log log1p floor ceil erf erfc lgamma pow atan2"
-        ).split()
+        for name in [
+            "sqrt",
+            "cbrt",
+            "sin",
+            "cos",
+            "tan",
+            "asin",
+            "acos",
+            "atan",
+            "sinh",
+            "cosh",
+            "tanh",
+            "asinh",
+            "acosh",
+            "atanh",
+            "exp",
+            "exp2",
+            "expm1",
+            "log",
+            "log1p",
+            "floor",
+            "ceil",
+            "erf",
+            "erfc",
+            "lgamma",
+            "pow",
+            "atan2",
+        ]
     },
 }
 """What the functions of math.h are called, for double."""
@@ -45,22 +71,18 @@ def operation(op: str, operands: list[str], kinds: list[Kind], precision: Precis
     'sqrtf(x)'
     """
     x, *more = operands
+    whole = "real" not in kinds
     if op in INFIX:
         return f"{x} {INFIX[op]} {more[0]}"
-    if op in ("neg", "not"):
-        return f"{'-' if op == 'neg' else '!'}{x}"
-    if op in ("isnan", "is_finite"):
-        return f"{'isnan' if op == 'isnan' else 'isfinite'}({bare(x)})"
-    whole = "real" not in kinds
-    if op == "abs" and whole:
-        return f"({x} < 0) ? (-{x}) : {x}"
-    if op == "rem" and whole:
-        return f"{x} % {more[0]}"
+    if op in _PREFIX:
+        return f"{_PREFIX[op]}{x}"
     if op in ("max", "min"):
-        sign = ">" if op == "max" else "<"
-        test = f"{x} {sign} {more[0]}"
-        return f"({test}) ? {x} : {more[0]}" if whole else f"(({test}) || isnan({bare(x)})) ? {x} : {more[0]}"
-    name = CALLS[op] + ("f" if precision == "float" else "")
+        test = f"{x} {'>' if op == 'max' else '<'} {more[0]}"
+        either = f"({test})" if whole else f"(({test}) || isnan({bare(x)}))"
+        return f"{either} ? {x} : {more[0]}"
+    if whole and op in ("abs", "rem"):
+        return f"({x} < 0) ? (-{x}) : {x}" if op == "abs" else f"{x} % {more[0]}"
+    name = _TESTS.get(op) or CALLS[op] + ("f" if precision == "float" else "")
     return f"{name}({', '.join(map(bare, operands))})"
 
 
@@ -122,18 +144,21 @@ class Expressions:
             return text, text.startswith(("-", "("))
         if node.op == "input":
             return self.input(node.value), False
+        text = self._made(node)
+        return text, not (node.op in CALLS or node.op in _TESTS) or "?" in text or "%" in text
+
+    def _made(self, node: Node) -> str:
         given = [self.operand(k) for k in node.args]
         kinds: list[Kind] = [self.graph.nodes[k].kind for k in node.args]
         if node.op == "choose":
-            return f"{given[0]} ? {given[1]} : {given[2]}", True
+            return f"{given[0]} ? {given[1]} : {given[2]}"
         if node.op == "convert":
-            return converted(given[0], kinds[0], node.kind, self.precision), True
-        if node.op in ("max", "min") and self.graph.is_constant(node.args[0]):
-            return self._limited(node.op, given[1], given[0]), True
-        if node.op in ("max", "min") and self.graph.is_constant(node.args[1]):
-            return self._limited(node.op, given[0], given[1]), True
-        text = operation(node.op, given, kinds, self.precision)
-        return text, not (node.op in CALLS or node.op in ("isnan", "is_finite")) or "?" in text
+            return converted(given[0], kinds[0], node.kind, self.precision)
+        if node.op in ("max", "min"):
+            for k, entry in enumerate(node.args):
+                if self.graph.is_constant(entry):
+                    return self._limited(node.op, given[1 - k], given[k])
+        return operation(node.op, given, kinds, self.precision)
 
     def _limited(self, op: str, x: str, limit: str) -> str:
         """Between a number and a limit that is never NaN."""

@@ -69,14 +69,14 @@ def fields_of(filter: Any, part: str, tree: Any) -> list[Field]:
     plain = alone or {"params": "p", "inputs": "z", "state": "x", "outputs": "y"}[part]
     last = [path[-1] if path and not path[-1].isdigit() else "" for path, *_ in leaves]
     found: list[Field] = []
-    for (path, leaf, note), name in zip(leaves, last, strict=True):
-        if path[-1:] == ("inputs",):  # of a filter inside another, which takes one plain array
-            name = plain
+    for (path, leaf, note), own in zip(leaves, last, strict=True):
+        # The inputs of a filter inside another may be one plain array.
+        name = plain if path[-1:] == ("inputs",) else own
         told = name if name and last.count(name) == 1 else "_".join(path) or plain
         told = f"{plain}_{told}" if told[0].isdigit() else told
-        own = identifier(told, {field.name for field in found})
+        in_c = identifier(told, {field.name for field in found})
         meaning = _meaning(facts.get(name or plain), leaf.shape) or note
-        found.append(Field(own, tuple(leaf.shape), kind_of(leaf.dtype), meaning))
+        found.append(Field(in_c, tuple(leaf.shape), kind_of(leaf.dtype), meaning))
     return found
 
 

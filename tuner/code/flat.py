@@ -9,8 +9,8 @@ from tuner.code.expression import Expressions
 from tuner.code.graph import Graph
 from tuner.code.literal import Precision, type_of
 from tuner.code.names import identifier, in_comment
+from tuner.code.program import Label
 from tuner.code.source import Said, said
-from tuner.code.trace import Label
 
 _LONGEST = 26
 _WIDTH = 100
@@ -46,7 +46,7 @@ class Statements:
         self._before: tuple[str, ...] = ()
 
     def add(self, roots: Iterable[int]) -> None:
-        """Statements that work out these nodes; each of them gets a variable if it is worked out."""
+        """Statements that work out these nodes; each of them gets a variable."""
         wanted = {k for k in roots if self.graph.nodes[k].op != "constant"}
         live = self._live(wanted)
         uses = Counter(k for entry in live for k in self.graph.nodes[entry].args)
@@ -76,7 +76,7 @@ class Statements:
         return sorted(k for k in seen if self.graph.nodes[k].op != "constant")
 
     def _branches(self, entry: int) -> tuple[int, ...]:
-        """What is worked out whichever way a choice goes, so that every step takes the same time."""
+        """What is worked out whichever way a choice goes: every step takes the same time."""
         node = self.graph.nodes[entry]
         return node.args[1:] if node.op == "choose" else ()
 

@@ -1,6 +1,7 @@
 """A form of a filter in C: written out or with loops, with what it is tried on."""
 
 from collections.abc import Collection
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import jax
@@ -12,7 +13,9 @@ from tuner.code.functions import written
 from tuner.code.graph import TooLargeError
 from tuner.code.literal import Precision
 from tuner.code.looped import looped
-from tuner.code.trace import Traced, as_graph, traced
+from tuner.code.names import in_comment
+from tuner.code.program import as_graph
+from tuner.code.trace import Traced, traced
 from tuner.code.tried import Tried, tried
 from tuner.code.walk import NoCounterpartError
 from tuner.code.written import Written
@@ -62,6 +65,10 @@ def form(
     sample = jax.tree.map(lambda leaf: np.asarray(leaf)[0], inputs)
     whole = traced(filter, params, sample, precision, _wanted(filter))
     code = _written(whole, stem, tunable=tunable)
+    note = getattr(filter, "note", "")
+    if note:
+        told = [f"/* {in_comment(note, 200)} */", *code.declarations]
+        code = replace(code, declarations=told)
     return Form(code, tried(filter, params, inputs, whole.kept, precision))
 
 

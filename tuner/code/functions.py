@@ -8,7 +8,7 @@ import numpy as np
 from tuner.code.fields import Field
 from tuner.code.flat import Statements, wrapped
 from tuner.code.graph import Graph
-from tuner.code.trace import Program
+from tuner.code.program import Program
 from tuner.code.walk import Arrays
 from tuner.code.written import Written, declarations, defaults, step, unused
 

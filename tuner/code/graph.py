@@ -49,7 +49,13 @@ class Graph:
     True
     """
 
-    def __init__(self, precision: type[np.floating] = np.float64, *, halves: bool = True, most: int | None = None) -> None:
+    def __init__(
+        self,
+        precision: type[np.floating] = np.float64,
+        *,
+        halves: bool = True,
+        most: int | None = None,
+    ) -> None:
         self.precision, self.halves, self.most = precision, halves, most
         self.nodes: list[Node] = []
         self.points = Points(self.nodes, 1e-10 if precision is np.float64 else 4e-6)

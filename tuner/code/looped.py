@@ -1,19 +1,17 @@
 """A filter as functions of C with loops: for matrices that are too large to be written out."""
 
-import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from tuner.code.block import Block
 from tuner.code.fields import Field
-from tuner.code.memory import Held, Lazy, View, view
-from tuner.code.operations import Kind
+from tuner.code.literal import type_of
+from tuner.code.memory import Held, Lazy, View, rows_first, view
 from tuner.code.straight import Slot, straight, work
 from tuner.code.tables import Tables
 from tuner.code.trace import Traced
 from tuner.code.turns import Turns
-from tuner.code.literal import literal, type_of
 from tuner.code.written import Written, declarations, defaults, step, unused
 
 
@@ -72,7 +70,7 @@ def _function(traced: Traced, tables: Tables, which: str, tunable: bool) -> tupl
     given: list[Slot | np.ndarray] = [*traced.values]
     if tunable:
         where = "params->" if which == "start" else "tables->params."
-        given = _slots(traced, where, traced.params, known)
+        given = [*_slots(traced, where, traced.params, known)]
     if which == "start":
         code = straight(traced.start, given)
     else:
@@ -98,15 +96,14 @@ def _store(block: Block, found: Sequence[Held], ends: Sequence[View]) -> None:
     block.keep_spare()
     places = {end.buffer for end in ends}
     ready: list[Held] = []
-    for x, end in zip(found, ends, strict=True):
+    for result, end in zip(found, ends, strict=True):
+        x = result
         if isinstance(x, Lazy) and x.number is None and x.buffers:
             x = block.made(x)
-        crossed = isinstance(x, View) and x != end and x.buffer in places
-        if crossed:
-            name = block.buffer(x.shape or (1,), x.kind)
-            away = View(name.buffer, x.shape, x.kind, 0, view("", x.shape, x.kind).strides)
-            block.put(x, away)
-            x = away
+        if isinstance(x, View) and x != end and x.buffer in places:
+            away = block.buffer(x.shape or (1,), x.kind).buffer
+            x = View(away, x.shape, x.kind, 0, rows_first(x.shape))
+            block.put(result, x)
         ready.append(x)
     for x, end in zip(ready, ends, strict=True):
         if x != end:

@@ -102,7 +102,10 @@ def _by_index(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
         return _placed(1)(algebra, equation, given)
     sizes = equation.params["slice_sizes"]
     free = [n - size for n, size in zip(table.shape, sizes, strict=True)]
-    ways = [range(n + 1) if s.dtype == object else [int(np.clip(s, 0, n))] for n, s in zip(free, starts, strict=True)]
+    ways = [
+        range(n + 1) if s.dtype == object else [int(np.clip(s, 0, n))]
+        for n, s in zip(free, starts, strict=True)
+    ]
     count = math.prod(map(len, ways))
     if count > MOST_WAYS:
         raise NoCounterpartError(

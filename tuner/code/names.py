@@ -13,13 +13,14 @@ co_return co_yield compl concept const_cast consteval constinit decltype delete 
 explicit export friend import module mutable namespace new noexcept not not_eq operator or or_eq
 private protected public reinterpret_cast requires static_cast template this throw try typeid
 typename using virtual wchar_t xor xor_eq"""
-_LIBRARY = """abs acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh div erf erfc exp
-exp2 expm1 fabs fdim floor fma fmax fmin fmod frexp gamma hypot ilogb index isfinite isgreater isinf
-isless isnan isnormal isunordered j0 j1 jn ldexp lgamma log log10 log1p log2 logb lrint lround main
-modf nan nearbyint nextafter pow remainder rint round scalbn signbit signgam significand sin sinh
-sqrt tan tanh tgamma time trunc y0 y1 yn errno linux unix complex imaginary I NULL NAN INFINITY
-HUGE_VAL HUGE_VALF HUGE_VALL M_PI M_E DOMAIN SING OVERFLOW UNDERFLOW near far interrupt vector pixel
-state in out tables params found"""
+_LIBRARY = """abs acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh div erf erfc
+exp exp2 expm1 fabs fdim floor fma fmax fmin fmod frexp gamma hypot ilogb index
+isfinite isgreater isinf isless isnan isnormal isunordered j0 j1 jn ldexp lgamma log
+log10 log1p log2 logb lrint lround main modf nan nearbyint nextafter pow remainder
+rint round scalbn signbit signgam significand sin sinh sqrt tan tanh tgamma time
+trunc y0 y1 yn errno linux unix complex imaginary I NULL NAN INFINITY HUGE_VAL
+HUGE_VALF HUGE_VALL M_PI M_E DOMAIN SING OVERFLOW UNDERFLOW near far interrupt
+vector pixel state in out tables params found"""
 TAKEN = frozenset(f"{_C} {_CPP} {_LIBRARY}".split())
 """Words of the languages, names of their libraries and of compilers, and those of our own."""
 
@@ -37,7 +38,7 @@ def identifier(name: str, taken: Collection[str] = ()) -> str:
     text = "".join(map(_ascii, unicodedata.normalize("NFKC", name)))
     text = re.sub(r"_+", "_", text).strip("_")[:48] or "a"
     text = f"a{text}" if text[0].isdigit() else text
-    text = f"{text}_" if text in TAKEN or text.upper() in TAKEN and text.isupper() else text
+    text = f"{text}_" if text in TAKEN or (text.upper() in TAKEN and text.isupper()) else text
     if text not in taken:
         return text
     return next(new for n in range(2, len(taken) + 3) if (new := f"{text}_{n}") not in taken)

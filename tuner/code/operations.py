@@ -83,4 +83,4 @@ def in_numpy(op: str, *values: Any) -> Any:
 def kind_of(value: Any) -> Kind:
     """What an array or a type holds."""
     dtype = value if isinstance(value, np.dtype) else np.asarray(value).dtype
-    return "truth" if dtype == bool else "whole" if dtype.kind in "iu" else "real"
+    return "truth" if dtype.kind == "b" else "whole" if dtype.kind in "iu" else "real"

@@ -22,7 +22,7 @@ _ANYWHERE: Mapping[str, Callable[..., Any]] = {
     "acos": lambda x: 1 - 1.1 * np.arctan(x),
     "acosh": lambda x: np.arcsinh(x - 1),
     "atanh": lambda x: 0.9 * np.arctan(x),
-    "lgamma": lambda x: np.sin(x),
+    "lgamma": np.sin,
     "pow": lambda x, y: np.abs(x) ** y,
     "max": lambda x, y: 0.6 * x + 0.5 * y,
     "min": lambda x, y: 0.5 * x + 0.6 * y,
@@ -75,9 +75,11 @@ class Points:
             if node.op == "input":
                 return self._drawn(node.kind)
             if node.op == "choose":
-                return np.where(*given)
+                condition, yes, no = given
+                return np.asarray(np.where(condition, yes, no))
             if node.op == "convert":
-                return given[0].astype({"real": float, "truth": bool, "whole": int}[node.kind])
+                kinds = {"real": float, "truth": bool, "whole": int}
+                return np.asarray(given[0]).astype(kinds[node.kind])
             if node.op in _ANYWHERE:
                 return np.asarray(_ANYWHERE[node.op](*given))
             return np.asarray(in_numpy(node.op, *given))

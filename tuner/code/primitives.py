@@ -1,14 +1,13 @@
 """What each operation of JAX is on arrays of entries."""
 
-import math
 from collections.abc import Callable, Mapping
-from itertools import product
 from typing import Any
 
 import numpy as np
 
 from tuner.code.moves import MOVES, PLACED
 from tuner.code.operations import BINARY, UNARY
+from tuner.code.reductions import cumulated, place, product, reduced
 from tuner.code.walk import Algebra, Arrays, NoCounterpartError, Rule, Walk, each, objects
 
 
@@ -101,67 +100,6 @@ def _power(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
     return [each(lambda x: times(x, equation.params["y"]), *given)]
 
 
-def _reduced(op: str) -> Rule:
-    def rule(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
-        axes = equation.params["axes"]
-        kept = [k for k in range(given[0].ndim) if k not in axes]
-        shape = [given[0].shape[k] for k in kept]
-        out = np.empty(shape, object)
-        rows = given[0].transpose((*kept, *axes)).reshape((*shape, -1))
-        for index in np.ndindex(*shape):
-            total = rows[index][0]
-            for entry in rows[index][1:]:
-                total = algebra.apply(op, total, entry)
-            out[index] = total
-        return [out]
-
-    return rule
-
-
-def _place(better: str) -> Rule:
-    def rule(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
-        (axis,), dtype = equation.params["axes"], np.dtype(equation.params["index_dtype"])
-        rows = np.moveaxis(given[0], axis, 0)
-        best, at = rows[0], each(lambda _: algebra.constant(dtype.type(0)), rows[0])
-        for k, row in enumerate(rows[1:], 1):
-            here = algebra.constant(dtype.type(k))
-            wins = each(lambda x, y: algebra.apply(better, x, y), row, best)
-            best = each(algebra.choose, wins, best, row)
-            at = each(lambda c, old, new=here: algebra.choose(c, old, new), wins, at)
-        return [at]
-
-    return rule
-
-
-def _cumulated(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
-    rows = np.moveaxis(given[0], equation.params["axis"], 0)
-    back = slice(None, None, -1 if equation.params["reverse"] else 1)
-    sums = [rows[back][0]]
-    for row in rows[back][1:]:
-        sums.append(each(lambda x, y: algebra.apply("add", x, y), sums[-1], row))
-    return [np.moveaxis(np.stack(sums)[back], 0, equation.params["axis"])]
-
-
-def _product(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
-    (cx, cy), (bx, by) = equation.params["dimension_numbers"]
-    x, y = objects(algebra, given)
-    fx = [k for k in range(x.ndim) if k not in (*cx, *bx)]
-    fy = [k for k in range(y.ndim) if k not in (*cy, *by)]
-    batch, rows, columns = (
-        [a.shape[k] for k in axes] for a, axes in ((x, bx), (x, fx), (y, fy))
-    )
-    length = math.prod(x.shape[k] for k in cx)
-    x = x.transpose(*bx, *fx, *cx).reshape(math.prod(batch), math.prod(rows), length)
-    y = y.transpose(*by, *fy, *cy).reshape(math.prod(batch), math.prod(columns), length)
-    out = np.empty((math.prod(batch), math.prod(rows), math.prod(columns)), object)
-    for b, i, j in product(*map(range, out.shape)):
-        total = algebra.constant(equation.outvars[0].aval.dtype.type(0))
-        for k in range(length):
-            total = algebra.apply("add", total, algebra.apply("mul", x[b, i, k], y[b, j, k]))
-        out[b, i, j] = total
-    return [out.reshape((*batch, *rows, *columns))]
-
-
 _SUMS = {"sum": "add", "prod": "mul", "max": "max", "min": "min", "and": "and", "or": "or"}
 
 _NUMBERS: Mapping[str, Callable[..., Any]] = {
@@ -173,7 +111,7 @@ _NUMBERS: Mapping[str, Callable[..., Any]] = {
 
 RULES: Mapping[str, Rule] = {
     **{name: _plain(name) for name in (*UNARY, *BINARY) if name != "isnan"},
-    **{f"reduce_{name}": _reduced(op) for name, op in _SUMS.items()},
+    **{f"reduce_{name}": reduced(op) for name, op in _SUMS.items()},
     **MOVES,
     **PLACED,
     **{name: _logic(name) for name in ("and", "or", "xor", "not")},
@@ -187,10 +125,10 @@ RULES: Mapping[str, Rule] = {
     "convert_element_type": _convert,
     "clamp": _clamp,
     "integer_pow": _power,
-    "argmax": _place("gt"),
-    "argmin": _place("lt"),
-    "cumsum": _cumulated,
-    "dot_general": _product,
+    "argmax": place("gt"),
+    "argmin": place("lt"),
+    "cumsum": cumulated,
+    "dot_general": product,
 }
 """How each operation is done."""
 

@@ -1,32 +1,33 @@
 """The self-test: samples with what is expected, as a function of C that compares them."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 
 from tuner.code.fields import Field
 from tuner.code.flat import wrapped
+from tuner.code.form import Form
 from tuner.code.literal import Precision, literal
 from tuner.code.tried import Tried
 from tuner.code.written import Written
 
 
-def selftest(file: str, forms: Sequence[tuple[Written, Tried]]) -> str:
+def selftest(include: str, file: str, forms: Sequence[Form]) -> str:
     """A source file with a function that is 0 where all forms do what they should.
 
     Args:
-        file: name of the header, without its suffix.
+        include: name of the header's file.
+        file: name of the files, without a suffix.
         forms: what was written, and what it is tried on.
     """
     stem = forms[0][0].stem
     lines = [
         "/*",
         " * Samples, and what filter-tuner's own filter makes of them; written by filter-tuner.",
-        f" * {stem}_selftest() is 0, or the number of the first sample that is off. To run it alone:",
+        f" * {stem}_selftest() is 0, or the number of the first sample that is off. Alone:",
         f" * cc -DSELFTEST_MAIN {file}.c {file}_selftest.c -lm && ./a.out",
         " */",
-        f'#include "{file}.h"',
+        f'#include "{include}"',
         "",
         "#include <math.h>",
         "",
@@ -48,7 +49,9 @@ def _form(written: Written, tried: Tried) -> Iterator[str]:
     stem, real = written.stem, written.precision
     samples = np.hstack(_flat(written.inputs, tried.samples))
     expected = np.hstack(_flat(written.outputs, tried.expected))
-    allowed = np.hstack([row[0] for row in _flat(written.outputs, [a[None] for a in tried.allowed])])
+    allowed = np.hstack(
+        [row[0] for row in _flat(written.outputs, [a[None] for a in tried.allowed])]
+    )
     after, most = (
         np.hstack([row[0] for row in _flat(written.state, [np.asarray(a)[None] for a in part])])
         for part in (tried.after, tried.allowed_after)
@@ -81,7 +84,9 @@ def _form(written: Written, tried: Tried) -> Iterator[str]:
         yield f"        {place} = {_given(f'{stem}_samples[k][{at}]', field, real)};"
     tables = ", &tables" if written.params else ""
     yield f"        {stem}_step(&state, &input, &output{tables});"
-    yield from _compared("output", written.outputs, stem, real, "expected[k]", "allowed", "        ")
+    yield from _compared(
+        "output", written.outputs, stem, real, "expected[k]", "allowed", "        "
+    )
     yield "        if (off != 0) {"
     yield "            return k + 1;"
     yield from ("        }", "    }")
@@ -137,7 +142,9 @@ def _flat(fields: Sequence[Field], arrays: Sequence[np.ndarray]) -> list[np.ndar
     """Rows of what each field keeps, ``(N, size)``."""
     found = []
     for field, array in zip(fields, arrays, strict=True):
-        entries = [array[(slice(None), *index)] for index in field.entries()]
+        rows = np.asarray(array).reshape(len(array), -1)
+        where = [int(np.ravel_multi_index(i, field.shape)) if i else 0 for i in field.entries()]
+        entries = [rows[:, k] for k in where]
         found.append(np.stack(entries, axis=1) if entries else np.zeros((len(array), 0)))
     return found or [np.zeros((1, 0))]
 
@@ -165,8 +172,3 @@ def _row(text: str) -> str:
             line = "       "
         line += f" {part}"
     return "\n".join([*lines, line])
-
-
-def numbers(trees: Any) -> list[np.ndarray]:
-    """Arrays as real numbers."""
-    return [np.asarray(tree, float) for tree in trees]

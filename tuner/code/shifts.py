@@ -14,8 +14,19 @@ from tuner.code.walk import NoCounterpartError, no_counterpart, worked_out
 
 _KEPT = frozenset({"copy", "copy_p", "stop_gradient", "reduce_precision", "optimization_barrier"})
 MOVED = _KEPT | frozenset(
-    "broadcast_in_dim slice reshape squeeze expand_dims transpose rev split unstack gather "
-    "dynamic_slice".split()
+    [
+        "broadcast_in_dim",
+        "slice",
+        "reshape",
+        "squeeze",
+        "expand_dims",
+        "transpose",
+        "rev",
+        "split",
+        "unstack",
+        "gather",
+        "dynamic_slice",
+    ]
 )
 JOINED = frozenset({"concatenate", "stack", "pad"})
 SCATTERED = frozenset({"scatter", "scatter-add", "scatter_add", "dynamic_update_slice"})
@@ -60,7 +71,9 @@ def _placed(block: Block, x: View, table: np.ndarray) -> View:
     def one(index: Index) -> None:
         place = where.at(index)
         text = f"{x.buffer}[{total(x.base, place)}]"
-        block.say(f"{into.at(index)} = {f'({place} < 0) ? {nothing} : {text}' if nothing else text};")
+        block.say(
+            f"{into.at(index)} = {f'({place} < 0) ? {nothing} : {text}' if nothing else text};"
+        )
 
     block.nest((table.size,), one)
     base, strides = affine(np.arange(table.size).reshape(table.shape)) or (0, ())
@@ -77,7 +90,9 @@ def joined(block: Block, operation: Operation, given: Sequence[Held]) -> View:
     where = np.argsort(table.ravel(), kind="stable")
     if operation.name == "pad":
         block.nest(out.shape, lambda index: block.say(f"{into.at(index)} = {given[1].at([])};"))
-        where = np.array([np.flatnonzero(table.ravel() == k)[0] for k in range(math.prod(given[0].shape))])
+        where = np.array(
+            [np.flatnonzero(table.ravel() == k)[0] for k in range(math.prod(given[0].shape))]
+        )
         given = given[:1]
     for x in given:
         size = math.prod(x.shape)
@@ -96,7 +111,9 @@ def scattered(
     target, more = given[0], given[_more(operation)]
     starts = [atom for k, atom in enumerate(operation.inputs) if k not in (0, _more(operation))]
     if not all(isinstance(atom, np.ndarray) for atom in starts):
-        raise NoCounterpartError(f"{operation.name} by an index that is known only as the step runs")
+        raise NoCounterpartError(
+            f"{operation.name} by an index that is known only as the step runs"
+        )
     line = affine(_hit(operation, target.shape, more.shape))
     if line is None:
         raise no_counterpart(f"{operation.name} to places without order")

@@ -72,24 +72,28 @@ def _assigned(file: str) -> dict[Span, Said]:
         tree = ast.parse(text)
     except (OSError, SyntaxError, ValueError):
         return {}
-    found = {}
+    found: dict[Span, Said] = {}
     for node in ast.walk(tree):
-        for target, value in _pairs(node):
+        if isinstance(node, ast.Return | ast.Assign | ast.AnnAssign):
             whole = " ".join((ast.get_source_segment(text, node) or "").split())
-            place = Said(target, whole, f"{Path(file).name}:{node.lineno}")
-            found[value.lineno, value.col_offset, value.end_lineno or 0, value.end_col_offset or 0] = place
+            for target, value in _pairs(node):
+                ends = value.end_lineno or 0, value.end_col_offset or 0
+                place = Said(target, whole, f"{Path(file).name}:{node.lineno}")
+                found[(value.lineno, value.col_offset, *ends)] = place
     return found
 
 
-def _pairs(node: Any) -> Iterator[tuple[str, ast.expr]]:
+def _pairs(node: ast.Return | ast.Assign | ast.AnnAssign) -> Iterator[tuple[str, ast.expr]]:
     """Names with the values that a statement gives them."""
-    if isinstance(node, ast.Return) and node.value is not None:
+    if node.value is None:
+        return
+    if isinstance(node, ast.Return):
         yield "", node.value
-    if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
         return
     target = node.targets[0] if isinstance(node, ast.Assign) else node.target
-    both = isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple)
-    pairs = zip(target.elts, node.value.elts, strict=False) if both else [(target, node.value)]
+    pairs: list[tuple[ast.expr, ast.expr]] = [(target, node.value)]
+    if isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple):
+        pairs = list(zip(target.elts, node.value.elts, strict=False))
     for one, value in pairs:
         if isinstance(one, ast.Name):
             yield one.id, value

@@ -14,7 +14,7 @@ from jax.extend import core
 
 from tuner.code.moves import MOVES, PLACED
 from tuner.code.primitives import walk
-from tuner.code.walk import NoCounterpartError, inner_of
+from tuner.code.walk import NoCounterpartError, aval_of, inner_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +134,7 @@ class _Writer:
 
         def read(atom: Any) -> Atom:
             if isinstance(atom, core.Literal):
-                return np.asarray(atom.val, atom.aval.dtype)
+                return np.asarray(atom.val, aval_of(atom).dtype)
             return known[atom]
 
         for equation in closed.jaxpr.eqns:
@@ -166,7 +166,9 @@ class _Writer:
             found += self._write("select_n", equation, [given[0], one, other], [out])
         return found
 
-    def _write(self, name: str, equation: Any, given: list[Atom], outs: Sequence[Any]) -> list[Atom]:
+    def _write(
+        self, name: str, equation: Any, given: list[Atom], outs: Sequence[Any]
+    ) -> list[Atom]:
         slots = tuple(Slot(tuple(out.aval.shape), np.dtype(out.aval.dtype)) for out in outs)
         self.operations.append(Operation(name, equation, tuple(given), slots))
         return list(slots)

@@ -28,7 +28,9 @@ class Tables:
         """Numbers to be read."""
         kind = kind_of(values.dtype)
         first = values.ravel()[0] if values.size else 0
-        if values.size and ((values == first) | ((values != values) & (first != first))).all():
+        if values.size and np.array_equal(
+            values, np.full_like(values, first), equal_nan=kind == "real"
+        ):
             text = self._number(first, kind)
             return Lazy(values.shape, kind, lambda _: text, number=float(first))
         if not _is_diagonal(values):

@@ -1,6 +1,5 @@
 """What a filter is tried on where it runs: a few samples, and what JAX makes of them."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -83,18 +82,21 @@ def _chosen(inputs: Any) -> Any:
 def _with_holes(filter: Any, params: Any, samples: Any) -> Any:
     """The same with samples missing in every channel that the filter can miss."""
     leaves, tree = jax.tree.flatten(samples)
+    whole: Any = tree
     for k, leaf in enumerate(leaves):
         if leaf.dtype.kind != "f" or np.isnan(leaf).any() or len(leaf) < SAMPLES:
             continue
         holed = leaf.copy()
         holed[4 + k % 5 :: 13] = np.nan
-        other = tree.unflatten([*leaves[:k], holed, *leaves[k + 1 :]])
+        other = whole.unflatten([*leaves[:k], holed, *leaves[k + 1 :]])
         if all(np.isfinite(part).all() for part in _ran(filter, params, other, np.float64)[0]):
             leaves[k] = holed
-    return tree.unflatten(leaves)
+    return whole.unflatten(leaves)
 
 
-def _ran(filter: Any, params: Any, samples: Any, dtype: type[np.floating]) -> Iterator[Any]:
+def _ran(
+    filter: Any, params: Any, samples: Any, dtype: type[np.floating]
+) -> list[list[np.ndarray]]:
     """State and outputs, flat, as real numbers."""
     found = _run(filter, in_precision(params, dtype), in_precision(samples, dtype))
     return [[np.asarray(x, dtype) for x in jax.tree.leaves(part)] for part in found]
@@ -112,8 +114,8 @@ def _allowed(exact: np.ndarray, near: np.ndarray, precision: str) -> np.ndarray:
     strays = np.where(np.isfinite(strays), strays, 0).max(axis=0)
     size = np.where(np.isfinite(near), np.abs(near), 0).max(axis=0).astype(float)
     if precision == "double":
-        return 1e-9 * size
-    return 4 * strays + 4e-6 * size
+        return np.asarray(1e-9 * size)
+    return np.asarray(4 * strays + 4e-6 * size)
 
 
 def _size(array: np.ndarray) -> float:

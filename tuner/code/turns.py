@@ -1,6 +1,6 @@
 """Operations in their order as statements with loops; a loop within a step stays one."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 from jax.extend import core
@@ -18,6 +18,12 @@ from tuner.code.walk import each, no_counterpart, objects
 
 SMALL = 32
 """A loop whose arrays are no larger has its turns written out entry by entry."""
+_SIMPLE: tuple[tuple[frozenset[str], Callable[[Block, Operation, list[Held]], Held]], ...] = (
+    (BY_ENTRY, by_entry),
+    (frozenset(SUMS), summed),
+    (frozenset({"dot_general"}), product),
+    (JOINED, joined),
+)
 _STREAMED = BY_ENTRY | SUMS.keys()
 
 
@@ -75,20 +81,15 @@ class Turns:
         busy: frozenset[str],
     ) -> Sequence[Held]:
         name, block = operation.name, self.block
-        if name in BY_ENTRY:
-            return [by_entry(block, operation, given)]
-        if name in SUMS:
-            return [summed(block, operation, given)]
-        if name == "dot_general":
-            return [product(block, operation, given)]
         if name in MOVED:
             return moved(block, operation, given)
-        if name in JOINED:
-            return [joined(block, operation, given)]
         if name in SCATTERED:
             return [scattered(block, operation, given, dying)]
         if name == "scan":
             return self._scan(operation, given, busy)
+        for names, write in _SIMPLE:
+            if name in names:
+                return [write(block, operation, given)]
         raise no_counterpart(name)
 
     def _scan(
@@ -124,7 +125,7 @@ class Turns:
     def _end(
         self, found: Sequence[Held | Listed], ends: Sequence[View], moving: frozenset[str]
     ) -> None:
-        """Put results of a turn where they belong; none is read after another is written over it."""
+        """Put results of a turn where they belong; none is read after it is written over."""
         ready: list[Held | Listed] = []
         for x, into in zip(found, ends, strict=True):
             if isinstance(x, Listed) or x == into or not x.buffers & moving:

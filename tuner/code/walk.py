@@ -72,7 +72,7 @@ class Walk:
 
         def read(atom: Any) -> np.ndarray:
             if isinstance(atom, core.Literal):
-                return np.asarray(atom.val, atom.aval.dtype)
+                return np.asarray(atom.val, aval_of(atom).dtype)
             return known[atom]
 
         for equation in jaxpr.jaxpr.eqns:
@@ -166,6 +166,11 @@ def inner_of(equation: Any) -> core.ClosedJaxpr | None:
     return None
 
 
+def aval_of(variable: Any) -> Any:
+    """Shape and type of a variable or a number of a traced function."""
+    return variable.aval
+
+
 def worked_out(equation: Any, given: Sequence[Any]) -> Arrays:
     """What depends on no entry JAX works out itself."""
     with jax.ensure_compile_time_eval():
@@ -187,9 +192,7 @@ def each(function: Callable[..., Any], *arrays: np.ndarray) -> np.ndarray:
 
 def objects(algebra: Algebra, arrays: Sequence[np.ndarray]) -> Arrays:
     """The same as entries: numbers become constants."""
-    return [
-        array if array.dtype == object else each(algebra.constant, array) for array in arrays
-    ]
+    return [array if array.dtype == object else each(algebra.constant, array) for array in arrays]
 
 
 def mixed(algebra: Algebra, arrays: Sequence[np.ndarray]) -> Arrays:

@@ -58,7 +58,7 @@ def _numbers(tuned: Tuned, guard: str) -> Iterator[str]:
 def load(data: bytes) -> Tuned:
     """What :func:`dump` wrote, from its macros for double and its comments."""
     text = data.decode("ascii").replace("\r\n", "\n").replace("\\\n", "")
-    if not text.rstrip().endswith("_HEADER_INCLUDED */"):
+    if "_HEADER_INCLUDED */" not in text:
         raise ValueError("it is cut short")
     above = {key: json.loads(value) for key, value in _LINE.findall(text.partition("*/")[0])}
     if "name" not in above:

@@ -70,6 +70,7 @@ class Exported:
         unit: of the measurement, where the filter takes it in any.
         runs: what runs on the machine where it is not the problem's own filter, as with a design:
             from the same parameters to forms by name, to be tried in single precision.
+        machine: what is written as C, where that is another form of it.
     """
 
     filter: str
@@ -78,6 +79,7 @@ class Exported:
     derived: Callable[[Any], tuple[Quantity, ...]] = no_more
     unit: str = ""
     runs: Callable[[Any], Mapping[str, Trial]] | None = None
+    machine: Callable[[Any], Mapping[str, Trial]] | None = None
 
 
 def exported_of(filter: Any, unit: str = "") -> Exported:

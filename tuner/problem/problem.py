@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import AnyFilter, assembled, bare, run
+from filters import AnyFilter, Lanes, assembled, bare, run
 from objectives import Data, Objective, score, score_and_gradient
 from tuner.certificate.single_precision import SinglePrecision, single_precision
 from tuner.certificate.solution import Solution
@@ -18,6 +18,7 @@ from tuner.export.tuned import Quantity
 from tuner.problem.constraint import Constraint
 from tuner.problem.exported import Exported, Trial, exported_of, held_of, once, quantities_of
 from tuner.problem.space import Space
+from tuner.problem.steady_form import steady_form_of
 from tuner.problem.trial import try_out
 
 Build: TypeAlias = Callable[[dict[str, Array]], Any]
@@ -195,9 +196,23 @@ class Problem:
         Nothing for a design that does not say what runs. The steady form of a filter that offers
         one (a method ``steady``) is checked as well.
         """
-        runs, params = self.what_is_exported().runs, self.params(solution)
-        trials = self._own_trials(params) if runs is None else runs(params)
+        what, params = self.what_is_exported(), self.params(solution)
+        trials = self._own_trials(params) if what.runs is None else what.runs(params)
         return tuple(single_precision(form, *trial) for form, trial in trials.items())
+
+    def on_machine(self, solution: Solution) -> Mapping[str, Trial]:
+        """What is written as C for a solution: forms by name, the main one first.
+
+        Nothing for a design that does not say what runs.
+        """
+        what, params = self.what_is_exported(), self.params(solution)
+        made = what.machine or what.runs
+        if made is not None:
+            return made(params)
+        trials = self._own_trials(params)
+        if self.filter is not None and "steady" not in trials:
+            trials |= steady_form_of(self._of_one_record(), params)
+        return trials
 
     def _own_trials(self, params: Any) -> dict[str, Trial]:
         if self.filter is None:
@@ -207,6 +222,10 @@ class Problem:
             filter, steady = self.filter.steady(params)
             trials["steady"] = Trial(filter, steady, self.data.inputs)
         return trials
+
+    def _of_one_record(self) -> Any:
+        """The filter, of those that may run side by side."""
+        return self.filter.filter if isinstance(self.filter, Lanes) else self.filter
 
     def what_is_exported(self) -> Exported:
         """The filter's name, its states, its sample time and what follows from its parameters."""

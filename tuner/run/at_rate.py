@@ -1,7 +1,7 @@
 """A tuned filter at another sample rate: densities stay, what follows from them is found anew."""
 
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,9 @@ from filters.declared import assembled, parameter_facts
 from tuner.catalogue import names
 from tuner.export.tuned import Quantity, Tuned
 from tuner.names import unknown
-from tuner.problem.exported import derived_of, once
+from tuner.problem.exported import Trial, derived_of, once
+from tuner.problem.invented import invented
+from tuner.problem.steady_form import steady_form_of
 from tuner.problem.steady_gains import system_of
 from tuner.run.careful import care_of, with_noise
 from tuner.run.chosen import Chosen
@@ -30,11 +32,13 @@ class AtRate:
         tuned: what is exported.
         findings: its noise and its gains, for people.
         notes: what was taken for granted, a sentence each.
+        trials: what runs on the machine, forms by name.
     """
 
     tuned: Tuned
     findings: tuple[Finding, ...]
     notes: tuple[str, ...] = ()
+    trials: Mapping[str, Trial] = field(default_factory=dict)
 
 
 def filter_at_rate(
@@ -77,7 +81,13 @@ def filter_at_rate(
     derived = [each for each in quantities if each.name.removesuffix("_derived") in new]
     findings = (*noise_told(filter, values, units), *gains_told(derived))
     notes = tuple(_notes(before, values, units, averaged, 1 / tuned.dt, rate_hz))
-    return AtRate(replace(tuned, quantities=quantities, dt=1 / rate_hz), findings, notes)
+    new_tuned = replace(tuned, quantities=quantities, dt=1 / rate_hz)
+    return AtRate(new_tuned, findings, notes, _trials(filter, params))
+
+
+def _trials(filter: Any, params: Any) -> dict[str, Trial]:
+    """The filter, on invented samples: a fit's recording is of another rate."""
+    return {"full": Trial(filter, params, invented(filter))} | steady_form_of(filter, params)
 
 
 def _made(cls: type[Any], name: str, options: Mapping[str, Any], dt: float) -> Any:

@@ -26,6 +26,8 @@ from tuner.run.summary import five_lines
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
 
+    from tuner.code.literal import Precision
+
 
 @dataclass(frozen=True, eq=False)
 class Fit:
@@ -83,21 +85,30 @@ class Fit:
         return save(self.made, Path(folder), force=force)
 
     def export(
-        self, format: str, path: str | Path | None = None, *, force: bool = False
+        self,
+        format: str,
+        path: str | Path | None = None,
+        *,
+        force: bool = False,
+        precision: "Precision" = "double",
+        tunable: bool = False,
     ) -> str | bytes | Path:
         """The tuned filter in one of the formats of ``tuner list formats``.
 
         Args:
             format: such as ``"c"`` or ``"json"``.
-            path: the file to write, which is read back; None returns what it would hold.
+            path: the file to write, which is read back, and for C the source and a self-test beside
+                it; None returns what it would hold, for C the header and then the source.
             force: whether a file that is there may be replaced, and what did not converge exported.
+            precision: of the numbers of C.
+            tunable: whether parameters of C can be set as it runs.
 
         Returns:
             Text, or the bytes of a format that is none; the path where one was given.
 
         Raises:
-            ValueError: for an unknown format, a solution that did not converge, and a file that is
-                there.
+            ValueError: for an unknown format, a solution that did not converge, a file that is
+                there, and a filter that C has no counterpart for.
         """
         status = self.solution.status
         if not status.trusted and not force:
@@ -106,6 +117,17 @@ class Fit:
             )
         problem, source = self.posed.problem, self.posed.source
         tuned = tuned_of(problem, self.solution, "fit", self.made.seed, problem.source or source)
+        if format == "c":
+            from tuner.run.machine import Variant, code_of, write
+
+            include = f"{tuned.name}.h" if path is None else Path(path).name
+            trials = problem.on_machine(self.solution)
+            files = code_of(tuned, trials, Variant(precision, tunable), include).files
+            if path is None:
+                return files.whole
+            write(files, Path(path), overwrite=force)
+            export.read_back(tuned, path, format)
+            return Path(path)
         if path is not None:
             export.write(tuned, path, format, overwrite=force)
             export.read_back(tuned, path, format)

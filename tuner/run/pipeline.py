@@ -25,6 +25,7 @@ from tuner.run.fit_record import FitRecord
 from tuner.run.folder import RunFolder
 from tuner.run.recipe import Recipe
 from tuner.run.result import (
+    CodeRecord,
     ExportRecord,
     Result,
     SingleRecord,
@@ -96,13 +97,17 @@ class Run:
         self.progress("comparing", 0, 4)
         comparisons = self.plan.compare(solutions, self.claims)
         exports: list[ExportRecord] = []
+        codes: list[CodeRecord] = []
         singles: list[SingleRecord] = []
         found = [(problem, best(problem.name, solutions)) for problem in exported(self.plan)]
         tuned = [self.tuned(problem, solution) for problem, solution in found]
         for (problem, solution), what in zip(found, tuned, strict=True):
             self.progress(f"exporting {what.name}", 1, 4)
             if solution.status.trusted:
-                exports += [self._export(problem, solution, what, f) for f in formats]
+                texts, more, written = self._code(problem, solution, what, formats)
+                exports += [self._export(problem, solution, what, f, texts) for f in formats]
+                artifacts += more
+                codes += written
             self.progress(f"single precision {what.name}", 2, 4)
             singles += _in_single_precision(problem, solution)
         artifacts += [record.file for record in exports]
@@ -128,11 +133,25 @@ class Run:
             seconds=time.perf_counter() - begun,
             fit=self._report(solutions),
             findings=list(self.plan.findings(self.plan.case, solutions)),
+            code=codes,
         )
         self.folder.write("result.json", result.to_json().encode())
         self.folder.remove("progress.json")
         self.progress("done", 4, 4)
         return result
+
+    def _code(
+        self, problem: Problem, solution: Solution, tuned: Tuned, formats: tuple[str, ...]
+    ) -> tuple[dict[str, bytes], list[str], list[CodeRecord]]:
+        """The headers with code, other files that were written, and what is told of them."""
+        from tuner.run.machine import in_all_variants
+
+        if "c" not in formats:
+            return {}, [], []
+        found, records = in_all_variants(tuned, problem.on_machine(solution))
+        own = {name: data for name, data in found.items() if name == f"exports/{tuned.name}.h"}
+        more = [self.folder.write(name, found[name]) for name in found if name not in own]
+        return own, more, records
 
     def _outputs(self, problem: Problem, solution: Solution) -> str:
         """What the tuned filter returns over the recording, in full."""
@@ -161,10 +180,15 @@ class Run:
         )
 
     def _export(
-        self, problem: Problem, solution: Solution, tuned: Tuned, form: str
+        self,
+        problem: Problem,
+        solution: Solution,
+        tuned: Tuned,
+        form: str,
+        headers: Mapping[str, bytes],
     ) -> ExportRecord:
         name = f"exports/{tuned.name}{export.suffix(form)}"
-        self.folder.write(name, export.dump(tuned, form))
+        self.folder.write(name, headers.get(name) or export.dump(tuned, form))
         read_back = export.read_back(tuned, self.folder.path / name, form)
         return score_export(problem, solution.value, read_back, form, name)
 

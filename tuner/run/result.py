@@ -147,6 +147,28 @@ class SingleRecord(Recorded):
     warning: str
 
 
+class CodeRecord(Recorded):
+    """A filter in C.
+
+    Attributes:
+        problem, precision: which filter, in which precision.
+        file: the header, relative to the run's folder; "" where there is no code.
+        forms: the forms that it has.
+        operations: of the first form, a sample.
+        code_bytes, stack_bytes: compiled for size on the machine that ran; null without a compiler.
+        refused: why there is no code; "" where there is.
+    """
+
+    problem: str
+    precision: str
+    file: str
+    forms: list[str]
+    operations: int
+    code_bytes: int | None = None
+    stack_bytes: int | None = None
+    refused: str = ""
+
+
 class Result(Recorded):
     """Everything a run found; ``result.json``."""
 
@@ -164,6 +186,7 @@ class Result(Recorded):
     seconds: float
     fit: FitRecord | None = Field(None, description="of a fit: what it is worth")
     findings: list[Finding] = Field([], description="numbers that people take from the run")
+    code: list[CodeRecord] = Field([], description="what is exported as C")
 
     def to_json(self) -> str:
         """JSON text; infinite numbers become null."""

@@ -9,7 +9,8 @@ import numpy as np
 
 from objectives import kind_of
 from tuner.certificate.solution import Solution
-from tuner.code.casadi import NoCounterpartError, expressions
+from tuner.code.casadi import expressions
+from tuner.code.walk import NoCounterpartError
 from tuner.names import unknown
 from tuner.problem.problem import Problem
 from tuner.solvers.foreign import python_function

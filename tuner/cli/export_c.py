@@ -1,0 +1,84 @@
+"""tuner export --to c: the code that a run wrote, or that of another rate."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tuner import export
+from tuner.export import ExportError, Tuned
+from tuner.run.result import Result
+
+if TYPE_CHECKING:
+    from tuner.cli.export import Wanted
+    from tuner.code.document import Files
+    from tuner.run.at_rate import AtRate
+    from tuner.run.machine import Variant
+
+
+def write_c(
+    run: Path, result: Result, tuned: Tuned, at_rate: "AtRate | None", wanted: "Wanted"
+) -> None:
+    """Write header, source and self-test; the header alone and why, where there is no code.
+
+    Raises:
+        ValueError: for an unknown precision, a file that is there, and code that is not that of the
+            run's numbers.
+    """
+    from tuner.cli.export import path_of
+    from tuner.run.machine import Variant, write
+
+    if wanted.precision not in (None, "double", "float"):
+        raise ValueError(f"--precision is {wanted.precision!r}; give double or float")
+    variant = Variant("float" if wanted.precision == "float" else "double", wanted.tunable)
+    path = path_of(tuned, "c", wanted)
+    try:
+        files = _files(run, result, tuned, at_rate, variant, path)
+    except ValueError as error:
+        if wanted.precision or wanted.tunable:
+            raise
+        print(f"numbers only: {error}", file=sys.stderr)
+        _numbers(tuned, path, wanted)
+        return
+    if wanted.output == "-":
+        sys.stdout.write(files.whole)
+        return
+    paths = write(files, path, overwrite=wanted.force)
+    export.read_back(tuned, path, "c")
+    more = " and ".join(each.name for each in paths[1:])
+    count = len(tuned.quantities)
+    print(f"wrote {path}: {count} quantities, read back equal; {more}", file=sys.stderr)
+
+
+def _numbers(tuned: Tuned, path: Path, wanted: "Wanted") -> None:
+    if wanted.output == "-":
+        sys.stdout.buffer.write(export.dump(tuned, "c"))
+        return
+    export.write(tuned, path, "c", overwrite=wanted.force)
+    export.read_back(tuned, path, "c")
+    print(f"wrote {path}: {len(tuned.quantities)} quantities, read back equal", file=sys.stderr)
+
+
+def _files(
+    run: Path,
+    result: Result,
+    tuned: Tuned,
+    at_rate: "AtRate | None",
+    variant: "Variant",
+    path: Path,
+) -> "Files":
+    from tuner.code.document import Files
+    from tuner.run.machine import code_of, kept, renamed
+
+    if at_rate is not None:
+        return code_of(tuned, at_rate.trials, variant, path.name).files
+    refused = [c.refused for c in result.code if c.problem == tuned.name and c.refused]
+    stem = (run if run.is_dir() else run.parent) / kept(tuned.name, variant)
+    paths = [stem.with_name(f"{stem.name}{end}") for end in (".h", ".c", "_selftest.c")]
+    if not all(each.is_file() for each in paths):
+        raise ValueError(
+            refused[0] if refused else f"{run} holds no C of {tuned.name}; run it again to have it"
+        )
+    texts = [each.read_text("ascii") for each in paths]
+    if export.load(texts[0].encode(), "c") != tuned:
+        raise ExportError(f"{paths[0]} is not of this run's numbers; run it again")
+    return Files(*(renamed(text, f"{tuned.name}.h", path.name) for text in texts))

@@ -1,0 +1,168 @@
+"""A traced filter as a graph of scalars."""
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from tuner.code.fields import Field, halved
+from tuner.code.graph import Graph
+from tuner.code.literal import Precision
+from tuner.code.primitives import walk
+from tuner.code.trace import Traced
+from tuner.code.walk import Arrays, objects
+
+Label: TypeAlias = tuple[Any, tuple[int, ...], int]
+"""Where a node was traced, which entry of the result it is, and the operation's number."""
+_VIEWS = frozenset(
+    [
+        "reshape",
+        "broadcast_in_dim",
+        "transpose",
+        "expand_dims",
+        "squeeze",
+        "slice",
+        "stop_gradient",
+        "copy",
+        "pad",
+        "convert_element_type",
+        "select_and_gather_add",
+        "concatenate",
+        "stack",
+        "unstack",
+        "split",
+        "gather",
+    ]
+)
+"""What gives no name to what it moves."""
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """A traced filter as a graph.
+
+    Attributes:
+        graph: of its step and its start.
+        params, state, inputs, outputs: the fields.
+        known: nodes of the fields that come in, by group.
+        start: nodes of the state before the first sample.
+        after: nodes of the state after a sample.
+        out: nodes of the outputs.
+        tunable: whether the parameters come in, or are numbers.
+        labels: where each node was traced.
+    """
+
+    graph: Graph
+    params: list[Field]
+    state: list[Field]
+    inputs: list[Field]
+    outputs: list[Field]
+    known: dict[str, Arrays]
+    start: Arrays
+    after: Arrays
+    out: Arrays
+    tunable: bool
+    precision: Precision
+    labels: dict[int, list[Label]] = field(default_factory=dict)
+
+
+def as_graph(traced: Traced, *, tunable: bool = False, most: int | None = None) -> Program:
+    """The graph of a traced filter; loops within a step are unrolled.
+
+    Symmetric matrices of the state are kept by halves: what is taken to be symmetric has to stay
+    so by a step, so that by induction it always is.
+
+    Args:
+        traced: the filter.
+        tunable: whether parameters come in, or are the numbers that they are.
+        most: operations; None: any number.
+
+    Raises:
+        TooLargeError: for more operations than that.
+        ValueError: for an operation that has no counterpart.
+    """
+    first = walk(Graph()).closed(traced.start, traced.values)
+    half = {f.name for f, x in zip(traced.state, first, strict=True) if _square(f) and _even(x)}
+    while True:
+        program = _attempt(traced, half, tunable, most)
+        states = zip(program.state, program.after, strict=True)
+        wrong = {f.name for f, after in states if f.half and not symmetric(program.graph, after)}
+        half -= wrong
+        if not wrong:
+            return program
+
+
+def _attempt(traced: Traced, half: set[str], tunable: bool, most: int | None) -> Program:
+    graph = Graph(traced.dtype, most=most)
+    labels: dict[int, list[Label]] = {}
+    way = walk(graph, _labelling(graph, labels))
+    state = halved(traced.state, half)
+    params = traced.values
+    if tunable:
+        params = [_inputs(graph, "params", one) for one in traced.params]
+    before = [_inputs(graph, "state", one) for one in state]
+    inputs = [_inputs(graph, "in", one) for one in traced.inputs]
+    start = objects(graph, way.closed(traced.start, params))
+    found = objects(graph, way.closed(traced.step, [*params, *before, *inputs]))
+    after, out = found[: len(state)], found[len(state) :]
+    told = [
+        Field(f.name, f.shape, f.kind, f.meaning, _square(f) and symmetric(graph, nodes))
+        for f, nodes in zip(traced.outputs, out, strict=True)
+    ]
+    kept = [k for k, wanted in enumerate(traced.kept) if wanted]
+    return Program(
+        graph,
+        traced.params,
+        state,
+        traced.inputs,
+        [told[k] for k in kept],
+        {"params": params if tunable else [], "state": before, "in": inputs},
+        start,
+        after,
+        [out[k] for k in kept],
+        tunable,
+        traced.precision,
+        labels,
+    )
+
+
+def _square(field: Field) -> bool:
+    return len(field.shape) == 2 and field.shape[0] == field.shape[1] > 1
+
+
+def _even(start: np.ndarray) -> bool:
+    return bool(np.allclose(start, start.T, rtol=1e-6, atol=0))
+
+
+def symmetric(graph: Graph, nodes: np.ndarray) -> bool:
+    """Whether a matrix of nodes is symmetric, but for rounding."""
+    return all(
+        graph.points.same(nodes[i, j], nodes[j, i]) for i in range(len(nodes)) for j in range(i)
+    )
+
+
+def _inputs(graph: Graph, group: str, field: Field) -> np.ndarray:
+    out = np.empty(field.shape, object)
+    for index in np.ndindex(field.shape):
+        out[index] = graph.input((group, field.place(index)), field.kind)
+    return out
+
+
+def _labelling(graph: Graph, labels: dict[int, list[Label]]) -> Callable[[Any, Arrays], None]:
+    count = itertools.count()
+
+    def told(equation: Any, found: Arrays) -> None:
+        number = next(count)
+        if equation.primitive.name in _VIEWS:
+            return
+        for array in found:
+            if array.dtype == object:
+                for index in np.ndindex(array.shape):
+                    if graph.nodes[array[index]].args:
+                        labels.setdefault(int(array[index]), []).append(
+                            (equation.source_info, index, number)
+                        )
+
+    return told

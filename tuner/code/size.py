@@ -1,0 +1,49 @@
+"""How large code becomes: by the compiler that is there."""
+
+import re
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+from typing import NamedTuple
+
+
+class Size(NamedTuple):
+    """Of a source file, compiled for size on this machine.
+
+    Attributes:
+        code: bytes of code and constants.
+        stack: bytes of stack that its largest function takes.
+    """
+
+    code: int
+    stack: int
+
+
+def size(header: str, source: str, include: str) -> Size | None:
+    """What a compiler makes of a source file; None where there is none that tells.
+
+    Args:
+        header: text of the header.
+        source: text of the source.
+        include: name of the header's file.
+    """
+    compiler, counter = shutil.which("cc"), shutil.which("size")
+    if compiler is None or counter is None:
+        return None
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / include).write_text(header, "ascii")
+        (folder / "code.c").write_text(source, "ascii")
+        command = [compiler, "-std=c99", "-Os", "-fstack-usage", "-c", "code.c", "-o", "code.o"]
+        try:
+            subprocess.run(command, cwd=folder, capture_output=True, check=True, timeout=60)
+            counted = subprocess.run(
+                [counter, "code.o"], cwd=folder, capture_output=True, check=True, timeout=60
+            )
+            stack = (folder / "code.su").read_text()
+        except (OSError, subprocess.SubprocessError):
+            return None
+        sizes = re.findall(r"^\s*(\d+)\s+\d+\s+\d+\s", counted.stdout.decode(), re.MULTILINE)
+        stacks = re.findall(r"\t(\d+)\t", stack)
+        return Size(int(sizes[0]), max(map(int, stacks))) if sizes and stacks else None

@@ -1,0 +1,164 @@
+"""A tuned filter as C: in both precisions, with its numbers fixed or to be set."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+from tuner.atomic import WriteError, write_bytes
+from tuner.code.document import Files, files
+from tuner.code.form import Form, form
+from tuner.code.literal import Precision
+from tuner.code.names import identifier
+from tuner.code.size import size
+from tuner.export import ExportError
+from tuner.export.tuned import Tuned
+from tuner.problem.exported import Trial
+from tuner.run.result import CodeRecord
+
+
+class Variant(NamedTuple):
+    """A way to write a filter.
+
+    Attributes:
+        precision: of its real numbers.
+        tunable: whether its parameters can be set as it runs.
+    """
+
+    precision: Precision = "double"
+    tunable: bool = False
+
+    @property
+    def folder(self) -> str:
+        """Where a run keeps it, below its exports; "" for these themselves."""
+        parts = ["float"] if self.precision == "float" else []
+        return "-".join([*parts, "tunable"] if self.tunable else parts)
+
+
+_PRECISIONS: tuple[Precision, ...] = ("double", "float")
+VARIANTS = tuple(Variant(p, t) for p in _PRECISIONS for t in (False, True))
+
+
+class Code(NamedTuple):
+    """What was written.
+
+    Attributes:
+        files: the text.
+        forms: each form by its name.
+    """
+
+    files: Files
+    forms: Mapping[str, Form]
+
+
+def code_of(tuned: Tuned, trials: Mapping[str, Trial], variant: Variant, include: str) -> Code:
+    """A tuned filter in C.
+
+    Args:
+        tuned: its numbers.
+        trials: what runs on the machine, the main form first.
+        variant: how it is written.
+        include: name of the header's file.
+
+    Raises:
+        ValueError: in one sentence, where there is nothing that runs, or what it does has no
+            counterpart in C.
+    """
+    if not trials:
+        raise ValueError(
+            f"{tuned.name} is a design without a filter that runs on samples, so there is no C for "
+            "it; give the design a sample time"
+        )
+    stem, found = tuned.name.lower(), dict[str, Form]()
+    for name, trial in trials.items():
+        own = f"{stem}_{identifier(name)}" if found else stem
+        try:
+            found[name] = form(own, *trial, variant.precision, tunable=variant.tunable)
+        except TypeError as error:  # of JAX, for a filter that insists on its own precision
+            raise ValueError(
+                f"{type(trial.filter).__name__} cannot be traced in {variant.precision} "
+                f"({str(error).splitlines()[0][:120]}); give its numbers no type of their own"
+            ) from error
+    return Code(files(tuned, include, list(found.values())), found)
+
+
+def write(files: Files, header: Path, *, overwrite: bool) -> tuple[Path, ...]:
+    """Write the header, the source and the self-test beside each other.
+
+    Raises:
+        ExportError: where one of them is there and may not be replaced, or cannot be written; then
+            none is new.
+    """
+    source = header.with_suffix(".c")
+    paths = header, source, source.with_name(f"{source.stem}_selftest.c")
+    done: list[Path] = []
+    try:
+        for path, text in zip(paths, files_in_order(files), strict=True):
+            write_bytes(path, text.encode("ascii"), overwrite=overwrite)
+            done.append(path)
+    except WriteError as error:
+        for path in () if overwrite else done:
+            path.unlink(missing_ok=True)
+        raise ExportError(str(error)) from error
+    return paths
+
+
+def files_in_order(files: Files) -> tuple[str, str, str]:
+    """Header, source and self-test."""
+    return files.header, files.source, files.selftest
+
+
+def renamed(text: str, before: str, after: str) -> str:
+    """A source whose header has another name."""
+    return text.replace(f'#include "{before}"', f'#include "{after}"')
+
+
+def in_all_variants(
+    tuned: Tuned, trials: Mapping[str, Trial]
+) -> tuple[dict[str, bytes], list[CodeRecord]]:
+    """A tuned filter in every variant, as files of a run's folder, and what is told of them.
+
+    What has no code is told with the reason: it ends no run.
+    """
+    found: dict[str, bytes] = {}
+    records = []
+    for variant in VARIANTS:
+        include = f"{tuned.name}.h"
+        names = [f"{kept(tuned.name, variant)}{end}" for end in (".h", ".c", "_selftest.c")]
+        try:
+            code = code_of(tuned, trials, variant, include)
+        except ValueError as error:
+            record = CodeRecord(
+                problem=tuned.name,
+                precision=variant.precision,
+                file="",
+                forms=[],
+                operations=0,
+                refused=str(error),
+            )
+        else:
+            texts = zip(names, files_in_order(code.files), strict=True)
+            found |= {name: text.encode("ascii") for name, text in texts}
+            record = _record(tuned.name, variant, names[0], code, include)
+        if not variant.tunable:
+            records.append(record)
+    return found, records
+
+
+def kept(name: str, variant: Variant) -> str:
+    """Where a run keeps a filter's code, relative to its folder, without suffix."""
+    return "/".join(part for part in ("exports", variant.folder, name) if part)
+
+
+def _record(name: str, variant: Variant, file: str, code: Code, include: str) -> CodeRecord:
+    measured = None
+    if not variant.tunable:
+        measured = size(code.files.header, code.files.source, include)
+    return CodeRecord(
+        problem=name,
+        precision=variant.precision,
+        file=file,
+        forms=list(code.forms),
+        operations=next(iter(code.forms.values())).written.operations,
+        code_bytes=None if measured is None else measured.code,
+        stack_bytes=None if measured is None else measured.stack,
+    )
