@@ -2,6 +2,7 @@
 
 from collections.abc import Collection
 from dataclasses import replace
+from functools import partial
 
 from studies.design.findings import findings
 from studies.design.problems import pose
@@ -49,7 +50,7 @@ def at_rate(settings: Settings, tuned: Tuned, rate_hz: float, densities: Collect
     found = findings(posed, {(problem.name, "riccati"): solution})
     quantities = problem.quantities(solution)
     new = replace(tuned, quantities=quantities, convention="discrete", dt=1 / rate_hz)
-    trials = problem.on_machine(solution)
+    trials = partial(problem.on_machine, solution)
     return AtRate(new, tuple(found), _notes(settings, factor, rate_hz), trials)
 
 

@@ -112,7 +112,7 @@ def test_states_and_sizes(tmp_path, language):
     assert ran(tmp_path, language, gyroscope(), main) == b"2 0 1 2 2 "
 
 
-@pytest.mark.parametrize("options", [(), ("-O2",), ("-DTUNER_REAL=float",)])
+@pytest.mark.parametrize("options", [(), ("-O2",)])
 def test_nothing_in_it_needs_to_be_used(tmp_path, language, options):
     assert ran(tmp_path, language, gyroscope(), [], *options) == b""
 
@@ -122,107 +122,3 @@ def test_text_stays_in_its_comment():
     assert header.count("*/") == header.count("/*")
     assert "??" not in header
     assert all(line.isprintable() for line in header.splitlines())
-
-
-def functions(**changed):
-    return re.findall(r"^static inline .*?(\w+)\(", dump(gyroscope(**changed), "c").decode(), re.M)
-
-
-def test_functions_are_written_where_all_numbers_are_there():
-    fixed = ["gyro_fixed_init", "gyro_fixed_step"]
-    usual = ["gyro_init", "gyro_step"]
-    noise, gains = gyroscope().quantities[:3], gyroscope().quantities[3:]
-    assert functions() == usual + fixed
-    assert functions(filter="AccelerometerFilter") == usual + fixed
-    assert functions(filter="FixedGainFilter") == usual
-    assert functions(filter="LinearKalman") == []
-    assert functions(convention="continuous") == []
-    assert functions(quantities=noise) == usual
-    assert functions(quantities=gains) == fixed
-    assert functions(quantities=noise[:2]) == []
-    vector = Quantity("P0", np.ones(2), "")
-    assert functions(quantities=(*noise[:2], vector)) == []
-
-
-def record(samples=2000):
-    """A noisy record with a hole in it, a sample at the start included."""
-    rng = np.random.default_rng(5)
-    z = np.sin(np.arange(samples) / 50) + 0.1 * rng.normal(size=samples)
-    z[rng.random(samples) < 0.05] = np.nan
-    z[[0, 700, 701, 702]] = np.nan
-    return z
-
-
-def stepped(folder, language, tuned, stem, z, *options):
-    """What the functions of the header put out for this record."""
-    main = (
-        f"{stem}_filter_t filter;",
-        "TUNER_REAL z, y;",
-        f"{stem}_init(&filter);",
-        "while (fread(&z, sizeof z, 1, stdin) == 1) {",
-        f"y = {stem}_step(&filter, z);",
-        "if (fwrite(&y, sizeof y, 1, stdout) != 1) return 1;",
-        "}",
-    )
-    printed = ran(folder, language, tuned, main, *options, given=z.tobytes())
-    return np.frombuffer(printed, z.dtype)
-
-
-def of_jax(tuned, kind, z):
-    """The same of the filter in JAX, in the precision of z."""
-    import jax.numpy as jnp
-
-    import filters
-
-    numbers = {q.name: jnp.asarray(q.value, z.dtype) for q in tuned.quantities}
-    params = {
-        "AccelerometerFilter": filters.KownackiNoise,
-        "GyroscopeFilter": filters.KownackiNoise,
-        "FixedGainFilter": filters.FixedGains,
-    }[kind]
-    params = params(*(numbers[name] for name in params._fields))
-    _, y = filters.run(getattr(filters, kind)(tuned.dt), params, jnp.asarray(z))
-    assert y.dtype == z.dtype
-    return np.asarray(y)
-
-
-FILTERS = [
-    ("AccelerometerFilter", "AccelerometerFilter", "gyro"),
-    ("GyroscopeFilter", "GyroscopeFilter", "gyro"),
-    ("FixedGainFilter", "FixedGainFilter", "gyro"),
-    ("GyroscopeFilter", "FixedGainFilter", "gyro_fixed"),
-    ("AccelerometerFilter", "FixedGainFilter", "gyro_fixed"),
-]
-
-
-@pytest.fixture(params=["full rank", "the paper's ones"])
-def start(request):
-    """The covariance of the start."""
-    return {"full rank": gyroscope().quantities[2].value, "the paper's ones": np.ones((2, 2))}[
-        request.param
-    ]
-
-
-def starting(start, **changed):
-    R, Q, _, K1, K2 = gyroscope().quantities
-    return gyroscope(quantities=(R, Q, Quantity("P0", start, ""), K1, K2), **changed)
-
-
-@pytest.mark.parametrize(("filter", "kind", "stem"), FILTERS)
-def test_functions_run_the_filter(tmp_path, language, start, filter, kind, stem):
-    tuned = starting(start, filter=filter, name="Gyro")
-    expected = of_jax(tuned, kind, record())
-    y = stepped(tmp_path, language, tuned, stem, record())
-    assert np.abs(y - expected).max() <= 1e-12 * np.abs(expected).max()
-
-
-@pytest.mark.parametrize(("filter", "kind", "stem"), FILTERS[:3])
-def test_functions_run_the_filter_in_single_precision(
-    tmp_path, language, start, filter, kind, stem
-):
-    tuned = starting(start, filter=filter)
-    exact = of_jax(tuned, kind, record())
-    single = record().astype(np.float32)
-    y = stepped(tmp_path, language, tuned, stem, single, "-DTUNER_REAL=float")
-    for expected in (exact, of_jax(tuned, kind, single)):
-        assert np.abs(y - expected).max() <= 5e-6 * np.abs(exact).max()

@@ -181,6 +181,9 @@ def test_a_finished_run(tmp_path):
     result = finish(run, run.solve(1, {}))
     files = {name for name, data in snapshot(tmp_path).items() if data is not None}
     exports = {f"exports/toy{export.suffix(f)}" for f in FORMATS}
+    code = {f"toy{end}" for end in (".h", ".c", "_selftest.c")}
+    places = ("exports", "exports/float", "exports/tunable", "exports/float-tunable")
+    exports |= {f"{place}/{name}" for place in places for name in code}
     assert files == {"result.json", "figures/curve.csv", "figures/curve.png"} | exports
     # study.toml and environment.json are written before a run begins, by the command line.
     assert set(result.artifacts) == files | {"study.toml", "environment.json"}

@@ -70,7 +70,7 @@ def _files(
     from tuner.run.machine import code_of, kept, renamed
 
     if at_rate is not None:
-        return code_of(tuned, at_rate.trials, variant, path.name).files
+        return code_of(tuned, at_rate.trials(), variant, path.name).files
     refused = [c.refused for c in result.code if c.problem == tuned.name and c.refused]
     stem = (run if run.is_dir() else run.parent) / kept(tuned.name, variant)
     paths = [stem.with_name(f"{stem.name}{end}") for end in (".h", ".c", "_selftest.c")]

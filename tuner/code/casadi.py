@@ -52,7 +52,7 @@ def expressions(
     traced = jax.make_jaxpr(function)(jnp.zeros(len(symbols)))
     z = np.empty(len(symbols), object)
     z[:] = list(symbols)
-    (result,) = walk(_Scalars()).closed(traced, [z])
+    (result,) = walk(_Scalars(), unrolls=False).closed(traced, [z])
     import casadi
 
     return [casadi.SX(entry) for entry in np.ravel(result)]

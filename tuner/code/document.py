@@ -7,14 +7,16 @@ from tuner.code.fields import Field
 from tuner.code.form import Form
 from tuner.code.selftest import selftest
 from tuner.code.written import Written
-from tuner.export.header import header
+from tuner.export.header import header as header_of
 from tuner.export.tuned import Tuned
 
 _USE = """
 /*
  * Call init once, and step with every sample, in order. NaN is a missing measurement, so options
  * like -ffast-math, which take NaN away, are refused. Nothing is allocated, there are no globals,
- * and every step takes the same operations, whatever its sample is.
+ * and every step takes the same operations, whatever its sample is. Of MISRA C:2012 there are two
+ * deviations, both advisory: 2.5, macros of numbers that not everybody needs, and 8.9, constant
+ * tables that stand above the functions.
  */
 """
 _FINITE = """
@@ -53,30 +55,33 @@ def files(tuned: Tuned, include: str, forms: Sequence[Form]) -> Files:
         include: name of the header's file.
         forms: each form with what it is tried on, the main one first.
     """
-    name = include.rpartition(".")[0] or include
-    stem = forms[0][0].stem
-    lines = [*_USE.strip().split("\n")]
-    if any(field.kind == "truth" for w, _ in forms for field in _fields(w)):
+    header, source = sources(tuned, include, [form.written for form in forms])
+    return Files(header, source, selftest(include, forms))
+
+
+def sources(tuned: Tuned, include: str, forms: Sequence[Written]) -> tuple[str, str]:
+    """Header and source of a tuned filter.
+
+    Args:
+        tuned: its numbers.
+        include: name of the header's file.
+        forms: the main one first.
+    """
+    lines = _USE.strip().split("\n")
+    if any(field.kind == "truth" for form in forms for field in _fields(form)):
         lines += ["#include <stdbool.h>", ""]
     lines += ["#ifdef __cplusplus", 'extern "C" {', "#endif"]
-    for written, _ in forms:
-        lines += ["", *written.declarations]
-    lines += ["", f"/* 0, or the number of the first sample that is off; in {name}_selftest.c. */"]
-    lines += [f"int {stem}_selftest(void);", "", "#ifdef __cplusplus", "}", "#endif"]
-    body = [
-        "/* Written by filter-tuner; do not edit it, export it again. */",
-        f'#include "{include}"',
-    ]
-    body += ["", "#include <math.h>"]
-    text = "\n".join(line for written, _ in forms for line in ["", *written.definitions])
+    for form in forms:
+        lines += ["", *form.declarations]
+    lines += ["", "/* 0, or the number of the first sample that is off; in a file of its own. */"]
+    lines += [f"int {forms[0].stem}_selftest(void);", "", "#ifdef __cplusplus", "}", "#endif"]
+    text = "\n".join(line for form in forms for line in ["", *form.definitions])
+    head = ["/* Written by filter-tuner; do not edit it, export it again. */"]
+    head += [f'#include "{include}"', "", "#include <math.h>"]
     if "bool " in text:
-        body.append("#include <stdbool.h>")
-    return Files(
-        header(tuned, lines),
-        "\n".join([*body, _FINITE.rstrip(), text, ""]),
-        selftest(include, name, forms),
-    )
+        head.append("#include <stdbool.h>")
+    return header_of(tuned, lines), "\n".join([*head, _FINITE.rstrip(), text, ""])
 
 
-def _fields(written: Written) -> list[Field]:
-    return [*written.state, *written.inputs, *written.outputs, *written.params]
+def _fields(form: Written) -> list[Field]:
+    return [*form.state, *form.inputs, *form.outputs, *form.params]

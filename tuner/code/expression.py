@@ -94,6 +94,15 @@ def converted(operand: str, before: Kind, after: Kind, precision: Precision) -> 
     return f"({type_of(after, precision)}){operand}"
 
 
+def limited(op: str, x: str, limit: str) -> str:
+    """The larger or smaller of a number and a limit that is never NaN.
+
+    >>> limited("max", "x", "0.0")
+    '(x <= 0.0) ? 0.0 : x'
+    """
+    return f"({x} {'<=' if op == 'max' else '>='} {limit}) ? {limit} : {x}"
+
+
 def bare(text: str) -> str:
     """An operand without the brackets around all of it."""
     if not text.startswith("("):
@@ -157,9 +166,5 @@ class Expressions:
         if node.op in ("max", "min"):
             for k, entry in enumerate(node.args):
                 if self.graph.is_constant(entry):
-                    return self._limited(node.op, given[1 - k], given[k])
+                    return limited(node.op, given[1 - k], given[k])
         return operation(node.op, given, kinds, self.precision)
-
-    def _limited(self, op: str, x: str, limit: str) -> str:
-        """Between a number and a limit that is never NaN."""
-        return f"({x} {'<=' if op == 'max' else '>='} {limit}) ? {limit} : {x}"

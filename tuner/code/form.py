@@ -63,13 +63,41 @@ def form(
     """
     filter, inputs = one_record(filter, inputs)
     sample = jax.tree.map(lambda leaf: np.asarray(leaf)[0], inputs)
-    whole = traced(filter, params, sample, precision, _wanted(filter))
-    code = _written(whole, stem, tunable=tunable)
+    keep = _wanted(filter)
+    code = write_form(stem, filter, params, sample, precision, keep=keep, tunable=tunable)
+    return Form(code, tried(filter, params, inputs, keep, precision))
+
+
+def write_form(
+    stem: str,
+    filter: Any,
+    params: Any,
+    sample: Any,
+    precision: Precision,
+    *,
+    keep: Collection[str] | None,
+    tunable: bool = False,
+) -> Written:
+    """A filter in C, without what it is tried on.
+
+    Args:
+        stem: what the names of its types and functions begin with.
+        filter: the filter.
+        params: its parameters.
+        sample: its inputs at one sample.
+        precision: of its real numbers.
+        keep: names of the outputs that are put out; None: all.
+        tunable: whether its parameters come in.
+
+    Raises:
+        ValueError: for a state that is too large, or an operation that C has no counterpart for.
+    """
+    code = _written(traced(filter, params, sample, precision, keep), stem, tunable=tunable)
     note = getattr(filter, "note", "")
     if note:
         told = [f"/* {in_comment(note, 200)} */", *code.declarations]
         code = replace(code, declarations=told)
-    return Form(code, tried(filter, params, inputs, whole.kept, precision))
+    return code
 
 
 def one_record(filter: Any, inputs: Any) -> tuple[Any, Any]:

@@ -104,11 +104,18 @@ def total(*terms: int | str) -> str:
     """A sum of places.
 
     >>> total(0, "3 * i1", 2), total(0, "0")
-    ('3 * i1 + 2', '0')
+    ('(3 * i1) + 2', '0')
     """
     number = sum(term for term in terms if isinstance(term, int))
     texts = [term for term in terms if isinstance(term, str) and term != "0"]
-    return " + ".join([*texts, *([str(number)] if number or not texts else [])])
+    found = [*texts, *([str(number)] if number or not texts else [])]
+    if len(found) > 1:
+        flat = [re.sub(r"\([^()]*\)", "", text) for text in found]
+        found = [
+            f"({text})" if re.search(r" [*-] ", outer) else text
+            for text, outer in zip(found, flat, strict=True)
+        ]
+    return " + ".join(found)
 
 
 def times(stride: int, index: int | str) -> int | str:

@@ -133,11 +133,17 @@ RULES: Mapping[str, Rule] = {
 """How each operation is done."""
 
 
-def walk(algebra: Algebra, told: Callable[[Any, Arrays], None] | None = None) -> Walk:
+def walk(
+    algebra: Algebra,
+    told: Callable[[Any, Arrays], None] | None = None,
+    *,
+    unrolls: bool = True,
+) -> Walk:
     """A way through traced functions with entries of an algebra.
 
     Args:
         algebra: what the entries are.
         told: told of every operation, with its results.
+        unrolls: whether the turns of a loop are written out, or a loop is refused.
     """
-    return Walk(algebra, RULES, MOVES, _NUMBERS, told)
+    return Walk(algebra, RULES, MOVES, _NUMBERS, unrolls, told)

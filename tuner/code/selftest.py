@@ -12,15 +12,14 @@ from tuner.code.tried import Tried
 from tuner.code.written import Written
 
 
-def selftest(include: str, file: str, forms: Sequence[Form]) -> str:
+def selftest(include: str, forms: Sequence[Form]) -> str:
     """A source file with a function that is 0 where all forms do what they should.
 
     Args:
         include: name of the header's file.
-        file: name of the files, without a suffix.
         forms: what was written, and what it is tried on.
     """
-    stem = forms[0][0].stem
+    stem, file = forms[0].written.stem, include.rpartition(".")[0] or include
     lines = [
         "/*",
         " * Samples, and what filter-tuner's own filter makes of them; written by filter-tuner.",
@@ -30,6 +29,9 @@ def selftest(include: str, file: str, forms: Sequence[Form]) -> str:
         f'#include "{include}"',
         "",
         "#include <math.h>",
+        "#ifdef SELFTEST_MAIN",
+        "#include <stdio.h>",
+        "#endif",
         "",
     ]
     for written, tried in forms:
@@ -38,11 +40,21 @@ def selftest(include: str, file: str, forms: Sequence[Form]) -> str:
     lines += [f"int {stem}_selftest(void)", "{", f"    int off = {calls[0]};"]
     for call in calls[1:]:
         lines += ["    if (off == 0) {", f"        off = {call};", "    }"]
-    lines += ["    return off;", "}", "", "#ifdef SELFTEST_MAIN", "#include <stdio.h>", ""]
-    lines += ["int main(void)", "{", f"    const int off = {stem}_selftest();"]
-    lines += ["    if (off == 0) {", '        (void)puts("the filter does what it should");']
-    lines += ["    } else {", '        (void)printf("sample %d is off\\n", off);', "    }"]
-    return "\n".join([*lines, "    return (off == 0) ? 0 : 1;", "}", "#endif", ""])
+    lines += ["    return off;", "}", "", "#ifdef SELFTEST_MAIN", *_MAIN.format(stem).splitlines()]
+    return "\n".join([*lines, "#endif", ""])
+
+
+_MAIN = """
+int main(void)
+{{
+    const int off = {0}_selftest();
+    if (off == 0) {{
+        (void)puts("the filter does what it should");
+    }} else {{
+        (void)printf("sample %d is off\\n", off);
+    }}
+    return (off == 0) ? 0 : 1;
+}}"""
 
 
 def _form(written: Written, tried: Tried) -> Iterator[str]:
@@ -56,42 +68,41 @@ def _form(written: Written, tried: Tried) -> Iterator[str]:
         np.hstack([row[0] for row in _flat(written.state, [np.asarray(a)[None] for a in part])])
         for part in (tried.after, tried.allowed_after)
     )
-    yield from _table(f"{stem}_samples", real, samples)
-    yield from _table(f"{stem}_expected", real, expected)
-    yield from _table(f"{stem}_allowed", real, allowed)
-    yield from _table(f"{stem}_after", real, after)
-    yield from _table(f"{stem}_allowed_after", real, most)
     fabs = "fabs" if real == "double" else "fabsf"
     yield f"static int {stem}_off(const {real} found, const {real} right, const {real} allowed)"
     yield "{"
-    yield "    if (isnan(right)) {"
-    yield "        return isnan(found) ? 0 : 1;"
-    yield "    }"
-    yield f"    return ({fabs}(found - right) <= allowed) ? 0 : 1;"
+    yield f"    const int far = ({fabs}(found - right) <= allowed) ? 0 : 1;"
+    yield "    const int there = isnan(found) ? 0 : 1;"
+    yield "    return isnan(right) ? there : far;"
     yield from ("}", "")
     yield f"static int {stem}_run_selftest(void)"
     yield "{"
+    yield from _table("samples", real, samples)
+    yield from _table("expected", real, expected)
+    yield from _table("allowed", real, allowed)
+    yield from _table("after", real, after)
+    yield from _table("allowed_after", real, most)
     for name in ("state", "input", "output"):
         yield f"    {stem}_{name} {name};"
     yield "    int off = 0;"
+    yield "    int first = 0;"
     if written.params:
         yield from (f"    {stem}_params params;", f"    {stem}_tables tables;")
         yield f"    {stem}_defaults(&params);"
         yield f"    {stem}_set(&tables, &params);"
     yield f"    {stem}_init(&state{', &params' if written.params else ''});"
-    yield f"    for (int k = 0; k < {len(samples)}; k++) {{"
+    yield f"    for (int k = 0; (k < {len(samples)}) && (off == 0); k++) {{"
     for at, (place, field) in enumerate(_places("input", written.inputs)):
-        yield f"        {place} = {_given(f'{stem}_samples[k][{at}]', field, real)};"
+        yield f"        {place} = {_given(f'samples[k][{at}]', field, real)};"
     tables = ", &tables" if written.params else ""
     yield f"        {stem}_step(&state, &input, &output{tables});"
     yield from _compared(
         "output", written.outputs, stem, real, "expected[k]", "allowed", "        "
     )
-    yield "        if (off != 0) {"
-    yield "            return k + 1;"
-    yield from ("        }", "    }")
+    yield "        first = k + 1;"
+    yield "    }"
     yield from _compared("state", written.state, stem, real, "after", "allowed_after", "    ")
-    yield f"    return (off != 0) ? {len(samples)} : 0;"
+    yield "    return (off != 0) ? first : 0;"
     yield from ("}", "")
 
 
@@ -109,11 +120,11 @@ def _compared(
         place = "i" if at == 0 else f"{at} + i"
         if not field.shape:
             found = _found(f"{part}.{field.name}", field, real)
-            ends = f"{stem}_{right}[{at}], {stem}_{allowed}[{at}]"
+            ends = f"{right}[{at}], {allowed}[{at}]"
             yield wrapped(f"{pad}off |= {stem}_off({found}, {ends});")
         else:
             found = _found(f"{part}.{field.name}[i]", field, real)
-            ends = f"{stem}_{right}[{place}], {stem}_{allowed}[{place}]"
+            ends = f"{right}[{place}], {allowed}[{place}]"
             yield f"{pad}for (int i = 0; i < {field.size}; i++) {{"
             yield f"{pad}    off |= {stem}_off({found}, {ends});"
             yield f"{pad}}}"
@@ -154,21 +165,21 @@ def _table(name: str, real: Precision, values: np.ndarray) -> Iterator[str]:
     if not values.size:
         values = np.zeros((*values.shape[:-1], 1))
     sizes = "".join(f"[{n}]" for n in values.shape)
-    yield f"static const {real} {name}{sizes} = {{"
+    yield f"    static const {real} {name}{sizes} = {{"
     rows = values if values.ndim == 2 else values[None]
     for k, row in enumerate(rows):
         text = ", ".join(literal(x, "real", real) for x in row)
         end = "," if k + 1 < len(rows) else ""
         yield _row(f"{{{text}}}{end}" if values.ndim == 2 else text)
-    yield from ("};", "")
+    yield "    };"
 
 
 def _row(text: str) -> str:
     """A row of numbers in lines that are not too long."""
-    lines, line = [], "   "
+    lines, line = [], "       "
     for part in text.split(" "):
         if len(line) + len(part) + 1 > 100:
             lines.append(line)
-            line = "       "
+            line = "           "
         line += f" {part}"
     return "\n".join([*lines, line])

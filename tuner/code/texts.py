@@ -1,10 +1,11 @@
 """Expressions of C as the entries of a walk: an operation on texts is a text."""
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from tuner.code.expression import converted, operation
+from tuner.code.expression import converted, limited, operation
 from tuner.code.literal import Precision, literal
 from tuner.code.operations import LOGIC, Kind, in_numpy, kind_of
 
@@ -52,6 +53,13 @@ class Texts:
                 return other
             if (op, one.number) == ("mul", 0):
                 return one
+        if op in ("max", "min") and kind == "real":
+            for one, other in (entries, entries[::-1]):
+                if other.number is not None:
+                    return Text(f"({limited(op, one.text, other.text)})", kind)
+        divisor = entries[-1].number if op == "div" else None
+        if divisor and kind == "real" and math.frexp(abs(divisor))[0] == 0.5:
+            return self.apply("mul", entries[0], self.constant(np.float64(1 / divisor)))
         if (op, entries[-1].number) in (("sub", 0), ("div", 1)):
             return entries[0]
         text = operation(op, [entry.text for entry in entries], kinds, self.precision)

@@ -1,5 +1,6 @@
 """What a filter is tried on where it runs: a few samples, and what JAX makes of them."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -7,11 +8,16 @@ import jax
 import numpy as np
 
 from filters import run
+from tuner.code.fields import fields_of
 from tuner.code.trace import in_precision
 
 SAMPLES = 50
 _ROUNDING = {"double": 1e-12, "float": 1e-6}
 """What is so far below the largest number of the state is left of rounding."""
+
+
+_QUICKLY = {"xla_backend_optimization_level": 0, "xla_llvm_disable_expensive_passes": True}
+"""A few samples are run faster than they are compiled for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +39,9 @@ class Tried:
     allowed_after: list[np.ndarray]
 
 
-def tried(filter: Any, params: Any, inputs: Any, kept: list[bool], precision: str) -> Tried:
+def tried(
+    filter: Any, params: Any, inputs: Any, keep: Collection[str] | None, precision: str
+) -> Tried:
     """Run a filter over some of its samples, in the precision that it is written for.
 
     The first samples and some of all the others, with holes where the filter takes them.
@@ -42,7 +50,7 @@ def tried(filter: Any, params: Any, inputs: Any, kept: list[bool], precision: st
         filter: the filter.
         params: its parameters.
         inputs: its inputs, time first.
-        kept: which of the outputs are put out.
+        keep: names of the outputs that are put out; None: all.
         precision: double or float.
     """
     samples = _with_holes(filter, params, _chosen(inputs))
@@ -52,11 +60,9 @@ def tried(filter: Any, params: Any, inputs: Any, kept: list[bool], precision: st
         rounded = _ran(filter, params, samples, np.float32)
     start = [np.asarray(leaf) for leaf in jax.tree.leaves(filter.init(params))]
     rest = _ROUNDING[precision] * max(map(_size, (*start, *rounded[0])), default=0.0)
-    outputs = [
-        (right, near)
-        for right, near, wanted in zip(exact[1], rounded[1], kept, strict=True)
-        if wanted
-    ]
+    names = _names(filter, params, samples)
+    both = zip(names, exact[1], rounded[1], strict=True)
+    outputs = [(right, near) for name, right, near in both if keep is None or name in keep]
     dtype = np.float32 if precision == "float" else np.float64
     return Tried(
         [np.asarray(leaf) for leaf in jax.tree.leaves(in_precision(samples, dtype))],
@@ -68,6 +74,12 @@ def tried(filter: Any, params: Any, inputs: Any, kept: list[bool], precision: st
             for right, near in zip(exact[0], rounded[0], strict=True)
         ],
     )
+
+
+def _names(filter: Any, params: Any, samples: Any) -> list[str]:
+    """Of the outputs, as C has them."""
+    _, outputs = jax.eval_shape(lambda p, u: run(filter, p, u), params, samples)
+    return [field.name for field in fields_of(filter, "outputs", outputs)]
 
 
 def _chosen(inputs: Any) -> Any:
@@ -102,7 +114,7 @@ def _ran(
     return [[np.asarray(x, dtype) for x in jax.tree.leaves(part)] for part in found]
 
 
-@jax.jit(static_argnums=0)
+@jax.jit(static_argnums=0, compiler_options=_QUICKLY)
 def _run(filter: Any, params: Any, samples: Any) -> Any:
     return run(filter, params, samples)
 

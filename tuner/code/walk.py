@@ -51,6 +51,7 @@ class Walk:
         rules: what each operation is.
         moves: those of them that move numbers as well as entries.
         numbers: functions of NumPy that do with real numbers what operations do.
+        unrolls: whether the turns of a loop are written out, or a loop is refused.
         told: told of every operation in the function itself and its loops, with its results.
     """
 
@@ -58,6 +59,7 @@ class Walk:
     rules: Mapping[str, Rule]
     moves: Mapping[str, Rule]
     numbers: Mapping[str, Callable[..., Any]]
+    unrolls: bool = True
     told: Callable[[Any, Arrays], None] | None = None
 
     def closed(self, jaxpr: core.ClosedJaxpr, arguments: Sequence[np.ndarray]) -> Arrays:
@@ -89,7 +91,7 @@ class Walk:
             return replace(self, told=None).closed(inner, given)
         if all(array.dtype != object for array in given):
             return self.known(equation, given)
-        if name == "scan":
+        if name == "scan" and self.unrolls:
             return self._scan(equation.params, given)
         if name == "cond":
             return self._cond(equation.params["branches"], given[0], given[1:])

@@ -30,7 +30,8 @@ def steady_form_of(filter: object, params: object) -> dict[str, Trial]:
         gain = steady_kalman(system).gain
     except ValueError:  # nothing settles
         return {}
-    names = tuple(channel_facts(bare(filter), "states"))
+    own = bare(filter)
+    names = tuple(channel_facts(own, "states")) if hasattr(own, "states") else ()
     if len(names) != len(system.A):
         names = tuple(f"x{k + 1}" for k in range(len(system.A)))
     return {"steady": steady_form(system, gain, names)}

@@ -1,7 +1,8 @@
 """A tuned filter at another sample rate: densities stay, what follows from them is found anew."""
 
-from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass, fields, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -32,13 +33,13 @@ class AtRate:
         tuned: what is exported.
         findings: its noise and its gains, for people.
         notes: what was taken for granted, a sentence each.
-        trials: what runs on the machine, forms by name.
+        trials: what is written as C, forms by name.
     """
 
     tuned: Tuned
     findings: tuple[Finding, ...]
     notes: tuple[str, ...] = ()
-    trials: Mapping[str, Trial] = field(default_factory=dict)
+    trials: Callable[[], Mapping[str, Trial]] = dict
 
 
 def filter_at_rate(
@@ -82,7 +83,7 @@ def filter_at_rate(
     findings = (*noise_told(filter, values, units), *gains_told(derived))
     notes = tuple(_notes(before, values, units, averaged, 1 / tuned.dt, rate_hz))
     new_tuned = replace(tuned, quantities=quantities, dt=1 / rate_hz)
-    return AtRate(new_tuned, findings, notes, _trials(filter, params))
+    return AtRate(new_tuned, findings, notes, partial(_trials, filter, params))
 
 
 def _trials(filter: Any, params: Any) -> dict[str, Trial]:
