@@ -11,7 +11,7 @@ import pytest
 from tests.tuner.helpers import bowl, problem
 from tuner.certificate.solution import Status
 from tuner.code.casadi import expressions
-from tuner.code.walk import NoCounterpartError
+from tuner.code.refused import NoCounterpartError
 from tuner.problem.constraint import Constraint
 from tuner.problem.parameters import Bounded, Covariance, Fixed, Limited, Positive
 from tuner.problem.problem import Problem

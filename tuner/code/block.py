@@ -3,13 +3,16 @@
 import math
 import re
 from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
 import numpy as np
 
 from tuner.code.flat import wrapped
 from tuner.code.literal import literal, type_of
 from tuner.code.memory import Held, Index, Lazy, Listed, View, view
+from tuner.code.names import in_comment
 from tuner.code.operations import Kind
+from tuner.code.source import Said, said
 from tuner.code.tables import Tables
 
 _SIMPLE = re.compile(r"-?[\w.>+*\[\] -]+|\(-[\w.]+\)")
@@ -28,12 +31,21 @@ class Block:
         self.lines: list[str] = []
         self.locals: dict[str, tuple[int, Kind]] = {}
         self.depth, self._names = 1, 0
+        self._told: Said | None = None
         self._spare = spare
         self._free: set[str] = set()
 
     def say(self, text: str) -> None:
         """A statement."""
         self.lines.append(wrapped("    " * self.depth + text))
+
+    def comment(self, source: Any, line: int) -> None:
+        """Say above a line where what stands from there on is from."""
+        told = said(source)
+        if told is not None and len(self.lines) > line and told != self._told:
+            self._told = told
+            words = in_comment(f"{told.where}: {told.text}", 110)
+            self.lines[line:line] = ["", "    " * self.depth + f"/* {words} */"]
 
     def fresh(self, stem: str) -> str:
         """A name that nothing has."""

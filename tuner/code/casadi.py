@@ -13,7 +13,7 @@ import numpy as np
 from jax import Array
 
 from tuner.code.primitives import walk
-from tuner.code.walk import NoCounterpartError
+from tuner.code.refused import NoCounterpartError
 
 if TYPE_CHECKING:
     import casadi

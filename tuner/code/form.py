@@ -15,9 +15,9 @@ from tuner.code.literal import Precision
 from tuner.code.looped import looped
 from tuner.code.names import in_comment
 from tuner.code.program import as_graph
+from tuner.code.refused import NoCounterpartError
 from tuner.code.trace import Traced, traced
 from tuner.code.tried import Tried, tried
-from tuner.code.walk import NoCounterpartError
 from tuner.code.written import Written
 
 FLAT = 1500

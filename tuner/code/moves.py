@@ -7,16 +7,8 @@ from typing import Any
 import jax
 import numpy as np
 
-from tuner.code.walk import (
-    Algebra,
-    Arrays,
-    NoCounterpartError,
-    Rule,
-    each,
-    mixed,
-    objects,
-    worked_out,
-)
+from tuner.code.refused import NoCounterpartError
+from tuner.code.walk import Algebra, Arrays, Rule, each, mixed, objects, worked_out
 
 MOST_WAYS = 16
 """Entries of a table of which one is chosen as the step runs; all of them are looked at."""

@@ -8,7 +8,8 @@ import numpy as np
 from tuner.code.moves import MOVES, PLACED
 from tuner.code.operations import BINARY, UNARY
 from tuner.code.reductions import cumulated, place, product, reduced
-from tuner.code.walk import Algebra, Arrays, NoCounterpartError, Rule, Walk, each, objects
+from tuner.code.refused import NoCounterpartError
+from tuner.code.walk import Algebra, Arrays, Rule, Walk, each, objects
 
 
 def _plain(op: str) -> Rule:

@@ -71,9 +71,11 @@ def _form(written: Written, tried: Tried) -> Iterator[str]:
     fabs = "fabs" if real == "double" else "fabsf"
     yield f"static int {stem}_off(const {real} found, const {real} right, const {real} allowed)"
     yield "{"
-    yield f"    const int far = ({fabs}(found - right) <= allowed) ? 0 : 1;"
-    yield "    const int there = isnan(found) ? 0 : 1;"
-    yield "    return isnan(right) ? there : far;"
+    yield "    int off = 1;"
+    yield f"    if ({fabs}(found - right) <= allowed) {{"
+    yield from ("        off = 0;", "    }")
+    yield "    if ((isnan(right) != 0) && (isnan(found) != 0)) {"
+    yield from ("        off = 0;", "    }", "    return off;")
     yield from ("}", "")
     yield f"static int {stem}_run_selftest(void)"
     yield "{"

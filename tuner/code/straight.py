@@ -6,7 +6,6 @@ Loops stay what they are. What nobody needs is left out.
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
-from itertools import count
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -14,7 +13,8 @@ from jax.extend import core
 
 from tuner.code.moves import MOVES, PLACED
 from tuner.code.primitives import walk
-from tuner.code.walk import NoCounterpartError, aval_of, inner_of
+from tuner.code.refused import NoCounterpartError
+from tuner.code.walk import aval_of, inner_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,12 +43,14 @@ class Operation:
         equation: as JAX traced it, for its parameters.
         inputs: what it takes.
         outputs: what it gives.
+        source: where it was traced; None of what JAX remembers from other calls.
     """
 
     name: str
     equation: Any
     inputs: tuple[Atom, ...]
     outputs: tuple[Slot, ...]
+    source: Any = None
 
 
 @dataclass(frozen=True)
@@ -125,7 +127,7 @@ def work(operations: Sequence[Operation]) -> int:
 @dataclass
 class _Writer:
     operations: list[Operation] = field(default_factory=list)
-    _numbers: Any = field(default_factory=count)
+    remembered: bool = False
 
     def closed(self, closed: core.ClosedJaxpr, given: Sequence[Atom]) -> list[Atom]:
         known: dict[Any, Atom] = {}
@@ -145,7 +147,10 @@ class _Writer:
     def _equation(self, equation: Any, given: list[Atom]) -> list[Atom]:
         inner = inner_of(equation)
         if inner is not None:
-            return self.closed(inner, given)
+            before, self.remembered = self.remembered, True
+            found = self.closed(inner, given)
+            self.remembered = before
+            return found
         numbers = [atom for atom in given if isinstance(atom, np.ndarray)]
         if len(numbers) == len(given):
             return list(walk(_NO_ENTRIES).known(equation, numbers))
@@ -170,7 +175,8 @@ class _Writer:
         self, name: str, equation: Any, given: list[Atom], outs: Sequence[Any]
     ) -> list[Atom]:
         slots = tuple(Slot(tuple(out.aval.shape), np.dtype(out.aval.dtype)) for out in outs)
-        self.operations.append(Operation(name, equation, tuple(given), slots))
+        source = None if self.remembered else equation.source_info
+        self.operations.append(Operation(name, equation, tuple(given), slots, source))
         return list(slots)
 
 

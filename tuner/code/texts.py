@@ -46,24 +46,34 @@ class Texts:
         kind: Kind = "truth" if op in LOGIC else "real" if "real" in kinds else kinds[0]
         if kind == "real" and all(entry.number is not None for entry in entries):
             return self.constant(np.float64(in_numpy(op, *(entry.number for entry in entries))))
-        if op == "ne" and entries[0] == entries[1] and kinds[0] == "real":
+        found = self._simpler(op, entries, kind)
+        if found is not None:
+            return found
+        text = operation(op, [entry.text for entry in entries], kinds, self.precision)
+        return Text(text if _is_call(text) else f"({text})", kind)
+
+    def _simpler(self, op: str, entries: tuple[Text, ...], kind: Kind) -> Text | None:
+        """What is the same with fewer operations; None where there is nothing."""
+        if op == "ne" and entries[0] == entries[1] and entries[0].kind == "real":
             return self.apply("isnan", entries[0])
         for one, other in (entries, entries[::-1]) if len(entries) == 2 else ():
+            if one.number is None:
+                continue
             if (op, one.number) in (("add", 0), ("mul", 1)):
                 return other
             if (op, one.number) == ("mul", 0):
                 return one
-        if op in ("max", "min") and kind == "real":
-            for one, other in (entries, entries[::-1]):
-                if other.number is not None:
-                    return Text(f"({limited(op, one.text, other.text)})", kind)
-        divisor = entries[-1].number if op == "div" else None
-        if divisor and kind == "real" and math.frexp(abs(divisor))[0] == 0.5:
-            return self.apply("mul", entries[0], self.constant(np.float64(1 / divisor)))
-        if (op, entries[-1].number) in (("sub", 0), ("div", 1)):
-            return entries[0]
-        text = operation(op, [entry.text for entry in entries], kinds, self.precision)
-        return Text(text if _is_call(text) else f"({text})", kind)
+            if op in ("max", "min") and kind == "real":
+                return Text(f"({limited(op, other.text, one.text)})", kind)
+        return self._by_number(op, entries[0], entries[-1].number) if kind == "real" else None
+
+    def _by_number(self, op: str, entry: Text, number: float | None) -> Text | None:
+        """A number less nothing, or over a power of two."""
+        if op == "sub" and number == 0:
+            return entry
+        if op == "div" and number and math.frexp(abs(number))[0] == 0.5:
+            return self.apply("mul", entry, self.constant(np.float64(1 / number)))
+        return None
 
     def choose(self, condition: Text, no: Text, yes: Text) -> Text:
         """One of two."""

@@ -12,9 +12,10 @@ from tuner.code.graph import Graph
 from tuner.code.memory import Held, Lazy, Listed, View, rows_first, times, total
 from tuner.code.operations import kind_of
 from tuner.code.primitives import walk
+from tuner.code.refused import no_counterpart
 from tuner.code.shifts import JOINED, MOVED, SCATTERED, joined, moved, scattered
 from tuner.code.straight import Atom, Operation, Slot, Straight, straight
-from tuner.code.walk import each, no_counterpart, objects
+from tuner.code.walk import each, objects
 
 SMALL = 32
 """A loop whose arrays are no larger has its turns written out entry by entry."""
@@ -52,10 +53,12 @@ class Turns:
             here = _buffers(values[a] for a in operation.inputs if isinstance(a, Slot))
             dying = here - later - self.held
             given = [self._held(atom, values) for atom in operation.inputs]
+            begun = len(self.block.lines)
             found = self._operation(operation, given, dying, later | here | self.held)
             for slot, x in zip(operation.outputs, found, strict=True):
                 if slot in code.uses:
                     values[slot] = self._kept(code, slot, x, dying)
+            self.block.comment(operation.source, begun)
             alive = _buffers(x for slot, x in values.items() if code.last.get(slot, -1) > number)
             self.block.release(alive | self.held)
         return [self._held(atom, values) for atom in code.results]

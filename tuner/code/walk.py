@@ -13,13 +13,11 @@ import jax
 import numpy as np
 from jax.extend import core
 
+from tuner.code.refused import no_counterpart
+
 Arrays: TypeAlias = list[np.ndarray]
 Rule: TypeAlias = "Callable[[Algebra, Any, Arrays], Arrays]"
 """From the entries, an operation as JAX traced it, and its operands to its results."""
-
-
-class NoCounterpartError(ValueError):
-    """An operation that scalars do not have."""
 
 
 class Algebra(Protocol):
@@ -137,22 +135,6 @@ class Walk:
                 )
             ]
         return chosen
-
-
-def no_counterpart(name: str) -> NoCounterpartError:
-    """The error that names an operation."""
-    words = _KNOWN.get(name, name)
-    return NoCounterpartError(f"{words} has no counterpart among scalars")
-
-
-_KNOWN = {
-    "while": "a while loop, which takes as long as its data want (while),",
-    "sort": "sorting (sort)",
-    "fft": "a Fourier transform (fft)",
-    "pure_callback": "a call of Python (pure_callback)",
-    "io_callback": "a call of Python (io_callback)",
-    "custom_linear_solve": "solving a system of equations in the step (custom_linear_solve)",
-}
 
 
 def inner_of(equation: Any) -> core.ClosedJaxpr | None:

@@ -10,7 +10,7 @@ import numpy as np
 from objectives import kind_of
 from tuner.certificate.solution import Solution
 from tuner.code.casadi import expressions
-from tuner.code.walk import NoCounterpartError
+from tuner.code.refused import NoCounterpartError
 from tuner.names import unknown
 from tuner.problem.problem import Problem
 from tuner.solvers.foreign import python_function

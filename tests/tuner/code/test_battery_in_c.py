@@ -13,7 +13,7 @@ from tests.tuner.code.compiled import COMPILERS, Library, compile_in, needed
 from tests.tuner.export_cases import tuned
 from tuner.code.document import sources
 from tuner.code.form import write_form
-from tuner.code.walk import NoCounterpartError
+from tuner.code.refused import NoCounterpartError
 
 LENGTH = 2000
 REFUSED = {"covariance, continuous": "custom_linear_solve"}
