@@ -1,0 +1,187 @@
+"""Files of C: what they test of themselves, how large they are, that they are always the same."""
+
+import ctypes
+import hashlib
+import os
+import re
+import subprocess
+import sys
+from functools import cache
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from filters import run
+from tests.tuner.code.compiled import compile_in, needed, ran
+from tests.tuner.code.made import FILTERS, KEPT
+from tests.tuner.export_cases import nasty, tuned
+from tuner.code.document import files
+from tuner.code.form import Form, form, write_form
+from tuner.code.tried import tried
+from tuner.export.header import load
+
+M4 = ["-std=c99", "-Os", "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"]
+
+
+@cache
+def made(name, precision="double", tunable=False):
+    filter, params, record = FILTERS[name]
+    if name not in KEPT:
+        return form(name, filter, params, record, precision, tunable=tunable)
+    sample = jax.tree.map(lambda leaf: np.asarray(leaf)[0], record)
+    keep = KEPT[name]
+    code = write_form(name, filter, params, sample, precision, keep=keep, tunable=tunable)
+    return Form(code, tried(filter, params, record, keep, precision))
+
+
+def put(folder, name, found, text=None):
+    """The three files in a folder."""
+    text = text or files(tuned(name=name), f"{name}.h", [found])
+    for end, part in ((".h", text.header), (".c", text.source), ("_selftest.c", text.selftest)):
+        (folder / f"{name}{end}").write_text(part, "ascii")
+    return text
+
+
+def tested(folder, name, *options):
+    """What the self-test says of itself."""
+    needed("gcc")
+    sources = (f"{name}.c", f"{name}_selftest.c")
+    compile_in(folder, "gcc", "-DSELFTEST_MAIN", *options, *sources, "-o", "alone", "-lm")
+    return ran(folder, "./alone")
+
+
+@pytest.mark.parametrize("tunable", [False, True], ids=["fixed", "tunable"])
+@pytest.mark.parametrize("precision", ["double", "float"])
+@pytest.mark.parametrize("name", ["gyroscope", "extended5", "gravity"])
+def test_the_selftest_passes_here_without_undefined_behaviour(tmp_path, name, precision, tunable):
+    put(tmp_path, name, made(name, precision, tunable))
+    done = tested(tmp_path, name, "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover")
+    assert (done.returncode, done.stdout) == (0, "the filter does what it should\n"), done.stderr
+
+
+@pytest.mark.parametrize(("name", "parameter"), [("gyroscope", "R"), ("gravity", "gyroscope")])
+@pytest.mark.parametrize("precision", ["double", "float"])
+def test_a_constant_that_is_off_by_a_thousandth_fails(tmp_path, name, precision, parameter):
+    filter, params, record = FILTERS[name]
+    found = made(name, precision)
+    other = params._replace(**{parameter: 1.001 * getattr(params, parameter)})
+    wrong = form(name, filter, other, record, precision)
+    put(tmp_path, name, Form(wrong.written, found.tried))
+    done = tested(tmp_path, name)
+    assert done.returncode == 1
+    assert re.fullmatch(r"sample \d+ is off\n", done.stdout)
+
+
+@pytest.mark.parametrize("name", ["gyroscope", "gravity"])
+def test_most_branches_are_taken(tmp_path, name):
+    needed("gcov")
+    put(tmp_path, name, made(name, "float"))
+    assert tested(tmp_path, name, "-O0", "--coverage").returncode == 0
+    (notes,) = (file.name for file in tmp_path.glob(f"*{name}.gcda"))
+    told = ran(tmp_path, "gcov", "-b", f"{name}.c", "-o", notes).stdout
+    own = told.partition(f"File '{name}.c'")[2]
+    assert float(re.search(r"Taken at least once:([\d.]+)%", own)[1]) >= 75
+
+
+def test_it_refuses_options_that_take_nan_away(tmp_path):
+    needed("gcc")
+    put(tmp_path, "gyroscope", made("gyroscope"))
+    done = ran(tmp_path, "gcc", "-std=c99", "-ffast-math", "-c", "gyroscope.c")
+    assert done.returncode == 1
+    assert "NaN is a missing sample: compile without -ffast-math" in done.stderr
+
+
+SIZES = {
+    "gyroscope": (240, 512),
+    "linear4": (1000, 512),
+    "extended5": (2100, 512),
+    "gravity": (5632, 512),
+    "euler7": (5500, 2000),
+    "room21": (14_000, 6000),
+}
+"""Bytes of code, and of stack, on a Cortex-M4F."""
+
+
+@pytest.mark.parametrize("name", SIZES)
+def test_it_is_small_on_a_controller(tmp_path, name):
+    needed("arm-none-eabi-gcc")
+    put(tmp_path, name, made(name, "float"))
+    done = ran(tmp_path, "arm-none-eabi-gcc", *M4, "-fstack-usage", "-c", f"{name}.c", "-o", "a.o")
+    assert done.returncode == 0, done.stderr
+    size = ran(tmp_path, "arm-none-eabi-size", "a.o").stdout.splitlines()[1].split()[0]
+    stacks = re.findall(r"\t(\d+)\t", (tmp_path / "a.su").read_text())
+    code, stack = SIZES[name]
+    assert int(size) <= code
+    assert max(map(int, stacks)) <= stack
+
+
+AGAIN = """
+import hashlib, sys
+from tests.tuner.code.test_c_files import made
+from tests.tuner.export_cases import tuned
+from tuner.code.document import files
+found = [files(tuned(name=n), f"{n}.h", [made(n, "float")]) for n in sys.argv[1:]]
+texts = [text for one in found for text in (one.header, one.source, one.selftest)]
+print(*(hashlib.sha256(text.encode()).hexdigest() for text in texts))
+"""
+
+
+def test_the_text_is_the_same_in_every_run():
+    """Whatever was traced before, and whatever order sets have."""
+    names = ["extended5", "gyroscope", "euler7"]
+    here = [files(tuned(name=n), f"{n}.h", [made(n, "float")]) for n in reversed(names)][::-1]
+    texts = [text for one in here for text in (one.header, one.source, one.selftest)]
+    environment = os.environ | {"PYTHONHASHSEED": "7", "PYTHONPATH": os.pathsep.join(sys.path)}
+    there = subprocess.run(
+        [sys.executable, "-c", AGAIN, *names], env=environment, capture_output=True, check=True
+    )
+    assert there.stdout.decode().split() == [hashlib.sha256(t.encode()).hexdigest() for t in texts]
+
+
+def test_the_header_holds_the_numbers_whatever_they_are_called(tmp_path):
+    needed("gcc")
+    text = files(nasty(), "gyro.h", [made("gyroscope")])
+    assert load(text.header.encode()) == nasty()
+    assert load(text.whole.encode()) == nasty()
+    put(tmp_path, "gyro", None, text)
+    compile_in(tmp_path, "gcc", "-c", "gyro.c", "gyro_selftest.c")
+    (tmp_path / "whole.c").write_text(text.whole)
+    compile_in(tmp_path, "gcc", "-c", "whole.c")
+
+
+def library(folder, name):
+    compile_in(folder, "gcc", "-shared", "-fPIC", f"{name}.c", "-o", f"{name}.so", "-lm")
+    return ctypes.CDLL(str(folder / f"{name}.so"))
+
+
+def test_parameters_can_be_set_as_it_runs(tmp_path):
+    """With other parameters a tunable filter is that of these parameters."""
+    needed("gcc")
+    filter, params, record = FILTERS["gyroscope"]
+    put(tmp_path, "gyroscope", made("gyroscope", tunable=True))
+    lib = library(tmp_path, "gyroscope")
+    given = (ctypes.c_double * 6)()
+    lib.gyroscope_defaults(given)
+    assert list(given)[:2] == [0.3, 2.0]
+    given[0] = 0.7
+    tables, state = (ctypes.c_double * 8)(), (ctypes.c_double * 6)()
+    lib.gyroscope_set(tables, given)
+    lib.gyroscope_init(state, given)
+    out, found = ctypes.c_double(), []
+    for z in record[:100]:
+        lib.gyroscope_step(state, ctypes.byref(ctypes.c_double(z)), ctypes.byref(out), tables)
+        found.append(out.value)
+    _, right = run(filter, params._replace(R=jnp.asarray(0.7)), jnp.asarray(record[:100]))
+    np.testing.assert_allclose(found, right, rtol=1e-12)
+
+
+def test_misra_finds_what_the_header_names(tmp_path):
+    needed("cppcheck")
+    put(tmp_path, "extended5", made("extended5", "float"))
+    command = ("cppcheck", "--addon=misra", "--std=c99", "--enable=style,warning", "extended5.c")
+    found = ran(tmp_path, *command).stderr
+    if "Did not find addon" in found:
+        pytest.skip("cppcheck has no MISRA addon here")
+    assert set(re.findall(r"\[(\S+)\]$", found, re.MULTILINE)) <= {"misra-c2012-2.5"}
