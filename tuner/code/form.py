@@ -22,6 +22,8 @@ from tuner.code.written import Written
 
 FLAT = 1500
 """A step of more operations is written with loops."""
+NUMBERS = 400
+"""And so is one of more numbers in its state, its inputs and its outputs."""
 _GRAPH = 6000
 _LARGEST = 20_000
 
@@ -121,12 +123,16 @@ def _wanted(filter: Any) -> Collection[str] | None:
 
 def _written(whole: Traced, stem: str, *, tunable: bool) -> Written:
     """Written out where that is short, else with loops, else written out after all."""
+    code = None
+    numbers = sum(field.size for field in (*whole.state, *whole.inputs, *whole.outputs))
     try:
+        if numbers > NUMBERS:
+            raise TooLargeError("its arrays are loops of their own")
         code = written(as_graph(whole, tunable=tunable, most=_GRAPH), stem, whole.values)
         if code.operations <= FLAT:
             return code
     except TooLargeError:
-        code = None
+        pass
     try:
         return looped(whole, stem, tunable=tunable)
     except NoCounterpartError:

@@ -8,7 +8,7 @@ import jax
 import numpy as np
 
 from tuner.code.refused import NoCounterpartError
-from tuner.code.walk import Algebra, Arrays, Rule, each, mixed, objects, worked_out
+from tuner.code.walk import Algebra, Arrays, Rule, each, mixed, objects, rows_of, worked_out
 
 MOST_WAYS = 16
 """Entries of a table of which one is chosen as the step runs; all of them are looked at."""
@@ -59,8 +59,7 @@ def _parted(_: Algebra, equation: Any, given: Arrays) -> Arrays:
 
 
 def _unstacked(_: Algebra, equation: Any, given: Arrays) -> Arrays:
-    rows = np.moveaxis(given[0], equation.params["axis"], 0)
-    return [rows[k : k + 1].reshape(rows.shape[1:]) for k in range(len(rows))]
+    return rows_of(given[0], equation.params["axis"])
 
 
 def _placed(first: int, last: int = 100) -> Rule:
@@ -147,15 +146,16 @@ def _added(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
     target, where, more = given
     if where.dtype == object:
         raise NoCounterpartError("scatter-add by an index that is known only as the step runs")
-    nothing = np.zeros(target.shape, np.int64)
-    (met,) = worked_out(equation, [nothing, where, np.ones(more.shape, np.int64)])
+    dtype = equation.invars[0].aval.dtype  # of what JAX traced the addition for
+    nothing = np.zeros(target.shape, dtype)
+    (met,) = worked_out(equation, [nothing, where, np.ones(more.shape, dtype)])
     if (met > 1).any():
         raise NoCounterpartError("scatter-add of several numbers to one place")
-    counted = np.arange(1, more.size + 1, dtype=np.int64).reshape(more.shape)
+    counted = np.arange(1, more.size + 1, dtype=dtype).reshape(more.shape)
     (hit,) = worked_out(equation, [nothing, where, counted])
     target, more = objects(algebra, (target, more))
     flat = more.ravel()
-    return [each(lambda x, k: algebra.apply("add", x, flat[k - 1]) if k else x, target, hit)]
+    return [each(lambda x, k: algebra.apply("add", x, flat[int(k) - 1]) if k else x, target, hit)]
 
 
 MOVES: Mapping[str, Rule] = {

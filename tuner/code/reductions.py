@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from tuner.code.walk import Algebra, Arrays, Rule, each, objects
+from tuner.code.walk import Algebra, Arrays, Rule, each, objects, rows_of
 
 
 def reduced(op: str) -> Rule:
@@ -33,7 +33,7 @@ def place(better: str) -> Rule:
 
     def rule(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
         (axis,), dtype = equation.params["axes"], np.dtype(equation.params["index_dtype"])
-        rows = np.moveaxis(given[0], axis, 0)
+        rows = rows_of(given[0], axis)
         best, at = rows[0], each(lambda _: algebra.constant(dtype.type(0)), rows[0])
         for k, row in enumerate(rows[1:], 1):
             here = algebra.constant(dtype.type(k))
@@ -47,7 +47,7 @@ def place(better: str) -> Rule:
 
 def cumulated(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
     """Sums of all entries so far."""
-    rows = np.moveaxis(given[0], equation.params["axis"], 0)
+    rows = rows_of(given[0], equation.params["axis"])
     back = slice(None, None, -1 if equation.params["reverse"] else 1)
     sums = [rows[back][0]]
     for row in rows[back][1:]:

@@ -17,5 +17,9 @@ _KNOWN = {
     "fft": "a Fourier transform (fft)",
     "pure_callback": "a call of Python (pure_callback)",
     "io_callback": "a call of Python (io_callback)",
-    "custom_linear_solve": "solving a system of equations in the step (custom_linear_solve)",
+    **{
+        name: f"solving a system of equations in the step ({name})"
+        for name in ("custom_linear_solve", "lu", "triangular_solve", "cholesky")
+    },
+    **{name: f"a decomposition ({name})" for name in ("eigh", "eig", "svd", "qr", "schur")},
 }

@@ -143,10 +143,11 @@ def _hit(operation: Operation, target: tuple[int, ...], more: tuple[int, ...]) -
     Raises:
         NoCounterpartError: where one goes nowhere.
     """
-    counted = np.arange(1, math.prod(more) + 1, dtype=np.int64).reshape(more)
-    given = [np.zeros(target, np.int64), *operation.inputs[1:]]
+    dtype = operation.equation.invars[0].aval.dtype  # of what JAX traced an addition for
+    counted = np.arange(1, math.prod(more) + 1, dtype=dtype).reshape(more)
+    given = [np.zeros(target, dtype), *operation.inputs[1:]]
     given[_more(operation)] = counted
-    (hit,) = worked_out(operation.equation, given)
+    (hit,) = (one.astype(int) for one in worked_out(operation.equation, given))
     where = np.full(counted.size, -1)
     reached = np.flatnonzero(hit.ravel())
     where[hit.ravel()[reached] - 1] = reached

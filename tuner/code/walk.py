@@ -164,6 +164,12 @@ def worked_out(equation: Any, given: Sequence[Any]) -> Arrays:
     ]
 
 
+def rows_of(array: np.ndarray, axis: int = 0) -> Arrays:
+    """The parts of an array along an axis, as arrays."""
+    rows = np.moveaxis(array, axis, 0)
+    return [rows[k : k + 1].reshape(rows.shape[1:]) for k in range(len(rows))]
+
+
 def each(function: Callable[..., Any], *arrays: np.ndarray) -> np.ndarray:
     """A function of entries, entry by entry; shapes of JAX fit already, or are of one number."""
     shape = np.broadcast_shapes(*(array.shape for array in arrays))

@@ -17,7 +17,7 @@ from filters import run
 from tests.tuner.code.compiled import compile_in, needed, ran
 from tests.tuner.code.made import FILTERS, KEPT
 from tests.tuner.export_cases import nasty, tuned
-from tuner.code.document import files
+from tuner.code.document import files, sources
 from tuner.code.form import Form, form, write_form
 from tuner.code.tried import tried
 from tuner.export.header import load
@@ -44,7 +44,7 @@ def put(folder, name, found, text=None):
     return text
 
 
-def tested(folder, name, *options):
+def selftest_of(folder, name, *options):
     """What the self-test says of itself."""
     needed("gcc")
     sources = (f"{name}.c", f"{name}_selftest.c")
@@ -55,9 +55,11 @@ def tested(folder, name, *options):
 @pytest.mark.parametrize("tunable", [False, True], ids=["fixed", "tunable"])
 @pytest.mark.parametrize("precision", ["double", "float"])
 @pytest.mark.parametrize("name", ["gyroscope", "extended5", "gravity"])
-def test_the_selftest_passes_here_without_undefined_behaviour(tmp_path, name, precision, tunable):
+def test_the_selftest_passes_without_undefined_behaviour(tmp_path, name, precision, tunable):
     put(tmp_path, name, made(name, precision, tunable))
-    done = tested(tmp_path, name, "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover")
+    done = selftest_of(
+        tmp_path, name, "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover"
+    )
     assert (done.returncode, done.stdout) == (0, "the filter does what it should\n"), done.stderr
 
 
@@ -69,7 +71,7 @@ def test_a_constant_that_is_off_by_a_thousandth_fails(tmp_path, name, precision,
     other = params._replace(**{parameter: 1.001 * getattr(params, parameter)})
     wrong = form(name, filter, other, record, precision)
     put(tmp_path, name, Form(wrong.written, found.tried))
-    done = tested(tmp_path, name)
+    done = selftest_of(tmp_path, name)
     assert done.returncode == 1
     assert re.fullmatch(r"sample \d+ is off\n", done.stdout)
 
@@ -78,7 +80,7 @@ def test_a_constant_that_is_off_by_a_thousandth_fails(tmp_path, name, precision,
 def test_most_branches_are_taken(tmp_path, name):
     needed("gcov")
     put(tmp_path, name, made(name, "float"))
-    assert tested(tmp_path, name, "-O0", "--coverage").returncode == 0
+    assert selftest_of(tmp_path, name, "-O0", "--coverage").returncode == 0
     (notes,) = (file.name for file in tmp_path.glob(f"*{name}.gcda"))
     told = ran(tmp_path, "gcov", "-b", f"{name}.c", "-o", notes).stdout
     own = told.partition(f"File '{name}.c'")[2]
@@ -102,12 +104,25 @@ SIZES = {
     "room21": (14_000, 6000),
 }
 """Bytes of code, and of stack, on a Cortex-M4F."""
+SHOWN = {
+    "gyroscope": None,
+    "linear4": ("x",),
+    "extended5": ("x",),
+    "gravity": ("att", "b"),
+    "euler7": ("x", "angles"),
+    "room21": ("att", "rest"),
+}
 
 
 @pytest.mark.parametrize("name", SIZES)
 def test_it_is_small_on_a_controller(tmp_path, name):
     needed("arm-none-eabi-gcc")
-    put(tmp_path, name, made(name, "float"))
+    filter, params, record = FILTERS[name]
+    sample = jax.tree.map(lambda leaf: np.asarray(leaf)[0], record)
+    written = write_form(name, filter, params, sample, "float", keep=SHOWN[name])
+    header, source = sources(tuned(name=name), f"{name}.h", [written])
+    (tmp_path / f"{name}.h").write_text(header)
+    (tmp_path / f"{name}.c").write_text(source)
     done = ran(tmp_path, "arm-none-eabi-gcc", *M4, "-fstack-usage", "-c", f"{name}.c", "-o", "a.o")
     assert done.returncode == 0, done.stderr
     size = ran(tmp_path, "arm-none-eabi-size", "a.o").stdout.splitlines()[1].split()[0]
@@ -121,7 +136,7 @@ AGAIN = """
 import hashlib, sys
 from tests.tuner.code.test_c_files import made
 from tests.tuner.export_cases import tuned
-from tuner.code.document import files
+from tuner.code.document import files, sources
 found = [files(tuned(name=n), f"{n}.h", [made(n, "float")]) for n in sys.argv[1:]]
 texts = [text for one in found for text in (one.header, one.source, one.selftest)]
 print(*(hashlib.sha256(text.encode()).hexdigest() for text in texts))
