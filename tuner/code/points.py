@@ -1,9 +1,11 @@
 """Whether two nodes are the same formula: they have to agree at random points.
 
 Formulas that agree at random points of all that goes into them agree everywhere, as polynomials
-do. What a formula compares is taken as any function of both numbers that is true as often as not,
-and the larger of two numbers as any function of them: else formulas would be called the same that
-agree only where the points lie. Half of the points find what is the same, the other half confirms.
+do. A truth value is a number between 0 and 1 here, and what it chooses is a mean with that weight:
+formulas of truth values agree if these do, and no way that they may go is left out. What is
+compared is taken as any function of both numbers, and so is the larger of two: else formulas would
+be called the same that agree only where the points lie. Half of the points find what is the same,
+the other half confirms it.
 """
 
 from collections.abc import Callable, Mapping
@@ -14,7 +16,10 @@ import numpy as np
 from tuner.code.operations import COMPARE, in_numpy
 
 COUNT = 8
-_ANYWHERE: Mapping[str, Callable[..., Any]] = {
+_SMALL = 1e-6
+_NOTHING, _ENDLESS = 0.739, 61.7
+"""What stands for NaN and for infinity: any number does."""
+_ANY: Mapping[str, Callable[..., Any]] = {
     "sqrt": lambda x: np.sqrt(np.abs(x)),
     "log": lambda x: np.log(np.abs(x)),
     "log1p": lambda x: np.log(np.abs(1 + x)),
@@ -26,16 +31,24 @@ _ANYWHERE: Mapping[str, Callable[..., Any]] = {
     "pow": lambda x, y: np.abs(x) ** y,
     "max": lambda x, y: 0.6 * x + 0.5 * y,
     "min": lambda x, y: 0.5 * x + 0.6 * y,
-    "isnan": lambda x: np.sin(7 * x) > 0,
-    "is_finite": lambda x: np.sin(5 * x) > 0,
+    "floor": lambda x: 0.97 * x,
+    "ceil": lambda x: 1.03 * x,
+    "round": lambda x: 1.01 * x,
+    "rem": lambda x, y: 0.8 * x + 0.1 * y,
+    "not": lambda x: 1 - x,
+    "and": lambda x, y: x * y,
+    "or": lambda x, y: x + y - x * y,
+    "xor": lambda x, y: x + y - 2 * x * y,
+    "isnan": lambda x: 0.5 + 0.4 * np.sin(7 * x),
+    "is_finite": lambda x: 0.5 + 0.4 * np.sin(5 * x),
+    "choose": lambda c, yes, no: c * yes + (1 - c) * no,
     **{
-        name: lambda x, y, k=k: np.sin(3.0 * k * x + 5.0 * y) > 0
+        name: lambda x, y, k=k: 0.5 + 0.4 * np.sin(0.3 * k * x + 0.7 * y)
         for k, name in enumerate(sorted(COMPARE), 1)
     },
 }
-"""Functions that do not exist everywhere or that decide, by others: what is the same formula of
-one function is the same of any."""
-_SMALL = 1e-6
+"""What does not exist everywhere or decides, by other functions: what is the same formula of one
+is the same of any."""
 
 
 class Points:
@@ -55,38 +68,27 @@ class Points:
         """Whether two nodes are the same formula but for the order of its sums and products."""
         if one == other:
             return True
-        a, b = self._at(one), self._at(other)
-        if a.dtype != float or b.dtype != float:
+        if {self._nodes[one].kind, self._nodes[other].kind} != {"real"}:
             return False
-        close = np.abs(a - b) <= self._close * np.abs(a)
-        large = np.abs(a) > _SMALL
-        return bool((close & large)[: COUNT // 2].all() and (close & large)[COUNT // 2 :].all())
+        a, b = self._at(one), self._at(other)
+        close = (np.abs(a - b) <= self._close * np.abs(a)) & (np.abs(a) > _SMALL)
+        return bool(close[: COUNT // 2].all() and close[COUNT // 2 :].all())
 
     def _at(self, node: int) -> np.ndarray:
         for k in range(len(self._values), node + 1):
-            self._values.append(self._value(self._nodes[k]))
+            with np.errstate(all="ignore"):
+                self._values.append(np.asarray(self._value(self._nodes[k]), float))
         return self._values[node]
 
-    def _value(self, node: Any) -> np.ndarray:
+    def _value(self, node: Any) -> Any:
         given = [self._values[k] for k in node.args]
-        with np.errstate(all="ignore"):
-            if node.op == "constant":
-                return np.full(COUNT, node.value, None if node.kind != "real" else float)
-            if node.op == "input":
-                return self._drawn(node.kind)
-            if node.op == "choose":
-                condition, yes, no = given
-                return np.asarray(np.where(condition, yes, no))
-            if node.op == "convert":
-                kinds = {"real": float, "truth": bool, "whole": int}
-                return np.asarray(given[0]).astype(kinds[node.kind])
-            if node.op in _ANYWHERE:
-                return np.asarray(_ANYWHERE[node.op](*given))
-            return np.asarray(in_numpy(node.op, *given))
-
-    def _drawn(self, kind: str) -> np.ndarray:
-        if kind == "real":
-            return self._draw.uniform(0.4, 1.6, COUNT)
-        if kind == "truth":
-            return self._draw.random(COUNT) < 0.5
-        return self._draw.integers(1, 9, COUNT)
+        if node.op == "constant":
+            number = np.full(COUNT, node.value, float)
+            return np.nan_to_num(number, nan=_NOTHING, posinf=_ENDLESS, neginf=-_ENDLESS)
+        if node.op == "input":
+            low, high = (0.1, 0.9) if node.kind == "truth" else (0.4, 1.6)
+            return self._draw.uniform(low, high, COUNT)
+        if node.op == "convert":
+            return given[0] if node.kind != "whole" else 1.7 * given[0]
+        function = _ANY.get(node.op)
+        return in_numpy(node.op, *given) if function is None else function(*given)

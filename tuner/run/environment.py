@@ -20,7 +20,6 @@ PACKAGES = (
     "typer",
     "rich",
     "matplotlib",
-    "jinja2",
     "h5py",
 )
 

@@ -165,6 +165,17 @@ def test_what_is_symmetric_only_where_numbers_are_as_usual_stays_two(change):
         np.testing.assert_allclose(value(graph, result, np.array(x), F), right, rtol=1e-14)
 
 
+def test_a_mean_with_what_is_rarely_chosen_stays_one():
+    """What an acceleration's length decides is decided the other way at most points."""
+
+    def function(x, s):
+        return (1 + jnp.where((s > 0) & (s < jnp.inf) & (s != 1), x, 1.0)) / 2
+
+    graph, _, result = graph_of(function, (), ())
+    for x, s in ((3.0, 2.0), (3.0, -2.0), (3.0, np.inf)):
+        assert value(graph, result, np.array(x), np.array(s)) == function(x, jnp.asarray(s))
+
+
 def test_a_graph_may_be_limited():
     with pytest.raises(TooLargeError, match="takes more than 20 operations"):
         graph_of(lambda A: A @ A, (4, 4), most=20)
