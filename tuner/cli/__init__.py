@@ -290,7 +290,8 @@ def export(
     ] = False,
 ) -> None:
     """Write a tuned filter as a file and read it back; or show it at another rate."""
-    from tuner.cli.export import Wanted, write
+    from tuner.cli.export import write
+    from tuner.cli.wanted import Wanted
     from tuner.cli.which import Which
 
     wanted = Wanted(

@@ -2,46 +2,20 @@
 
 import json
 import sys
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tuner import export
+from tuner.cli.export_c import write_c
 from tuner.cli.tables import show_findings
-from tuner.cli.which import Which, refuse_code
+from tuner.cli.wanted import Wanted, path_of
+from tuner.cli.which import refuse_code
 from tuner.export import Tuned
 from tuner.names import unknown
 from tuner.run.result import Result, read_result
 
 if TYPE_CHECKING:
     from tuner.run.at_rate import AtRate
-
-
-@dataclass(frozen=True)
-class Wanted:
-    """What a command line asks of an export.
-
-    Attributes:
-        to: the format; None: no file.
-        output: the file; None: named for the filter; ``-``: stdout.
-        problem: which one, where a run has several.
-        rate_hz: the sample rate; None: the one that it was tuned at.
-        densities: parameters that grow with the rate.
-        which: the file of the filter's class, where it is from one.
-        force: whether a file is replaced, and what did not converge is exported.
-        precision: of a filter in C; None: double.
-        tunable: whether the parameters of a filter in C can be set as it runs.
-    """
-
-    to: str | None
-    output: str | None = None
-    problem: str | None = None
-    rate_hz: float | None = None
-    densities: tuple[str, ...] = ()
-    which: Which = field(default_factory=Which)
-    force: bool = False
-    precision: str | None = None
-    tunable: bool = False
 
 
 def write(run: Path, wanted: Wanted) -> None:
@@ -73,8 +47,6 @@ def write(run: Path, wanted: Wanted) -> None:
     elif wanted.densities:
         raise ValueError("--density says what grows with the rate; give --rate HZ with it")
     if wanted.to == "c":
-        from tuner.cli.export_c import write_c
-
         write_c(run, result, tuned, found, wanted)
     elif wanted.to is not None:
         _write(tuned, wanted.to, wanted)
@@ -89,12 +61,6 @@ def _write(tuned: Tuned, to: str, wanted: Wanted) -> None:
     export.write(tuned, path, to, overwrite=wanted.force)
     export.read_back(tuned, path, to)
     print(f"wrote {path}: {len(tuned.quantities)} quantities, read back equal", file=sys.stderr)
-
-
-def path_of(tuned: Tuned, to: str, wanted: Wanted) -> Path:
-    """The file that is written."""
-    at = "" if wanted.rate_hz is None else f"_{wanted.rate_hz:g}hz"
-    return Path(wanted.output) if wanted.output else Path(f"{tuned.name}{at}{export.suffix(to)}")
 
 
 def _at_rate(run: Path, result: Result, tuned: Tuned, rate_hz: float, wanted: Wanted) -> "AtRate":

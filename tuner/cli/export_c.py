@@ -5,18 +5,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tuner import export
+from tuner.cli.wanted import Wanted, path_of
 from tuner.export import ExportError, Tuned
 from tuner.run.result import Result
 
 if TYPE_CHECKING:
-    from tuner.cli.export import Wanted
     from tuner.code.document import Files
     from tuner.run.at_rate import AtRate
     from tuner.run.machine import Variant
 
 
 def write_c(
-    run: Path, result: Result, tuned: Tuned, at_rate: "AtRate | None", wanted: "Wanted"
+    run: Path, result: Result, tuned: Tuned, at_rate: "AtRate | None", wanted: Wanted
 ) -> None:
     """Write header, source and self-test; the header alone and why, where there is no code.
 
@@ -24,7 +24,6 @@ def write_c(
         ValueError: for an unknown precision, a file that is there, and code that is not that of the
             run's numbers.
     """
-    from tuner.cli.export import path_of
     from tuner.run.machine import Variant, write
 
     if wanted.precision not in (None, "double", "float"):
@@ -49,7 +48,7 @@ def write_c(
     print(f"wrote {path}: {count} quantities, read back equal; {more}", file=sys.stderr)
 
 
-def _numbers(tuned: Tuned, path: Path, wanted: "Wanted") -> None:
+def _numbers(tuned: Tuned, path: Path, wanted: Wanted) -> None:
     if wanted.output == "-":
         sys.stdout.buffer.write(export.dump(tuned, "c"))
         return

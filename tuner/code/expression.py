@@ -2,8 +2,9 @@
 
 from collections.abc import Callable, Mapping
 
-from tuner.code.graph import Graph, Node
+from tuner.code.graph import Graph
 from tuner.code.literal import Precision, literal, type_of
+from tuner.code.nodes import Node
 from tuner.code.operations import Kind
 
 INFIX = {

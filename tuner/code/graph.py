@@ -1,29 +1,14 @@
 """A calculation as a graph of scalars: equal nodes are one, and what is constant is a number."""
 
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
+from tuner.code.nodes import Node
 from tuner.code.operations import COMMUTE, LOGIC, Kind, in_numpy, kind_of
 from tuner.code.points import Points
 from tuner.code.simplify import simpler
-
-
-class Node(NamedTuple):
-    """One scalar.
-
-    Attributes:
-        op: of :mod:`tuner.code.operations`, or ``constant``, ``input``, ``choose``, ``convert``.
-        args: numbers of the nodes it is made of; ``choose`` has the condition, yes and no.
-        value: of a constant; of an input, what it is called by those who ask for it.
-        kind: what it is.
-    """
-
-    op: str
-    args: tuple[int, ...] = ()
-    value: Any = None
-    kind: Kind = "real"
 
 
 class TooLargeError(ValueError):

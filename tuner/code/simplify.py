@@ -5,19 +5,17 @@ A factor that is zero once and for all takes its product with it, whatever the o
 
 import math
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
+from tuner.code.nodes import Nodes
 from tuner.code.operations import COMPARE
 
-if TYPE_CHECKING:
-    from tuner.code.graph import Graph
-
-Shorter: TypeAlias = "Callable[[Graph, int, int], int | None]"
+Shorter: TypeAlias = Callable[[Nodes, int, int], int | None]
 
 
-def simpler(graph: "Graph", op: str, entries: tuple[int, ...]) -> int | None:
+def simpler(graph: Nodes, op: str, entries: tuple[int, ...]) -> int | None:
     """A node that is the same as an operation, where there is a simpler one."""
     if len(entries) == 1:
         return _of_one(graph, op, entries[0])
@@ -31,7 +29,7 @@ def simpler(graph: "Graph", op: str, entries: tuple[int, ...]) -> int | None:
     return None
 
 
-def _of_one(graph: "Graph", op: str, x: int) -> int | None:
+def _of_one(graph: Nodes, op: str, x: int) -> int | None:
     inner = graph.nodes[x]
     if op in ("neg", "not") and inner.op == op:
         return inner.args[0]
@@ -46,7 +44,7 @@ def _of_one(graph: "Graph", op: str, x: int) -> int | None:
     return None
 
 
-def _compared(graph: "Graph", op: str, x: int, y: int) -> int | None:
+def _compared(graph: Nodes, op: str, x: int, y: int) -> int | None:
     """A truth value that was made a number and is compared with one is the truth value."""
     if x == y and graph.nodes[x].kind == "real":
         return graph.apply("isnan", x) if op == "ne" else None
@@ -61,10 +59,10 @@ def _compared(graph: "Graph", op: str, x: int, y: int) -> int | None:
     return None
 
 
-def _either(rule: "Shorter") -> "Shorter":
+def _either(rule: Shorter) -> Shorter:
     """A rule for operations whose operands may change places."""
 
-    def both(graph: "Graph", x: int, y: int) -> int | None:
+    def both(graph: Nodes, x: int, y: int) -> int | None:
         found = rule(graph, x, y)
         return rule(graph, y, x) if found is None else found
 
@@ -72,41 +70,41 @@ def _either(rule: "Shorter") -> "Shorter":
 
 
 @_either
-def _add_nothing(graph: "Graph", x: int, y: int) -> int | None:
+def _add_nothing(graph: Nodes, x: int, y: int) -> int | None:
     return y if graph.is_constant(x, 0) else None
 
 
 @_either
-def _add_negative(graph: "Graph", x: int, y: int) -> int | None:
+def _add_negative(graph: Nodes, x: int, y: int) -> int | None:
     return graph.apply("sub", y, graph.nodes[x].args[0]) if graph.nodes[x].op == "neg" else None
 
 
-def _add_itself(graph: "Graph", x: int, y: int) -> int | None:
+def _add_itself(graph: Nodes, x: int, y: int) -> int | None:
     if x != y or graph.nodes[x].kind != "real":
         return None
     return graph.apply("mul", graph.constant(graph.precision(2)), x)
 
 
-def _less_nothing(graph: "Graph", x: int, y: int) -> int | None:
+def _less_nothing(graph: Nodes, x: int, y: int) -> int | None:
     return x if graph.is_constant(y, 0) else None
 
 
-def _nothing_less(graph: "Graph", x: int, y: int) -> int | None:
+def _nothing_less(graph: Nodes, x: int, y: int) -> int | None:
     return graph.apply("neg", y) if graph.is_constant(x, 0) else None
 
 
-def _less_negative(graph: "Graph", x: int, y: int) -> int | None:
+def _less_negative(graph: Nodes, x: int, y: int) -> int | None:
     return graph.apply("add", x, graph.nodes[y].args[0]) if graph.nodes[y].op == "neg" else None
 
 
-def _negative_less(graph: "Graph", x: int, y: int) -> int | None:
+def _negative_less(graph: Nodes, x: int, y: int) -> int | None:
     if graph.nodes[x].op != "neg":
         return None
     return graph.apply("neg", graph.apply("add", graph.nodes[x].args[0], y))
 
 
 @_either
-def _times_number(graph: "Graph", x: int, y: int) -> int | None:
+def _times_number(graph: Nodes, x: int, y: int) -> int | None:
     if graph.is_constant(x, 0):
         return x
     if graph.is_constant(x, 1):
@@ -115,7 +113,7 @@ def _times_number(graph: "Graph", x: int, y: int) -> int | None:
 
 
 @_either
-def _times_twice(graph: "Graph", x: int, y: int) -> int | None:
+def _times_twice(graph: Nodes, x: int, y: int) -> int | None:
     """Two factors are one number: exact where one of them is a power of two."""
     if not graph.is_constant(x) or graph.nodes[y].op != "mul" or graph.nodes[y].kind != "real":
         return None
@@ -129,7 +127,7 @@ def _times_twice(graph: "Graph", x: int, y: int) -> int | None:
 
 
 @_either
-def _times_half(graph: "Graph", x: int, y: int) -> int | None:
+def _times_half(graph: Nodes, x: int, y: int) -> int | None:
     """The mean of a matrix and its transpose, which are equal but for rounding."""
     if not graph.halves or not graph.is_constant(x, 0.5) or graph.nodes[y].op != "add":
         return None
@@ -138,18 +136,18 @@ def _times_half(graph: "Graph", x: int, y: int) -> int | None:
 
 
 @_either
-def _times_negative(graph: "Graph", x: int, y: int) -> int | None:
+def _times_negative(graph: Nodes, x: int, y: int) -> int | None:
     """A sign goes outwards, where a sum takes it."""
     if graph.nodes[x].op != "neg":
         return None
     return graph.apply("neg", graph.apply("mul", graph.nodes[x].args[0], y))
 
 
-def _nothing_over(graph: "Graph", x: int, y: int) -> int | None:
+def _nothing_over(graph: Nodes, x: int, y: int) -> int | None:
     return x if graph.is_constant(x, 0) else None
 
 
-def _over_number(graph: "Graph", x: int, y: int) -> int | None:
+def _over_number(graph: Nodes, x: int, y: int) -> int | None:
     """Times the inverse, where that is a number of full precision."""
     if not graph.is_constant(y) or graph.nodes[y].kind != "real":
         return None
@@ -161,24 +159,24 @@ def _over_number(graph: "Graph", x: int, y: int) -> int | None:
 
 
 @_either
-def _and_known(graph: "Graph", x: int, y: int) -> int | None:
+def _and_known(graph: Nodes, x: int, y: int) -> int | None:
     if graph.nodes[x].kind != "truth" or not graph.is_constant(x):
         return None
     return y if graph.nodes[x].value else x
 
 
 @_either
-def _or_known(graph: "Graph", x: int, y: int) -> int | None:
+def _or_known(graph: Nodes, x: int, y: int) -> int | None:
     if graph.nodes[x].kind != "truth" or not graph.is_constant(x):
         return None
     return x if graph.nodes[x].value else y
 
 
-def _twice(graph: "Graph", x: int, y: int) -> int | None:
+def _twice(graph: Nodes, x: int, y: int) -> int | None:
     return x if x == y else None
 
 
-_RULES: Mapping[str, tuple["Shorter", ...]] = {
+_RULES: Mapping[str, tuple[Shorter, ...]] = {
     "add": (_add_nothing, _add_negative, _add_itself),
     "sub": (_less_nothing, _nothing_less, _less_negative, _negative_less),
     "mul": (_times_number, _times_twice, _times_half, _times_negative),

@@ -1,6 +1,6 @@
 """What a filter is tried on where it runs: a few samples, and what JAX makes of them."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +12,8 @@ from tuner.code.fields import fields_of
 from tuner.code.trace import in_precision
 
 SAMPLES = 50
+_SHARE = {"double": 1e-9, "float": 4e-6}
+"""Of a number's size, what it may be off whatever the filter makes of rounding errors."""
 _ROUNDING = {"double": 1e-12, "float": 1e-6}
 """What is so far below the largest number of the state is left of rounding."""
 
@@ -54,26 +56,39 @@ def tried(
         precision: double or float.
     """
     samples = _with_holes(filter, params, _chosen(inputs))
-    exact = _ran(filter, params, samples, np.float64)
-    rounded = exact
-    if precision == "float":
-        rounded = _ran(filter, params, samples, np.float32)
-    start = [np.asarray(leaf) for leaf in jax.tree.leaves(filter.init(params))]
-    rest = _ROUNDING[precision] * max(map(_size, (*start, *rounded[0])), default=0.0)
-    names = _names(filter, params, samples)
-    both = zip(names, exact[1], rounded[1], strict=True)
-    outputs = [(right, near) for name, right, near in both if keep is None or name in keep]
     dtype = np.float32 if precision == "float" else np.float64
+    state, outputs = _ran(filter, params, samples, dtype)
+    others = [_ran(filter, params, near, dtype) for near in _beside(samples, dtype)]
+    others.append(_ran(filter, params, samples, np.float64))
+    start = [np.asarray(leaf) for leaf in jax.tree.leaves(filter.init(params))]
+    rest = _ROUNDING[precision] * max(map(_size, (*start, *state)), default=0.0)
+    names = _names(filter, params, samples)
+    wanted = [k for k, name in enumerate(names) if keep is None or name in keep]
+    share = _SHARE[precision]
     return Tried(
         [np.asarray(leaf) for leaf in jax.tree.leaves(in_precision(samples, dtype))],
-        [near for _, near in outputs],
-        [_allowed(*pair, precision) for pair in outputs],
-        rounded[0],
+        [outputs[k] for k in wanted],
+        [_allowed(outputs[k], [other[1][k] for other in others], share) for k in wanted],
+        state,
         [
-            _allowed(right[None], near[None], precision) + rest
-            for right, near in zip(exact[0], rounded[0], strict=True)
+            _allowed(one[None], [other[0][k][None] for other in others], share) + rest
+            for k, one in enumerate(state)
         ],
     )
+
+
+def _beside(samples: Any, dtype: type[np.floating]) -> Iterator[Any]:
+    """The same samples with other rounding errors: what these change, another machine may."""
+    draw = np.random.default_rng(0)
+
+    def near(leaf: np.ndarray) -> np.ndarray:
+        if leaf.dtype.kind != "f":
+            return leaf
+        errors = 4 * np.finfo(dtype).eps * draw.uniform(-1, 1, leaf.shape)
+        return np.asarray(leaf * (1 + errors))
+
+    for _ in range(3):
+        yield jax.tree.map(near, samples)
 
 
 def _names(filter: Any, params: Any, samples: Any) -> list[str]:
@@ -119,15 +134,13 @@ def _run(filter: Any, params: Any, samples: Any) -> Any:
     return run(filter, params, samples)
 
 
-def _allowed(exact: np.ndarray, near: np.ndarray, precision: str) -> np.ndarray:
+def _allowed(found: np.ndarray, others: Sequence[np.ndarray], share: float) -> np.ndarray:
     """How far another machine may be off in a number, over the samples."""
     with np.errstate(invalid="ignore"):
-        strays = np.abs(near.astype(float) - exact)
-    strays = np.where(np.isfinite(strays), strays, 0).max(axis=0)
-    size = np.where(np.isfinite(near), np.abs(near), 0).max(axis=0).astype(float)
-    if precision == "double":
-        return np.asarray(1e-9 * size)
-    return np.asarray(4 * strays + 4e-6 * size)
+        apart = [np.abs(other.astype(float) - found) for other in others]
+    strays = np.max([np.where(np.isfinite(one), one, 0).max(axis=0) for one in apart], axis=0)
+    size = np.where(np.isfinite(found), np.abs(found), 0).max(axis=0).astype(float)
+    return np.asarray(4 * strays + share * size)
 
 
 def _size(array: np.ndarray) -> float:

@@ -1,0 +1,41 @@
+"""What a command line asks of an export."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from tuner import export
+from tuner.cli.which import Which
+from tuner.export import Tuned
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What a command line asks of an export.
+
+    Attributes:
+        to: the format; None: no file.
+        output: the file; None: named for the filter; ``-``: stdout.
+        problem: which one, where a run has several.
+        rate_hz: the sample rate; None: the one that it was tuned at.
+        densities: parameters that grow with the rate.
+        which: the file of the filter's class, where it is from one.
+        force: whether a file is replaced, and what did not converge is exported.
+        precision: of a filter in C; None: double.
+        tunable: whether the parameters of a filter in C can be set as it runs.
+    """
+
+    to: str | None
+    output: str | None = None
+    problem: str | None = None
+    rate_hz: float | None = None
+    densities: tuple[str, ...] = ()
+    which: Which = field(default_factory=Which)
+    force: bool = False
+    precision: str | None = None
+    tunable: bool = False
+
+
+def path_of(tuned: Tuned, to: str, wanted: Wanted) -> Path:
+    """The file that is written."""
+    at = "" if wanted.rate_hz is None else f"_{wanted.rate_hz:g}hz"
+    return Path(wanted.output) if wanted.output else Path(f"{tuned.name}{at}{export.suffix(to)}")
