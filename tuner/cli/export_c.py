@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 from tuner import export
 from tuner.cli.wanted import Wanted, path_of
+from tuner.code.files import Files
 from tuner.export import ExportError, Tuned
+from tuner.run.code_files import Variant, kept, renamed, write
 from tuner.run.result import Result
 
 if TYPE_CHECKING:
-    from tuner.code.document import Files
     from tuner.run.at_rate import AtRate
-    from tuner.run.machine import Variant
 
 
 def write_c(
@@ -24,8 +24,6 @@ def write_c(
         ValueError: for an unknown precision, a file that is there, and code that is not that of the
             run's numbers.
     """
-    from tuner.run.machine import Variant, write
-
     if wanted.precision not in (None, "double", "float"):
         raise ValueError(f"--precision is {wanted.precision!r}; give double or float")
     variant = Variant("float" if wanted.precision == "float" else "double", wanted.tunable)
@@ -33,7 +31,7 @@ def write_c(
     try:
         files = _files(run, result, tuned, at_rate, variant, path)
     except ValueError as error:
-        if wanted.precision or wanted.tunable:
+        if wanted.precision or wanted.tunable or isinstance(error, ExportError):
             raise
         print(f"numbers only: {error}", file=sys.stderr)
         _numbers(tuned, path, wanted)
@@ -62,13 +60,13 @@ def _files(
     result: Result,
     tuned: Tuned,
     at_rate: "AtRate | None",
-    variant: "Variant",
+    variant: Variant,
     path: Path,
-) -> "Files":
-    from tuner.code.document import Files
-    from tuner.run.machine import code_of, kept, renamed
+) -> Files:
 
     if at_rate is not None:
+        from tuner.run.machine import code_of
+
         return code_of(tuned, at_rate.trials(), variant, path.name).files
     refused = [c.refused for c in result.code if c.problem == tuned.name and c.refused]
     stem = (run if run.is_dir() else run.parent) / kept(tuned.name, variant)

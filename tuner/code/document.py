@@ -1,9 +1,9 @@
 """A filter as files of C: the header with its numbers, the source, the self-test."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from tuner.code.fields import Field
+from tuner.code.files import Files
 from tuner.code.form import Form
 from tuner.code.selftest import selftest
 from tuner.code.written import Written
@@ -24,27 +24,6 @@ _FINITE = """
 #error "NaN is a missing sample: compile without -ffast-math and -ffinite-math-only."
 #endif
 """
-
-
-@dataclass(frozen=True)
-class Files:
-    """Text of C.
-
-    Attributes:
-        header: numbers, types and functions.
-        source: the functions.
-        selftest: what tries them.
-    """
-
-    header: str
-    source: str
-    selftest: str
-
-    @property
-    def whole(self) -> str:
-        """Header and source as one text."""
-        lines = self.source.splitlines(keepends=True)
-        return self.header + "".join(line for line in lines if not line.startswith('#include "'))
 
 
 def files(tuned: Tuned, include: str, forms: Sequence[Form]) -> Files:

@@ -118,7 +118,8 @@ class Fit:
         problem, source = self.posed.problem, self.posed.source
         tuned = tuned_of(problem, self.solution, "fit", self.made.seed, problem.source or source)
         if format == "c":
-            from tuner.run.machine import Variant, code_of, write
+            from tuner.run.code_files import Variant, write
+            from tuner.run.machine import code_of
 
             include = f"{tuned.name}.h" if path is None else Path(path).name
             trials = problem.on_machine(self.solution)

@@ -1,41 +1,17 @@
 """A tuned filter as C: in both precisions, with its numbers fixed or to be set."""
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import NamedTuple
 
-from tuner.atomic import WriteError, write_bytes
-from tuner.code.document import Files, files
+from tuner.code.document import files
+from tuner.code.files import Files
 from tuner.code.form import Form, form
-from tuner.code.literal import Precision
 from tuner.code.names import identifier
 from tuner.code.size import size
-from tuner.export import ExportError
 from tuner.export.tuned import Tuned
 from tuner.problem.exported import Trial
+from tuner.run.code_files import VARIANTS, Variant, kept
 from tuner.run.result import CodeRecord
-
-
-class Variant(NamedTuple):
-    """A way to write a filter.
-
-    Attributes:
-        precision: of its real numbers.
-        tunable: whether its parameters can be set as it runs.
-    """
-
-    precision: Precision = "double"
-    tunable: bool = False
-
-    @property
-    def folder(self) -> str:
-        """Where a run keeps it, below its exports; "" for these themselves."""
-        parts = ["float"] if self.precision == "float" else []
-        return "-".join([*parts, "tunable"] if self.tunable else parts)
-
-
-_PRECISIONS: tuple[Precision, ...] = ("double", "float")
-VARIANTS = tuple(Variant(p, t) for p in _PRECISIONS for t in (False, True))
 
 
 class Code(NamedTuple):
@@ -81,37 +57,6 @@ def code_of(tuned: Tuned, trials: Mapping[str, Trial], variant: Variant, include
     return Code(files(tuned, include, list(found.values())), found)
 
 
-def write(files: Files, header: Path, *, overwrite: bool) -> tuple[Path, ...]:
-    """Write the header, the source and the self-test beside each other.
-
-    Raises:
-        ExportError: where one of them is there and may not be replaced, or cannot be written; then
-            none is new.
-    """
-    source = header.with_suffix(".c")
-    paths = header, source, source.with_name(f"{source.stem}_selftest.c")
-    done: list[Path] = []
-    try:
-        for path, text in zip(paths, files_in_order(files), strict=True):
-            write_bytes(path, text.encode("ascii"), overwrite=overwrite)
-            done.append(path)
-    except WriteError as error:
-        for path in () if overwrite else done:
-            path.unlink(missing_ok=True)
-        raise ExportError(str(error)) from error
-    return paths
-
-
-def files_in_order(files: Files) -> tuple[str, str, str]:
-    """Header, source and self-test."""
-    return files.header, files.source, files.selftest
-
-
-def renamed(text: str, before: str, after: str) -> str:
-    """A source whose header has another name."""
-    return text.replace(f'#include "{before}"', f'#include "{after}"')
-
-
 def in_all_variants(
     tuned: Tuned, trials: Mapping[str, Trial]
 ) -> tuple[dict[str, bytes], list[CodeRecord]]:
@@ -136,17 +81,12 @@ def in_all_variants(
                 refused=str(error),
             )
         else:
-            texts = zip(names, files_in_order(code.files), strict=True)
+            texts = zip(names, code.files.in_order, strict=True)
             found |= {name: text.encode("ascii") for name, text in texts}
             record = _record(tuned.name, variant, names[0], code, include)
         if not variant.tunable:
             records.append(record)
     return found, records
-
-
-def kept(name: str, variant: Variant) -> str:
-    """Where a run keeps a filter's code, relative to its folder, without suffix."""
-    return "/".join(part for part in ("exports", variant.folder, name) if part)
 
 
 def _record(name: str, variant: Variant, file: str, code: Code, include: str) -> CodeRecord:

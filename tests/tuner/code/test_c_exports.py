@@ -148,6 +148,7 @@ def test_at_another_rate(cli, observer):
     [
         (("--to", "json", "--tunable"), "--precision and --tunable say how C is written"),
         (("--to", "c", "--precision", "half"), "--precision is 'half'; give double or float"),
+        (("--to", "c", "-o", "gyro.c"), "gyro.c is the name of the source; name the header"),
     ],
 )
 def test_what_is_asked_for_in_vain(cli, observer, words, told):
@@ -162,7 +163,7 @@ def test_code_of_other_numbers_is_refused(cli, observer):
     result = json.loads(file.read_text())
     result["tuned"][0]["quantities"][2]["value"][0][0] += 1.0
     file.write_text(json.dumps(result))
-    code, _, err = cli("export", "run", "--to", "c", "--precision", "float", "-o", "other.h")
+    code, _, err = cli("export", "run", "--to", "c", "-o", "other.h")
     assert code == 2
     assert "is not of this run's numbers; run it again" in err
     assert not Path("other.h").exists()
