@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks import diagnostics as bench
+from benchmarks import faulty_records as bench
 
 
 def still(count=40):
