@@ -10,11 +10,13 @@ from tuner.data.logs.block import INSIDE, Block, read_rows
 from tuner.data.logs.cells import read_cell
 from tuner.data.logs.error import LogError
 from tuner.data.logs.layout import Layout
+from tuner.data.logs.regular import may_be_regular, read_regular
 from tuner.data.logs.scaling import Floats
 from tuner.data.logs.table import Raw
 
 _KNOWN = 10_000
 _SHOWN = 40
+_FIRST = b"-.0123456789"
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +44,28 @@ class Part:
 
 def read_part(layout: Layout, block: Block, dates: list[int], columns: list[int]) -> Part:
     """Some columns of a block, and those of its dates."""
+    part = None if dates else _plain(layout, block, columns)
+    return part or _any(layout, block, dates, columns)
+
+
+def _plain(layout: Layout, block: Block, columns: list[int]) -> Part | None:
+    """A block of plain numbers alone, most columns of which are wanted; None for any other."""
+    text, width, delimiter = block.text, len(layout.names), (layout.delimiter or " ").encode()
+    if layout.point != "." or layout.chosen or 2 * len(columns) < width or text[-1:] != b"\n":
+        return None
+    if any(head[:1] in _FIRST for head in layout.heads):  # where it comes again it is no row
+        return None
+    if not may_be_regular(text, delimiter, width):
+        return None
+    values = read_regular(text, delimiter, width)
+    if values is None:
+        return None
+    lines = range(block.line, block.line + values.shape[1])
+    return Part([values[k] for k in columns], {}, [], {}, lines, {}, len(text))
+
+
+def _any(layout: Layout, block: Block, dates: list[int], columns: list[int]) -> Part:
+    """Any block."""
     rows = read_rows(layout, block)
     numbers = rows.grid.numbers(columns)
     values = numbers.values.reshape(-1, max(len(columns), 1))
