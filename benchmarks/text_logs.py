@@ -1,10 +1,15 @@
-"""How long a text log of 10^6 rows x 10 columns takes: python -m benchmarks.text_logs.
+"""How long a text log of 10^6 rows x 10 columns takes: python -m benchmarks.text_logs [own].
 
-Beside pandas where that is installed; it is no dependency. Memory is what the process grew by.
+Beside pandas and pyarrow where they are installed; they are no dependencies. ``own`` takes our
+reader in NumPy for all blocks, which else reads what is no block of plain numbers. Memory is what
+a process of its own grew by.
 """
 
 import importlib
-import resource
+import multiprocessing
+import os
+import statistics
+import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -12,9 +17,11 @@ from pathlib import Path
 
 import numpy as np
 
+from tuner.data.logs import parts
 from tuner.data.logs.csv import open_csv
 
-ROWS, COLUMNS, TIMES = 1_000_000, 10, 12
+ROWS, COLUMNS, TIMES = 1_000_000, 10, 9
+Read = Callable[[Path], object]
 
 
 def written(path: Path) -> None:
@@ -24,42 +31,64 @@ def written(path: Path) -> None:
     np.savetxt(path, array, "%.9g", ",", header=header, comments="")
 
 
-def ours(path: Path) -> None:
+def ours(path: Path) -> object:
     table = open_csv(path)
-    table.load(table.names)
+    return table.load(table.names)
 
 
-def timed(read: Callable[[Path], object], path: Path) -> tuple[float, float]:
+def grown(path: Path) -> float:
+    """By how many arrays a process grows that reads the log, the one it returns among them."""
+    import resource
+
+    parts.read_regular(b"1\n", b",", 1)  # with what it imports
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    kept = ours(path)
+    after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    del kept
+    return (after - before) * 1024 / (8 * ROWS * COLUMNS)
+
+
+def others() -> dict[str, Read]:
+    """Readers of other packages by name and version."""
+    found: dict[str, Read] = {}
+    for name, module in (("pandas", "pandas"), ("pyarrow", "pyarrow.csv")):
+        try:
+            version = importlib.import_module(name).__version__
+            found[f"{name} {version}"] = importlib.import_module(module).read_csv
+        except ImportError:
+            continue
+    return found
+
+
+def timed(read: Read, path: Path) -> tuple[float, float]:
     """How long it takes, s, and the work of all cores, s."""
     start, work = time.perf_counter(), time.process_time()
     read(path)
     return time.perf_counter() - start, time.process_time() - work
 
 
-def shown(name: str, found: list[tuple[float, float]]) -> tuple[float, float]:
-    wall, work = (min(one[k] for one in found) for k in (0, 1))
-    print(f"{name}: {wall:.2f} s, {work:.2f} s of work")
-    return wall, work
-
-
 def main() -> None:
+    if "own" in sys.argv:
+        parts.may_be_regular = lambda text, delimiter, width: False
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "log.csv")
         written(path)
-        before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-        ours(path)
-        grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) * 1024
-        print(f"memory: {grown / (8 * ROWS * COLUMNS):.1f} arrays")
-        try:
-            pandas = importlib.import_module("pandas")
-        except ImportError:
-            shown("tuner", [timed(ours, path) for _ in range(TIMES)])
-            return
-        # In turn, so that both see the same of the machine.
-        pairs = [(timed(ours, path), timed(pandas.read_csv, path)) for _ in range(TIMES)]
-        own = shown("tuner", [one for one, _ in pairs])
-        its = shown(f"pandas {pandas.__version__}", [other for _, other in pairs])
-        print(f"ratio: {own[0] / its[0]:.2f}, of work {own[1] / its[1]:.2f}")
+        with multiprocessing.get_context("spawn").Pool(1) as pool:
+            print(f"memory: {pool.apply(grown, (path,)):.1f} arrays")
+        readers = {"tuner": ours, **others()}
+        # In turn, so that all see the same of the machine.
+        rounds = [{name: timed(read, path) for name, read in readers.items()} for _ in range(TIMES)]
+    for name in readers:
+        wall, work = ([one[name][k] for one in rounds] for k in (0, 1))
+        shares = [
+            statistics.median(one["tuner"][k] / one[name][k] for one in rounds) for k in (0, 1)
+        ]
+        print(
+            f"{name}: {statistics.median(wall):.2f} s (least {min(wall):.2f}), "
+            f"{statistics.median(work):.2f} s of work (least {min(work):.2f}); "
+            f"tuner takes {shares[0]:.2f} of its time, {shares[1]:.2f} of its work"
+        )
+    print(f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
 
 
 if __name__ == "__main__":

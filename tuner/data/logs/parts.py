@@ -16,7 +16,6 @@ from tuner.data.logs.table import Raw
 
 _KNOWN = 10_000
 _SHOWN = 40
-_FIRST = b"-.0123456789"
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,10 +52,10 @@ def _plain(layout: Layout, block: Block, columns: list[int]) -> Part | None:
     text, width, delimiter = block.text, len(layout.names), (layout.delimiter or " ").encode()
     if layout.point != "." or layout.chosen or 2 * len(columns) < width or text[-1:] != b"\n":
         return None
-    if any(head[:1] in _FIRST for head in layout.heads):  # where it comes again it is no row
-        return None
     if not may_be_regular(text, delimiter, width):
         return None
+    if any(read_regular(head + b"\n", delimiter, width) is not None for head in layout.heads):
+        return None  # where it comes again it is no row
     values = read_regular(text, delimiter, width)
     if values is None:
         return None

@@ -9,14 +9,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tuner.data.logs.plain import count_rows
 from tuner.data.logs.scaling import Floats
 
 _FORM = b"%%%%MatrixMarket matrix array real general\n%d %d\n"
 _SMALLEST, _BEGINNING = 1 << 16, 1 << 12
-_PIECE = 1 << 17  # what a processor keeps close
 _EXACT = 2.0**53
-_ZERO, _NINE, _POINT, _MINUS, _PLUS, _NEWLINE = b"09.-+\n"
-_E, _SMALL = ord("e"), 0x20
+_MINUS, _NEWLINE = b"-\n"
 
 
 def read_regular(text: bytes, delimiter: bytes, width: int) -> Floats | None:
@@ -26,12 +25,12 @@ def read_regular(text: bytes, delimiter: bytes, width: int) -> Floats | None:
     cells, and with whole numbers of which float64 rounds some.
 
     >>> read_regular(b"1,-2.5\\n3,1e3\\n", b",", 2)
-    array([[ 1.0e+00,  3.0e+00],
-           [-2.5e+00,  1.0e+03]])
+    array([[   1. ,    3. ],
+           [  -2.5, 1000. ]])
     >>> read_regular(b"1,-2.5\\n3,1-3\\n", b",", 2)
     """
-    rows = _rows(text, delimiter, width)
-    if not rows or not _ends_of_numbers(text):
+    rows = count_rows(text, delimiter, width)
+    if not rows:
         return None
     try:
         values = _matrix([_FORM % (width, rows), text.replace(delimiter, b"\n")])
@@ -47,7 +46,8 @@ def may_be_regular(text: bytes, delimiter: bytes, width: int) -> bool:
     """Whether a block is worth a look: long enough, and of such rows at its beginning."""
     if len(text) < _SMALLEST:
         return False
-    return _rows(text[: text.find(b"\n", _BEGINNING) + 1], delimiter, width) > 0
+    beginning = text[: text.find(b"\n", _BEGINNING) + 1] or text
+    return count_rows(beginning, delimiter, width) > 0
 
 
 class _Stream:
@@ -72,38 +72,6 @@ def _matrix(parts: Sequence[bytes]) -> Floats:
     cursor, _ = market._get_read_cursor(_Stream(parts), 1)
     values: Floats = market._read_body_array(cursor)
     return values
-
-
-def _rows(text: bytes, delimiter: bytes, width: int) -> int:
-    """How many rows there are; 0 where a cell holds two points, two exponents, or other signs."""
-    marks = text.translate(None, b"0123456789+-")
-    borders = marks.translate(None, b".eE")
-    rows = len(borders) // width
-    if borders != (delimiter * (width - 1) + b"\n") * rows:
-        return 0
-    letters = np.frombuffer(marks, np.uint8)
-    point, raised = letters == _POINT, letters | _SMALL == _E
-    twice = (point[1:] | raised[1:]) & raised[:-1] | point[1:] & point[:-1]
-    return 0 if twice.any() else rows
-
-
-def _ends_of_numbers(text: bytes) -> bool:
-    """Whether signs stand before numbers and exponents alone, and digits behind these."""
-    letters = np.frombuffer(text, np.uint8)
-    with_plus, with_exponents = b"+" in text, b"e" in text or b"E" in text
-    for start in range(0, len(letters), _PIECE):
-        piece = letters[start : start + _PIECE + 1]
-        digit = (piece >= _POINT) & (piece <= _NINE)
-        sign = piece == _MINUS
-        if with_plus:
-            sign |= piece == _PLUS
-        wrong = sign[1:] & digit[:-1]
-        if with_exponents:
-            wrong |= sign[1:] & sign[:-1]
-            wrong |= ~(digit | sign)[1:] & ~digit[:-1]
-        if wrong.any():
-            return False
-    return True
 
 
 def _sign_zeros(values: Floats, text: bytes, delimiter: bytes) -> None:
