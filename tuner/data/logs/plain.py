@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tuner.data.logs.scaling import Bits
 
-_PIECE = 1 << 16  # what a processor keeps close
+_PIECE = 1 << 17  # what a processor keeps close
 _NINE, _POINT, _MINUS, _PLUS, _NEWLINE = np.frombuffer(b"9.-+\n", np.uint8)
 _E, _SMALL = np.uint8(ord("e")), np.uint8(0x20)
 _ONE, _LAST = np.uint64(1), np.uint64(63)
