@@ -71,7 +71,7 @@ def timed(read: Read, path: Path) -> tuple[float, float]:
 
 def main() -> None:
     if "own" in sys.argv:
-        parts.may_be_regular = lambda text, delimiter, width: False
+        parts.may_be_regular = lambda text, delimiter: False
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "log.csv")
         written(path)

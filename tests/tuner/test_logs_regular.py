@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from tuner.data.logs import plain, regular
+from tuner.data.logs import parts, plain, regular
 from tuner.data.logs.csv import open_csv
 from tuner.data.logs.error import LogError
 from tuner.data.logs.table import Loaded
@@ -81,7 +81,7 @@ def test_rows_of_other_widths_are_left_alone(text):
 
 def loaded(path, smallest):
     """All columns and what is said of them, or the sentence that refuses them."""
-    with patch.object(regular, "_SMALLEST", smallest):
+    with patch.object(parts, "_FEW", smallest):
         table = open_csv(path)
         try:
             found = Loaded.of(table.load(table.names))

@@ -16,6 +16,7 @@ from tuner.data.logs.table import Raw
 
 _KNOWN = 10_000
 _SHOWN = 40
+_FEW = 1 << 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,17 +45,17 @@ class Part:
 def read_part(layout: Layout, block: Block, dates: list[int], columns: list[int]) -> Part:
     """Some columns of a block, and those of its dates."""
     part = None if dates else _plain(layout, block, columns)
-    return part or _any(layout, block, dates, columns)
+    return part or _from_cells(layout, block, dates, columns)
 
 
 def _plain(layout: Layout, block: Block, columns: list[int]) -> Part | None:
     """A block of plain numbers alone, most columns of which are wanted; None for any other."""
     text, width, delimiter = block.text, len(layout.names), (layout.delimiter or " ").encode()
-    if layout.point != "." or layout.chosen or 2 * len(columns) < width or text[-1:] != b"\n":
+    if layout.point != "." or layout.chosen or 2 * len(columns) < width:
         return None
-    if not may_be_regular(text, delimiter, width):
+    if len(text) < _FEW or text[-1:] != b"\n" or not may_be_regular(text, delimiter):
         return None
-    if any(read_regular(head + b"\n", delimiter, width) is not None for head in layout.heads):
+    if any(may_be_regular(head, delimiter) for head in layout.heads):
         return None  # where it comes again it is no row
     values = read_regular(text, delimiter, width)
     if values is None:
@@ -63,8 +64,8 @@ def _plain(layout: Layout, block: Block, columns: list[int]) -> Part | None:
     return Part([values[k] for k in columns], {}, [], {}, lines, {}, len(text))
 
 
-def _any(layout: Layout, block: Block, dates: list[int], columns: list[int]) -> Part:
-    """Any block."""
+def _from_cells(layout: Layout, block: Block, dates: list[int], columns: list[int]) -> Part:
+    """Any block, cell by cell where it has to be."""
     rows = read_rows(layout, block)
     numbers = rows.grid.numbers(columns)
     values = numbers.values.reshape(-1, max(len(columns), 1))

@@ -13,7 +13,7 @@ from tuner.data.logs.plain import count_rows
 from tuner.data.logs.scaling import Floats
 
 _FORM = b"%%%%MatrixMarket matrix array real general\n%d %d\n"
-_SMALLEST, _BEGINNING = 1 << 16, 1 << 12
+_USUAL, _BEGINNING = b"0123456789.+-eE\n", 1 << 12
 _EXACT = 2.0**53
 _MINUS, _NEWLINE = b"-\n"
 
@@ -42,12 +42,11 @@ def read_regular(text: bytes, delimiter: bytes, width: int) -> Floats | None:
     return values
 
 
-def may_be_regular(text: bytes, delimiter: bytes, width: int) -> bool:
-    """Whether a block is worth a look: long enough, and of such rows at its beginning."""
-    if len(text) < _SMALLEST:
-        return False
-    beginning = text[: text.find(b"\n", _BEGINNING) + 1] or text
-    return count_rows(beginning, delimiter, width) > 0
+def may_be_regular(text: bytes, delimiter: bytes) -> bool:
+    """Whether lines are worth a look, by the characters they begin with."""
+    beginning = text[:_BEGINNING]
+    odd = beginning.translate(None, _USUAL + delimiter)
+    return not odd and 2 * delimiter not in beginning
 
 
 class _Stream:
