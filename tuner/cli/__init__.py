@@ -205,6 +205,20 @@ def init(
 
 
 @app.command()
+def example(
+    kind: Annotated[str, typer.Argument(help="level, rest, tracks or vario.")],
+    output: Annotated[
+        str | None, typer.Option("-o", "--output", metavar="FILE|-", help="Instead of KIND.csv.")
+    ] = None,
+    force: Force = False,
+) -> None:
+    """Write a simulated log to try things on."""
+    from tuner.cli.example import show
+
+    show(kind, output, force=force)
+
+
+@app.command()
 def check(
     ctx: typer.Context,
     run: Annotated[
