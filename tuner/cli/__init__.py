@@ -265,7 +265,7 @@ def compare(
     md: Annotated[bool, typer.Option("--md", help="A Markdown table.")] = False,
     csv: Annotated[bool, typer.Option("--csv", help="Comma-separated values.")] = False,
 ) -> None:
-    """Hold runs against the paper; exit 1 if a row lies outside its tolerance."""
+    """Hold runs against their paper, or fits against each other; exit 1 outside a tolerance."""
     from tuner.cli.compare import show
 
     raise typer.Exit(show(runs, tol, json=json, md=md, csv=csv))

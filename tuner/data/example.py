@@ -23,8 +23,8 @@ def example(kind: str) -> str:
 
     >>> print(*example("vario").splitlines()[1:4], sep="\\n")
     t_ms,acc_up,height
-    0,0.459,212.62
-    20,0.060,
+    0,1.450,212.45
+    20,2.206,
     """
     if kind not in KINDS:
         raise unknown("example", kind, KINDS)
@@ -39,20 +39,25 @@ def _cells(form: str, numbers: np.ndarray) -> list[str]:
 
 
 def _vario(draw: np.random.Generator) -> tuple[str, Columns]:
-    """Two minutes in thermals: an accelerometer at 50 Hz, a barometer at 10 Hz."""
+    """Two minutes up and down: an accelerometer at 50 Hz, a barometer at 10 Hz."""
     dt, count = 0.02, 6000
-    acc = _wander(draw, count, kept=np.exp(-dt / 2), deviation=0.8)
-    climb = np.cumsum(acc) * dt
-    height = 212 + np.cumsum(climb) * dt
-    offset = 0.15 + np.cumsum(np.sqrt(1e-5 * dt) * draw.standard_normal(count))
+    t = dt * np.arange(count)
+    turns = ((2.4, 38.0), (1.3, 13.0), (0.4, 4.7))  # m/s, s
+    acc = sum(2 * np.pi * v / T * np.cos(2 * np.pi * t / T) for v, T in turns)
+    height = 212 + np.cumsum(np.cumsum(acc)) * dt**2
+    offset = 0.15 + np.cumsum(np.sqrt(1e-4 * dt) * draw.standard_normal(count))
     measured = acc + offset + 0.3 * draw.standard_normal(count)
     baro = height + 0.5 * draw.standard_normal(count)
     baro[np.arange(count) % 5 != 0] = np.nan
-    return "vertical flight, simulated: acc_up +- 0.3 m/s^2 (q_acc 0.0018), height +- 0.5 m", {
-        "t_ms": ("%d", 20 * np.arange(count)),
-        "acc_up": ("%.3f", measured),
-        "height": ("%.2f", baro),
-    }
+    return (
+        "vertical flight, simulated: acc_up +- 0.3 m/s^2 (q_acc 0.0018), "
+        "height +- 0.5 m (R_baro 0.25)",
+        {
+            "t_ms": ("%d", 20 * np.arange(count)),
+            "acc_up": ("%.3f", measured),
+            "height": ("%.2f", baro),
+        },
+    )
 
 
 def _rest(draw: np.random.Generator) -> tuple[str, Columns]:
@@ -96,16 +101,6 @@ def _tracks(draw: np.random.Generator) -> tuple[str, Columns]:
         "lon": ("%.7f", 11.5 + degrees / np.cos(np.radians(48.1)) * metres[1].ravel()),
         "accuracy": ("%.1f", accuracy.ravel()),
     }
-
-
-def _wander(draw: np.random.Generator, count: int, *, kept: float, deviation: float) -> np.ndarray:
-    """A first-order process, of which a share is kept from sample to sample."""
-    found = np.empty(count)
-    now = 0.0
-    for k, push in enumerate(draw.standard_normal(count)):
-        now = kept * now + np.sqrt(1 - kept**2) * deviation * push
-        found[k] = now
-    return found
 
 
 KINDS: Mapping[str, Callable[[np.random.Generator], tuple[str, Columns]]] = {
