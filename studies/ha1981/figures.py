@@ -1,6 +1,7 @@
 """The paper's figures 3 and 5 to 9, and what it does not draw, as data."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import jax.numpy as jnp
 import numpy as np
@@ -98,10 +99,11 @@ def _schemes(channel: Channel, settings: Settings) -> Iterator[Chart]:
         ]
         yield Chart(
             name=f"fig{6 + i}_K{i + 1}",
-            title=f"Kalman gain K{i + 1}",
+            title=f"Kalman gain K{i + 1} by sampling period: most happens in the first samples",
             x_label="t, s",
             y_label=f"K{i + 1}, {unit}",
-            lines=tuple(gains),
+            lines=tuple(replace(line, x=line.x[1:], y=line.y[1:]) for line in gains),
+            log="x",
         )
 
 

@@ -25,6 +25,7 @@ def figures(rests: tuple[Rest, ...], solutions: Solutions) -> Iterator[Figure]:
 def _allan(rest: Rest) -> Chart:
     axis, noise = rest.axis, rest.noise
     curve, scale = noise.curve, axis.scale
+    upper = scale * curve.highs
     fitted = np.geomspace(noise.from_s, noise.to_s, POINTS)
     likely = np.sqrt(rest.white.value**2 / fitted + rest.walk.value**2 * fitted / 3)
     return Chart(
@@ -33,9 +34,8 @@ def _allan(rest: Rest) -> Chart:
         x_label="averaging time, s",
         y_label=f"Allan deviation, {axis.written or '1'}",
         lines=(
+            Line("95 % limits", curve.taus, scale * curve.lows, drawn="band", upper=upper),
             Line("record", curve.taus, scale * curve.deviations, drawn="points"),
-            Line("95 % below", curve.taus, scale * curve.lows, drawn="limit"),
-            Line("95 % above", curve.taus, scale * curve.highs, drawn="limit"),
             Line("fitted to the curve", fitted, scale * noise.model(fitted)),
             Line("walk and white noise by likelihood", fitted, scale * likely),
         ),

@@ -33,7 +33,10 @@ def figures(bench: Bench, solutions: Solutions) -> Iterator[Figure]:
             title=f"Fig. 6: variances that the {LABELS[each]} filter takes",
             x_label="t, s",
             y_label="r, g^2",
-            lines=(Line("r1 (ax)", t, r[:, 0]), Line("r2 (ay)", t, r[:, 1])),
+            lines=tuple(
+                Line(label, t, r[:, k], drawn="points")
+                for k, label in enumerate(("r1 (ax)", "r2 (ay)"))
+            ),
             log="y",
         )
     yield _held_out(bench.judged_on, solutions)
