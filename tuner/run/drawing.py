@@ -197,6 +197,7 @@ def _draw_lines(lines: tuple[Line, ...], axes: "Axes", colours: tuple[str, ...])
 
 def _png(canvas: "Canvas") -> bytes:
     buffer = io.BytesIO()
+    canvas.draw_without_rendering()  # the layout settles in two passes
     canvas.savefig(buffer, format="png", metadata={"Software": None})
     return buffer.getvalue()
 
