@@ -53,7 +53,7 @@ def _loops(channel: Channel, settings: Settings, designed: Gains) -> Chart:
         Line(name, at, loop_history(channel, gains, FINE, span))
         for name, gains in _designs(channel, designed).items()
     ]
-    lines.append(Line("bound", at[[0, -1]], np.full(2, channel.bound)))
+    lines.append(Line("bound", at[[0, -1]], np.full(2, channel.bound), drawn="limit"))
     return _over_time(
         channel, "fig3_conventional", "Conventional loop: forms of one steady variance", lines
     )
@@ -128,7 +128,7 @@ def _both(channel: Channel, settings: Settings, designed: Gains) -> Chart:
         Line("conventional loop", at, loop_history(channel, designed, settings.Ts, span)),
         Line(f"Kalman scheme, Ts = {settings.Ts:g} s", at, kalman),
         Line("q_a / t", at[1:], channel.q_a / at[1:]),
-        Line("bound", at[[0, -1]], np.full(2, channel.bound)),
+        Line("bound", at[[0, -1]], np.full(2, channel.bound), drawn="limit"),
     ]
     return _over_time(channel, "both_schemes", "Both schemes at one bound", lines)
 
@@ -182,7 +182,7 @@ def _ise_limit() -> Chart:
         y_label="ISE times eta",
         lines=(
             Line("least ISE", largest, 0.25 + np.sqrt(2 / largest)),
-            Line("infimum", largest[[0, -1]], np.full(2, 0.25)),
+            Line("infimum", largest[[0, -1]], np.full(2, 0.25), drawn="limit"),
         ),
         log="x",
     )
