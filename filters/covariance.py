@@ -137,7 +137,7 @@ class RiccatiCovariance:
 def riccati_flow(A: Array, C: Array, W: Array, V: Array, dt: Array) -> Array:
     """The matrix M by which P' = A P + P A' + W - P C' V^-1 C P moves in dt.
 
-    With X(0) = I and Y(0) = P(0), d[X; Y]/dt = [-A', C' V^-1 C; W, A] [X; Y] and P = Y X^-1.
+    With X(0) = I and Y(0) = P(0), ``d[X; Y]/dt = [-A', C' V^-1 C; W, A] [X; Y]``, P = Y X^-1.
     Source: Kalman and Bucy, J. Basic Engineering 83, 1961.
 
     Args:

@@ -9,7 +9,7 @@ from studies.chauhan2009.data import Step, records, times
 from studies.chauhan2009.paper import DRIVEN, EVERY, MAGNIFIED, STEADY, TRACKED
 from studies.chauhan2009.problems import CONSTANT, estimated, randomly
 from studies.chauhan2009.sweep import Sweep
-from tuner.run.figure import Chart, Figure, Line
+from tuner.run.figure import Chart, Figure, Line, merged
 from tuner.run.study import Solutions, best, tuned_values
 
 
@@ -82,7 +82,7 @@ def _swept(sweep: Sweep) -> Iterator[Chart]:
                 Line(f"fuzzy, {what}", factors, np.full(len(factors), _mean(case.fuzzy, part)))
             )
         title = f"Random noise over lambda beside fuzzy noise: {label.split(',')[0]}"
-        yield Chart(f"sweep_{part}", title, "lambda", label, tuple(lines), log="x")
+        yield Chart(f"sweep_{part}", title, "lambda", label, merged(lines), log="x")
 
 
 def _mean(found: Behaviour, part: str) -> float:

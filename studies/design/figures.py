@@ -19,16 +19,30 @@ def figures(posed: Posed, solutions: Solutions) -> Iterator[Figure]:
     designed, full = posed.designed, posed.designed.full
     L = designed.gain(posed.problem.params(best(posed.problem.name, solutions)))
     yield _response(designed, L)
-    poles = full.poles(L)
-    per = "" if full.discrete else ", 1/s"
-    yield Chart(
+    yield _poles(np.asarray(full.poles(L)), discrete=bool(full.discrete))
+
+
+def _poles(poles: np.ndarray, *, discrete: bool) -> Chart:
+    """Where they lie, beside the edge of what is stable: the unit circle, or the imaginary axis."""
+    angle = np.linspace(0, 2 * np.pi, CURVE)
+    reach = max(1.2 * float(np.abs(poles).max()), 1e-9)
+    edge = (
+        Line("unit circle", np.cos(angle), np.sin(angle), drawn="limit")
+        if discrete
+        else Line("imaginary axis", np.zeros(2), np.array([-reach, reach]), drawn="limit")
+    )
+    inside = bool(np.all(np.abs(poles) < 1) if discrete else np.all(poles.real < 0))
+    slowest = poles[np.argmax(np.abs(poles) if discrete else poles.real)]
+    told = f"{slowest:.3g}" if slowest.imag else f"{slowest.real:.3g}"
+    per = "" if discrete else ", 1/s"
+    return Chart(
         name="poles",
-        title="Poles of the observer's error",
+        title=f"Poles of the observer's error: {'stable' if inside else 'unstable'}, the slowest "
+        f"at {told}{per.removeprefix(',')}",
         x_label=f"real part{per}",
         y_label=f"imaginary part{per}",
-        lines=tuple(
-            Line(f"{pole:.4g}", np.array([pole.real]), np.array([pole.imag])) for pole in poles
-        ),
+        lines=(edge, Line("poles", poles.real, poles.imag, drawn="points")),
+        equal=True,
     )
 
 

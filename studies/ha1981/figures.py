@@ -1,6 +1,7 @@
 """The paper's figures 3 and 5 to 9, and what it does not draw, as data."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import jax.numpy as jnp
 import numpy as np
@@ -52,7 +53,7 @@ def _loops(channel: Channel, settings: Settings, designed: Gains) -> Chart:
         Line(name, at, loop_history(channel, gains, FINE, span))
         for name, gains in _designs(channel, designed).items()
     ]
-    lines.append(Line("bound", at[[0, -1]], np.full(2, channel.bound)))
+    lines.append(Line("bound", at[[0, -1]], np.full(2, channel.bound), drawn="limit"))
     return _over_time(
         channel, "fig3_conventional", "Conventional loop: forms of one steady variance", lines
     )
@@ -98,10 +99,11 @@ def _schemes(channel: Channel, settings: Settings) -> Iterator[Chart]:
         ]
         yield Chart(
             name=f"fig{6 + i}_K{i + 1}",
-            title=f"Kalman gain K{i + 1}",
+            title=f"Kalman gain K{i + 1} by sampling period: most happens in the first samples",
             x_label="t, s",
             y_label=f"K{i + 1}, {unit}",
-            lines=tuple(gains),
+            lines=tuple(replace(line, x=line.x[1:], y=line.y[1:]) for line in gains),
+            log="x",
         )
 
 
@@ -126,7 +128,7 @@ def _both(channel: Channel, settings: Settings, designed: Gains) -> Chart:
         Line("conventional loop", at, loop_history(channel, designed, settings.Ts, span)),
         Line(f"Kalman scheme, Ts = {settings.Ts:g} s", at, kalman),
         Line("q_a / t", at[1:], channel.q_a / at[1:]),
-        Line("bound", at[[0, -1]], np.full(2, channel.bound)),
+        Line("bound", at[[0, -1]], np.full(2, channel.bound), drawn="limit"),
     ]
     return _over_time(channel, "both_schemes", "Both schemes at one bound", lines)
 
@@ -180,7 +182,7 @@ def _ise_limit() -> Chart:
         y_label="ISE times eta",
         lines=(
             Line("least ISE", largest, 0.25 + np.sqrt(2 / largest)),
-            Line("infimum", largest[[0, -1]], np.full(2, 0.25)),
+            Line("infimum", largest[[0, -1]], np.full(2, 0.25), drawn="limit"),
         ),
         log="x",
     )

@@ -1,6 +1,7 @@
 """The paper's figures 5, 6, 8 and 9, and the trade-off behind its cost, as data."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import jax
 import jax.numpy as jnp
@@ -13,7 +14,7 @@ from studies.kownacki2010.data import Bench
 from studies.kownacki2010.paper import ACC
 from tuner.problem.problem import Problem
 from tuner.problem.surface import grid
-from tuner.run.figure import Chart, Figure, Line, Map
+from tuner.run.figure import Chart, Figure, Line, Map, merged
 from tuner.run.study import Solutions, best
 
 POINTS = 1000  # samples of a curve; a picture shows no more
@@ -50,8 +51,10 @@ def _sweeps(bench: Bench) -> Figure:
         "the same, P0 = 1e-6": KownackiNoise(R, Q, 1e-6 * ones),
     }
     figure = "fig5_acc" if bench.sensor is ACC else "fig6_gyro"
-    title = "Step and record filtered with R, Q and P0 at their extremes"
-    return _chart(bench, figure, title, sweeps)
+    chart = _chart(bench, figure, "", sweeps)
+    lines = merged(chart.lines)
+    title = f"{len(sweeps)} settings of R, Q and P0, {len(lines)} different answers"
+    return replace(chart, title=f"{title} ({bench.sensor.name})", lines=lines)
 
 
 def _responses(bench: Bench, ratio: float, *, published: bool = True) -> Figure:
@@ -100,22 +103,22 @@ def _surface(bench: Bench, ratio: float) -> Figure:
     R = np.logspace(-13, 0, bench.settings.grid)
     Q = np.logspace(-13, 2, bench.settings.grid)
     published = bench.sensor.table2
-    valley = np.log10(R), np.log10(R * ratio)
-    inside = (valley[1] >= -13) & (valley[1] <= 2)
+    inside = (R * ratio >= Q[0]) & (R * ratio <= Q[-1])
     return Map(
         name=f"fig8_{bench.sensor.name}",
         title=f"Cost (10), reading {bench.settings.reading} ({bench.sensor.name}): only Q/R counts",
-        x_label="log10 R",
-        y_label="log10 Q",
-        z_label="log10 cost",
-        x=np.log10(R),
-        y=np.log10(Q),
-        z=np.log10(grid(problem, {"R": R, "Q": Q})),
+        x_label=f"R, ({bench.unit})^2",
+        y_label=f"Q, ({bench.unit})^2/s^2",
+        z_label="cost",
+        x=R,
+        y=Q,
+        z=np.asarray(grid(problem, {"R": R, "Q": Q})),
         marks=(
-            Line(f"Q/R = {ratio:.4g}", valley[0][inside], valley[1][inside]),
-            Line("Table 2", *np.log10([[published.R], [published.Q]])),
-            Line("Table 1", *np.log10([[bench.sensor.table1.R], [bench.sensor.table1.Q]])),
+            Line(f"Q/R = {ratio:.4g}", R[inside], (R * ratio)[inside]),
+            Line("Table 2", np.array([published.R]), np.array([published.Q])),
+            Line("Table 1", np.array([bench.sensor.table1.R]), np.array([bench.sensor.table1.Q])),
         ),
+        log="xyz",
     )
 
 
@@ -128,7 +131,7 @@ def _tradeoff(bench: Bench, ratio: float, *, published: bool = True) -> Figure:
     words = ("half weight", "weight 1", "double weight")
     return Chart(
         name=f"tradeoff_{bench.sensor.name}",
-        title=f"What (10) trades ({bench.sensor.name}): inertia against noise, over Q/R",
+        title=f"Less noise costs more inertia, whatever Q/R ({bench.sensor.name})",
         x_label=f"noise term, reading {bench.settings.reading}",
         y_label=f"inertia term, ({bench.unit})^2 s",
         lines=(

@@ -25,17 +25,17 @@ def figures(rests: tuple[Rest, ...], solutions: Solutions) -> Iterator[Figure]:
 def _allan(rest: Rest) -> Chart:
     axis, noise = rest.axis, rest.noise
     curve, scale = noise.curve, axis.scale
+    upper, lowest = scale * curve.highs, float(curve.taus[np.argmin(curve.deviations)])
     fitted = np.geomspace(noise.from_s, noise.to_s, POINTS)
     likely = np.sqrt(rest.white.value**2 / fitted + rest.walk.value**2 * fitted / 3)
     return Chart(
         name=f"allan_{axis.name}",
-        title=f"Overlapping Allan deviation of {axis.name}, with 95 % limits",
+        title=f"Overlapping Allan deviation of {axis.name}: lowest at {lowest:.3g} s",
         x_label="averaging time, s",
         y_label=f"Allan deviation, {axis.written or '1'}",
         lines=(
+            Line("95 % limits", curve.taus, scale * curve.lows, drawn="band", upper=upper),
             Line("record", curve.taus, scale * curve.deviations, drawn="points"),
-            Line("95 % below", curve.taus, scale * curve.lows, drawn="limit"),
-            Line("95 % above", curve.taus, scale * curve.highs, drawn="limit"),
             Line("fitted to the curve", fitted, scale * noise.model(fitted)),
             Line("walk and white noise by likelihood", fitted, scale * likely),
         ),

@@ -8,7 +8,7 @@ import numpy as np
 from studies.suh2004.data import Bench, Recordings, experiment_2
 from studies.suh2004.paper import DT, FILTERS, TWO_STEP
 from studies.suh2004.problems import noise, outputs
-from tuner.run.figure import Chart, Figure, Line
+from tuner.run.figure import Chart, Figure, Line, merged
 from tuner.run.study import Solutions, best, tuned_values
 
 LABELS = {"standard": "standard", "simple": "simple adaptive", "two_step": "two-step"}
@@ -33,7 +33,12 @@ def figures(bench: Bench, solutions: Solutions) -> Iterator[Figure]:
             title=f"Fig. 6: variances that the {LABELS[each]} filter takes",
             x_label="t, s",
             y_label="r, g^2",
-            lines=(Line("r1 (ax)", t, r[:, 0]), Line("r2 (ay)", t, r[:, 1])),
+            lines=merged(
+                [
+                    Line(label, t, r[:, k], drawn="points")
+                    for k, label in enumerate(("r1 (ax)", "r2 (ay)"))
+                ]
+            ),
             log="y",
         )
     yield _held_out(bench.judged_on, solutions)

@@ -53,15 +53,14 @@ def _innovations(flight: Flight, outcome: Outcome, i: int) -> Chart:
     highest = max(2.0 * float(np.abs(y).max(initial=1.0)), 1.5 * float(np.median(band)))
     cut = f", cut at {highest:.0f} deg" if band.max(initial=0.0) > highest else ""
     t, y, band = _broken(t, flight.every * flight.dt, y, np.minimum(band, highest))
-    both, ends = np.concatenate([t, [np.nan], t]), np.concatenate([band, [np.nan], -band])
     return Chart(
         name=f"innovations_{ANGLES[i]}_{flight.name}",
         title=f"Innovations of the {NAMES[ANGLES[i]]} on {flight.name}, constant process noise",
         x_label="t, s",
         y_label="innovation, deg",
         lines=(
+            Line(f"95 % expected{cut}", t, -band, drawn="band", upper=band),
             Line("innovation", t, y),
-            Line(f"2 sigma either way{cut}", both, ends, drawn="limit"),
         ),
     )
 

@@ -40,10 +40,10 @@ def _bands(bench: Bench, name: str, title: str, cases: dict[str, Case]) -> Itera
         lines = []
         for label, case in cases.items():
             found = bench.spread(case)
-            curves = np.percentile(found.shown[..., at], BANDS, axis=1)
+            low, median, high = np.percentile(found.shown[..., at], BANDS, axis=1)
             lines += [
-                Line(f"{share} %{label}", found.t, y)
-                for share, y in zip(BANDS, curves, strict=True)
+                Line(f"5 to 95 % of runs{label}", found.t, low, drawn="band", upper=high),
+                Line(f"median{label}", found.t, median),
             ]
         words = f"{title}: {angle} error of {bench.settings.runs} runs, {case.trajectory}"
         yield Chart(f"{name}_{angle}", words, "t, s", f"{angle} error, deg", tuple(lines))

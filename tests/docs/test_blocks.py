@@ -1,5 +1,6 @@
 """The code in README and docs runs: Python blocks as they stand, `tuner` lines as dry runs."""
 
+import json
 import re
 import shlex
 import sys
@@ -12,7 +13,7 @@ from tuner.cli import invoke
 from tuner.model import model_filter, read_model
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
 def blocks(language):
@@ -85,6 +86,11 @@ def commands(code):
     ]
 
 
+def _lines(page):
+    """All commands of a page's shell blocks."""
+    return commands("".join(re.findall(r"```sh\n(.*?)```", page, re.DOTALL)))
+
+
 DESIGNS = [block for block in blocks("toml") if "study =" in block.values[0]]
 MODELS = [block for block in blocks("toml") if "[model]" in block.values[0]]
 
@@ -103,39 +109,24 @@ def test_designs_can_be_planned(text, desk, capfd):
     assert "would solve" in capfd.readouterr().out
 
 
-QUICK = {
-    "rest": ["--set", "starts=1"],
-    "kownacki2010": ["--set", "starts=1", "--set", "solvers=l-bfgs-b", "--set", "grid=2"],
-}
-
-
-def test_readme_commands_run_one_after_another(desk):
+def test_readme_commands_run_one_after_another(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     text = (ROOT / "README.md").read_text(encoding="utf-8")
-    lines = [
-        c for block in re.findall(r"```sh\n(.*?)```", text, re.DOTALL) for c in commands(block)
-    ]
-    fits, own, others = lines[:4], lines[4:7], lines[7:]
-    assert [line[0] for line in fits] == ["fit"] * 4
-    assert [line[0] for line in own] == ["init", "fit", "export"]
-    assert [line[0] for line in others] == ["run", "export", "run", "compare"]
-    for line in own:
+    lines = _lines(text)
+    assert [line[0] for line in lines] == ["example", "fit", "export"]
+    for line in lines:
         quick = ["--starts", "1", "--no-hold-out"] if line[0] == "fit" else []
         assert invoke([*line, *quick]) == 0
-    assert "tuner.tuned/1" in Path("own.h").read_text()
-    for line in fits:  # what noise alone makes of a filter may lie at a bound, which is 1
-        assert invoke([*line, "--starts", "1", "--no-hold-out"]) in (0, 1)
-    for line in others:
-        # Some of the paper's own numbers do not come out, which compare reports as 1.
-        expected = 1 if line[0] == "compare" else 0
-        assert invoke([*line, *(QUICK[line[1]] if line[0] == "run" else [])]) == expected
-    assert Path("gyro.h").read_text().count("gyro_step") >= 1
+    assert "vertical_step" in Path("vertical.h").read_text()
+    found = json.loads(Path("vario/result.json").read_text())["solutions"][0]["parameters"]
+    use = next(line for line in text.splitlines() if line.startswith("use "))
+    assert f"q_acc = {found['q_acc']['value']:.3g}"[:-1] in use
+    assert use in (ROOT / "docs" / "start.md").read_text(encoding="utf-8")
 
 
 def test_the_check_of_its_page_runs(desk, capfd):
     text = (ROOT / "docs" / "diagnostics.md").read_text(encoding="utf-8")
-    (line,) = [
-        c for block in re.findall(r"```sh\n(.*?)```", text, re.DOTALL) for c in commands(block)
-    ]
+    (line,) = _lines(text)
     assert invoke(line) == 0
     assert "Diagnostics" in capfd.readouterr().out
 
@@ -143,12 +134,32 @@ def test_the_check_of_its_page_runs(desk, capfd):
 @pytest.mark.parametrize("page", ["kownacki2010.md", "fit.md", "rest.md"])
 def test_study_page_command_runs(desk, page):
     text = (ROOT / "docs" / page).read_text(encoding="utf-8")
-    lines = [
-        c for block in re.findall(r"```sh\n(.*?)```", text, re.DOTALL) for c in commands(block)
-    ]
+    lines = _lines(text)
     assert lines
     for line in lines:
         assert invoke([*line, "--dry-run"]) == 0
+
+
+@pytest.mark.parametrize("page", sorted((ROOT / "docs" / "how_to").glob("*.md")), ids=str)
+def test_the_commands_of_how_tos_can_be_planned(page, tmp_path, monkeypatch):
+    """Examples and lists are real, fits and studies are planned; what needs a run is left out."""
+    monkeypatch.chdir(tmp_path)
+    text = page.read_text(encoding="utf-8")
+    for line in _lines(text):
+        if line[0] in ("fit", "run"):
+            assert invoke([*line, "--dry-run"]) == 0
+        elif line[0] in ("example", "list", "check"):
+            assert invoke(line) == 0
+        else:
+            assert line[0] in ("export", "compare")
+
+
+def test_the_five_minutes_run_what_the_readme_runs():
+    start = _lines((ROOT / "docs" / "start.md").read_text(encoding="utf-8"))
+    assert start[0] == ["doctor"]
+    readme = _lines((ROOT / "README.md").read_text(encoding="utf-8"))
+    assert start[1:-1] == readme[:-1]
+    assert start[-1] == ["export", "vario", "--to", "c", "--precision", "float", "-o", "vertical.h"]
 
 
 def test_the_commands_of_the_page_of_models_run(desk):

@@ -8,8 +8,8 @@ import zlib
 import numpy as np
 import pytest
 
-from tuner.run.drawing import MANY, picture, table
-from tuner.run.figure import Chart, Line, Map
+from tuner.run.drawing import MANY, draw, new_canvas, picture, table
+from tuner.run.figure import Chart, Line, Map, merged
 
 NASTY = 'a "quoted", comma\nand line'
 CHART = Chart(
@@ -107,27 +107,73 @@ def test_map_as_picture_shows_its_quantity():
     assert pixels(picture(MAP)) != pixels(picture(other))
 
 
-def framed(lines):
-    """How far to the right the axes' frame reaches, as a share of the picture."""
-    drawn = image(picture(Chart("c", "t", "x", "y", tuple(lines))))
-    return np.flatnonzero((drawn < 40).sum(axis=0) > 0.7 * len(drawn)).max() / drawn.shape[1]
+@pytest.mark.parametrize("count", [1, 3, MANY, MANY + 1, 20])
+@pytest.mark.parametrize("drawn", ["curve", "points", "band"])
+def test_a_legend_covers_no_curve(count, drawn):
+    """It stands above the axes, or beside them, and within the picture; the title above it."""
+    x = np.linspace(0.0, 1.0, 200)
+    y = np.random.default_rng(1).uniform(size=(count, 200))
+    lines = tuple(
+        Line(f"line {i} all over", x, row, drawn=drawn, upper=row + 1) for i, row in enumerate(y)
+    )
+    canvas = new_canvas((8, 5))
+    axes = canvas.subplots()
+    draw(Chart("c", "A title", "x", "y", lines), canvas, axes)
+    canvas.draw_without_rendering()
+    legend, frame = axes.get_legend().get_window_extent(), axes.get_window_extent()
+    assert legend.y0 >= frame.y1 - 1 or legend.x0 >= frame.x1
+    assert legend.x0 >= 0
+    assert legend.x1 <= 880 + 1
+    title = axes._left_title.get_window_extent()
+    assert title.y1 <= 550
+    assert title.y0 >= legend.y1 - 2 or legend.x0 >= frame.x1
 
 
-@pytest.mark.parametrize(("count", "beside"), [(MANY, False), (MANY + 1, True)])
-def test_a_long_legend_leaves_the_axes_free(count, beside):
-    """Beside a legend the axes' frame ends well before the picture does."""
-    x = np.array([0.0, 1.0])
-    named = [Line(f"line {i}", x, (1 + i / 10) * x) for i in range(count)]
-    assert (framed(named) < 0.9) == beside
+def test_curves_that_coincide_are_one():
+    x = np.linspace(0.0, 1.0, 50)
+    lines = [Line("a", x, x), Line("b", x, 1 - x), Line("c", x, x + 0.005), Line("d", x, x + 0.02)]
+    assert [line.label for line in merged(lines)] == ["a; c", "b", "d"]
+    gap = Line("e", x, np.where(x < 0.5, np.nan, x))
+    assert [line.label for line in merged([lines[0], gap])] == ["a; e"]
+    assert [line.label for line in merged([lines[0], Line("f", x[:9], x[:9])])] == ["a", "f"]
+    assert merged([]) == ()
 
 
-@pytest.mark.parametrize("drawn", ["curve", "points"])
-def test_a_legend_covers_no_curve(drawn):
-    """Where curves leave no corner free it stands beside the axes."""
-    x = np.linspace(0.0, 1.0, 2000)
-    everywhere = Line("all over " * 3, x, np.random.default_rng(1).uniform(size=2000), drawn=drawn)
-    diagonal = Line("diagonal", x, x, drawn=drawn)
-    assert framed([everywhere]) < 0.9 < framed([diagonal])
+def test_marks_that_coincide_are_all_seen():
+    one, x = np.array([1.0]), np.array([0.0, 2.0])
+    both = (Line("curve", x, x), Line("first", one, one), Line("second", one, one))
+    alone = (*both[:2], Line("second", 0 * one, one))
+    assert pixels(picture(Chart("c", "t", "x", "y", both))) != pixels(
+        picture(Chart("c", "t", "x", "y", alone))
+    )
+    canvas = new_canvas((8, 5))
+    axes = canvas.subplots()
+    draw(Chart("c", "t", "x", "y", both), canvas, axes)
+    _, first, second = axes.lines
+    assert first.get_markersize() > second.get_markersize() > 4
+    assert first.get_marker() != second.get_marker()
+
+
+def test_axes_of_equal_scale():
+    circle = np.exp(1j * np.linspace(0, 2 * np.pi, 50))
+    canvas = new_canvas((8, 5))
+    axes = canvas.subplots()
+    chart = Chart("c", "t", "x", "y", (Line("circle", circle.real, circle.imag),), equal=True)
+    draw(chart, canvas, axes)
+    canvas.draw_without_rendering()
+    (x0, y0), (x1, y1) = axes.transData.transform([(0, 0), (1, 1)])
+    assert x1 - x0 == pytest.approx(y1 - y0)
+
+
+@pytest.mark.parametrize("log", ["", "xyz", "z"])
+def test_a_map_on_logarithmic_axes(log):
+    x, y = np.geomspace(1e-13, 1, 20), np.geomspace(1e-3, 1e3, 15)
+    z = np.exp(np.log(x[:, None] / y[None, :]) ** 2 / 50)
+    canvas = new_canvas((8, 5))
+    axes = canvas.subplots()
+    draw(Map("m", "t", "x", "y", "z", x, y, z, log=log), canvas, axes)
+    assert axes.get_xscale() == ("log" if "x" in log else "linear")
+    assert picture(Map("m", "t", "x", "y", "z", x, y, z, log=log))[:4] == b"\x89PNG"
 
 
 def test_numbers_stand_at_equal_distances():
@@ -151,7 +197,7 @@ def test_equal_points_of_numbers_stand_side_by_side():
     chart = Chart("c", "t", "x", "y", (Line("one", x, y), Line("other", x, y)), "", True)
     pixels = (255 * imread(io.BytesIO(picture(chart)))[..., :3]).round()
     blue, orange = (
-        (pixels == colour).all(axis=-1).sum() for colour in ((31, 119, 180), (255, 127, 14))
+        (pixels == colour).all(axis=-1).sum() for colour in ((0, 114, 178), (213, 94, 0))
     )
     assert blue > 0.3 * orange > 100  # a circle beside a square
 

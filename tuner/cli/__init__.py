@@ -205,6 +205,20 @@ def init(
 
 
 @app.command()
+def example(
+    kind: Annotated[str, typer.Argument(help="level, rest, tracks or vario.")],
+    output: Annotated[
+        str | None, typer.Option("-o", "--output", metavar="FILE|-", help="Instead of KIND.csv.")
+    ] = None,
+    force: Force = False,
+) -> None:
+    """Write a simulated log to try things on."""
+    from tuner.cli.example import show
+
+    show(kind, output, force=force)
+
+
+@app.command()
 def check(
     ctx: typer.Context,
     run: Annotated[
@@ -251,7 +265,7 @@ def compare(
     md: Annotated[bool, typer.Option("--md", help="A Markdown table.")] = False,
     csv: Annotated[bool, typer.Option("--csv", help="Comma-separated values.")] = False,
 ) -> None:
-    """Hold runs against the paper; exit 1 if a row lies outside its tolerance."""
+    """Hold runs against their paper, or fits against each other; exit 1 outside a tolerance."""
     from tuner.cli.compare import show
 
     raise typer.Exit(show(runs, tol, json=json, md=md, csv=csv))

@@ -1,4 +1,4 @@
-"""tuner compare: runs against the paper, side by side."""
+"""tuner compare: runs against their paper, or fits against each other, side by side."""
 
 import csv as csv_
 import json as json_
@@ -9,6 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from tuner.cli import fits
 from tuner.cli.tables import number_text, show_grid
 from tuner.run.comparison import Comparison
 from tuner.run.result import Result, read_result
@@ -17,7 +18,10 @@ _Read: TypeAlias = tuple[str, Result, list[Comparison]]
 
 
 def show(runs: list[Path], tol: str | None, *, json: bool, md: bool, csv: bool) -> int:
-    """Print the comparison rows of runs; 1 if a number lies outside its tolerance, otherwise 0.
+    """Print the comparison rows of runs, and what fits are worth.
+
+    Returns:
+        1 if a number lies outside its tolerance, otherwise 0.
 
     Raises:
         ValueError: for a run without a result, or a tolerance that is none.
@@ -31,7 +35,16 @@ def show(runs: list[Path], tol: str | None, *, json: bool, md: bool, csv: bool) 
         pairs = zip(names, results, tables, strict=True)
         print(json_.dumps(_document(list(pairs), tolerance), indent=1))
     else:
-        _print(_grid(names, tables, tolerance), md=md, csv=csv)
+        fitted = [(n, r) for n, r in zip(names, results, strict=True) if r.fit is not None]
+        if rows or not fitted:
+            _print("Comparison", _grid(names, tables, tolerance), md=md, csv=csv)
+        if fitted:
+            _print("Fits", fits.grid(*zip(*fitted, strict=True)), md=md, csv=csv)
+        if len({result.log.sha256 for _, result in fitted}) > 1:
+            print(
+                "tuner: these fits are of different recordings; compare their tests, not errors",
+                file=sys.stderr,
+            )
     return 0 if all(row.within(tolerance) for row in rows) else 1
 
 
@@ -57,6 +70,7 @@ def _document(runs: Sequence[_Read], tolerance: float | None) -> dict[str, Any]:
             {
                 "run": name,
                 "study": result.study,
+                "fit": None if result.fit is None else result.fit.model_dump(mode="json"),
                 "rows": [
                     asdict(row) | {"verdict": row.verdict.value, "within": row.within(tolerance)}
                     for row in table
@@ -93,7 +107,7 @@ def _verdict(row: Comparison, tolerance: float | None) -> str:
     return "match" if row.within(tolerance) else "differs"
 
 
-def _print(lines: list[list[str]], *, md: bool, csv: bool) -> None:
+def _print(title: str, lines: list[list[str]], *, md: bool, csv: bool) -> None:
     if csv:
         csv_.writer(sys.stdout, lineterminator="\n").writerows(lines)
     elif md:
@@ -101,4 +115,4 @@ def _print(lines: list[list[str]], *, md: bool, csv: bool) -> None:
         body.insert(1, ["---"] * len(lines[0]))
         print("\n".join(f"| {' | '.join(line)} |" for line in body))
     else:
-        show_grid("Comparison", lines)
+        show_grid(title, lines)

@@ -1,22 +1,27 @@
 """Figures as files: the data as CSV, and a picture of it."""
 
 import io
-from typing import TYPE_CHECKING
+import re
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tuner.run.figure import Chart, Figure, Line
+from tuner.run.figure import Chart, Figure, Line, Map
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
-    from matplotlib.lines import Line2D
-    from matplotlib.transforms import Bbox
 
-MANY = 6
-"""A legend of more entries than this stands beside the axes."""
+MANY = 8
+"""A legend of more entries than this stands beside the axes, of fewer above them."""
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#8c6d31")
+"""Of curves: told apart by people who see colours otherwise, too (Okabe and Ito 2008)."""
+ON_MAP = ("#d62728", "#ffffff", "#ff9f1c")
+"""Of marks on a map, whose colours go from dark blue over green to yellow."""
 FEW = 50
 """So many points at most are drawn large."""
+LEVELS = 40
+"""Steps of colour of a map."""
 WIDTH = 0.7
 """Share of the distance between numbers over which the points of several lines spread."""
 
@@ -59,52 +64,88 @@ def new_canvas(inches: tuple[float, float]) -> "Canvas":
 
 def draw(figure: Figure, canvas: "Canvas", axes: "Axes") -> None:
     """The figure on some axes of a picture."""
-    axes.set(title=figure.title, xlabel=figure.x_label, ylabel=figure.y_label)
-    axes.title.set_fontsize(11)
+    axes.set(xlabel=typeset(figure.x_label), ylabel=typeset(figure.y_label))
+    axes.spines[["top", "right"]].set_visible(False)
+    if "x" in figure.log:
+        axes.set_xscale("log")
+    if "y" in figure.log:
+        axes.set_yscale("log")
     if isinstance(figure, Chart):
         _draw_chart(figure, axes)
     else:
-        filled = axes.contourf(figure.x, figure.y, figure.z.T, levels=40, cmap="viridis")
-        canvas.colorbar(filled, label=figure.z_label)
-        _draw_lines(figure.marks, axes, on_map=True)
-    _explain(canvas, axes)
+        _draw_map(figure, canvas, axes)
+    entitle(axes, figure.title, _explain(canvas, axes))
 
 
-def _explain(canvas: "Canvas", axes: "Axes") -> None:
-    """The legend: within the axes where it covers no curve, or else beside them."""
+def typeset(text: str) -> str:
+    """A text with its powers and roots as mathematics has them.
+
+    >>> typeset("noise, (rad/s)^2 s, sigma^-1, deg/sqrt(h)")
+    'noise, (rad/s)² s, sigma⁻¹, deg/√h'
+    """
+    raised = re.sub(r"\^(-?\d+)", lambda power: power[1].translate(_RAISED), text)
+    return re.sub(r"sqrt\((\w+)\)", r"√\1", raised)
+
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def _draw_map(figure: Map, canvas: "Canvas", axes: "Axes") -> None:
+    from matplotlib.colors import LogNorm
+
+    low, high = np.nanmin(figure.z), np.nanmax(figure.z)
+    logarithmic = "z" in figure.log and 0 < low < high
+    levels = np.geomspace(low, high, LEVELS) if logarithmic else LEVELS
+    norm = LogNorm(low, high) if logarithmic else None
+    filled = axes.contourf(figure.x, figure.y, figure.z.T, levels=levels, cmap="viridis", norm=norm)
+    ticks = np.geomspace(low, high, 6) if logarithmic else None
+    canvas.colorbar(filled, label=typeset(figure.z_label), ticks=ticks, format="%.3g")
+    _draw_lines(figure.marks, axes, ON_MAP)
+
+
+def entitle(axes: "Axes", title: str, above: float = 0.0) -> None:
+    """A title over some axes, left, over so many points of legend."""
+    text = axes.set_title(typeset(title), loc="left", pad=6 + above, wrap=True)
+    text.set(fontsize=11, fontweight="bold")
+
+
+def _explain(canvas: "Canvas", axes: "Axes") -> float:
+    """The legend: never over a curve. Its height above the axes, in points; 0 beside them."""
     entries = len(axes.get_legend_handles_labels()[0])
     if entries > MANY:
-        canvas.legend(fontsize=8, loc="outside right upper")
-    elif entries:
-        # Left to its default, which is the same, matplotlib warns where finding it took a second.
-        legend = axes.legend(fontsize=8, framealpha=0.9, loc="best")
-        if axes.collections:  # a map's right side is its colours'
-            return
-        canvas.draw_without_rendering()
-        box = legend.get_window_extent()
-        if any(_covered(line, box) for line in axes.lines):
-            legend.remove()
-            axes.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        axes.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
+    if not 0 < entries <= MANY:
+        return 0.0
+    canvas.draw_without_rendering()
+    available = axes.get_window_extent().width
+    for columns in range(entries, 0, -1):
+        legend = axes.legend(
+            fontsize=8,
+            loc="lower left",
+            bbox_to_anchor=(0.0, 1.0),
+            ncols=columns,
+            frameon=False,
+            borderaxespad=0.2,
+        )
+        box = legend.get_window_extent(_renderer(canvas))
+        if columns == 1 or box.width <= available:
+            break
+    return float(box.height) * 72 / canvas.dpi
 
 
-def _covered(line: "Line2D", box: "Bbox") -> bool:
-    """Whether a box on the picture covers some of a curve, or one of a row of points."""
-    drawn = line.get_transform().transform_path(line.get_path())
-    if line.get_linestyle() == "None":
-        return bool(box.count_contains(drawn.vertices))
-    return bool(drawn.intersects_bbox(box, filled=False))
+def _renderer(canvas: "Canvas") -> Any:
+    """What measures texts."""
+    return canvas.canvas.get_renderer()  # type: ignore[attr-defined]
 
 
 def _draw_chart(chart: Chart, axes: "Axes") -> None:
     if chart.numbered:
         _draw_numbered(chart.lines, axes)
     else:
-        _draw_lines(chart.lines, axes, on_map=False)
-    axes.grid(alpha=0.3)
-    if "x" in chart.log:
-        axes.set_xscale("log")
-    if "y" in chart.log:
-        axes.set_yscale("log")
+        _draw_lines(chart.lines, axes, COLOURS)
+    axes.grid(alpha=0.25, lw=0.6)
+    if chart.equal:
+        axes.set_aspect("equal", adjustable="datalim")
 
 
 def _draw_numbered(lines: tuple[Line, ...], axes: "Axes") -> None:
@@ -117,33 +158,46 @@ def _draw_numbered(lines: tuple[Line, ...], axes: "Axes") -> None:
         known = np.isfinite(line.x)
         aside = WIDTH * ((i + 0.5) / len(lines) - 0.5)
         at, marker = np.searchsorted(numbers, line.x[known]), "osD^vP*X"[i % 8]
-        axes.plot(at + aside, line.y[known], marker, label=line.label, ms=5, mec="k", mew=0.5)
+        axes.plot(
+            at + aside,
+            line.y[known],
+            marker,
+            label=line.label,
+            ms=5,
+            color=COLOURS[i % len(COLOURS)],
+        )
 
 
-def _draw_lines(lines: tuple[Line, ...], axes: "Axes", *, on_map: bool) -> None:
-    colours = ["#d62728", "#ffffff", "#ff9f1c"] if on_map else None
-    curves = 0
-    for i, line in enumerate(lines):
+def _draw_lines(lines: tuple[Line, ...], axes: "Axes", colours: tuple[str, ...]) -> None:
+    """Bands behind the curves that follow them, in their colour; single points over all."""
+    curves = points = marks = 0
+    for line in lines:
+        colour, label = colours[(curves + points + marks) % len(colours)], typeset(line.label)
         if line.drawn == "limit":
-            axes.plot(line.x, line.y, "--", label=line.label, color="0.4", lw=1.0, zorder=3)
-            continue
-        if line.drawn == "band" and line.upper is not None:
-            axes.fill_between(line.x, line.y, line.upper, label=line.label, color="0.85", zorder=0)
-            continue
-        if line.drawn == "points":
-            size = 2.5 if np.size(line.x) > FEW else 5.0
-            axes.plot(line.x, line.y, "os^Dv"[i % 5], label=line.label, ms=size, alpha=0.7)
-            continue
-        # Thinner dashes over thicker lines: curves that coincide all stay visible.
-        style = "o" if np.size(line.x) == 1 else ("-", "--", ":", "-.")[curves % 4]
-        width = max(2.2 - 0.3 * curves, 1.0)
-        curves += 1
-        colour = colours[i % len(colours)] if colours else None
-        axes.plot(line.x, line.y, style, label=line.label, color=colour, lw=width, ms=7, mec="k")
+            axes.plot(line.x, line.y, "--", label=label, color="0.4", lw=1.0, zorder=3)
+        elif line.drawn == "band" and line.upper is not None:
+            fill = axes.fill_between(line.x, line.y, line.upper, label=label, color=colour)
+            fill.set(alpha=0.2, lw=0, zorder=0)
+        elif line.drawn == "points":
+            size, marker = 2.5 if np.size(line.x) > FEW else 5.0, "os^Dv"[points % 5]
+            (drawn,) = axes.plot(line.x, line.y, marker, label=label, color=colour, ms=size)
+            drawn.set(alpha=0.7, markeredgewidth=0)
+            points += 1
+        elif np.size(line.x) == 1:
+            # Smaller ones over larger ones: marks that coincide all stay visible.
+            size, marker = max(11.0 - 2.0 * marks, 4.0), "os^Dv"[marks % 5]
+            axes.plot(line.x, line.y, marker, label=label, color=colour, ms=size, mec="k", zorder=4)
+            marks += 1
+        else:
+            # Thinner dashes over thicker lines: curves that coincide all stay visible.
+            style, width = ("-", "--", ":", "-.")[curves % 4], max(2.2 - 0.3 * curves, 1.0)
+            axes.plot(line.x, line.y, style, label=label, color=colour, lw=width)
+            curves += 1
 
 
 def _png(canvas: "Canvas") -> bytes:
     buffer = io.BytesIO()
+    canvas.draw_without_rendering()  # the layout settles in two passes
     canvas.savefig(buffer, format="png", metadata={"Software": None})
     return buffer.getvalue()
 

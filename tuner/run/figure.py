@@ -1,6 +1,7 @@
 """Figures as data; :mod:`tuner.run.drawing` makes pictures of them."""
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -27,6 +28,34 @@ class Line:
     upper: np.ndarray | None = field(default=None, kw_only=True)
 
 
+def merged(lines: Sequence[Line], share: float = 0.01) -> tuple[Line, ...]:
+    """Curves that coincide as one, which is called by the names of all.
+
+    Args:
+        lines: curves over the same ``x``.
+        share: of the range of all of them; curves that are nowhere further apart coincide.
+
+    >>> x = np.arange(3.0)
+    >>> flat, same, up = Line("a", x, 0 * x), Line("b", x, 0 * x + 1e-3), Line("c", x, x)
+    >>> [line.label for line in merged([flat, up, same])]
+    ['a; b', 'c']
+    """
+    together: list[list[Line]] = []
+    known = [line.y[np.isfinite(line.y)] for line in lines]
+    span = np.ptp(np.concatenate(known)) if any(y.size for y in known) else 0.0
+    for line in lines:
+        for group in together:
+            off = np.abs(line.y - group[0].y) if line.y.shape == group[0].y.shape else [np.inf]
+            if np.nanmax(off, initial=0.0) <= share * span:
+                group.append(line)
+                break
+        else:
+            together.append([line])
+    return tuple(
+        replace(group[0], label="; ".join(line.label for line in group)) for group in together
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class Chart:
     """Curves over one pair of axes.
@@ -39,6 +68,7 @@ class Chart:
         log: which axes are logarithmic, "", "x", "y" or "xy".
         numbered: whether x are numbers of things, not a quantity: points at equal distances, each
             labelled with its number, and not joined.
+        equal: whether both axes have the same scale, as for poles and tracks.
     """
 
     name: str
@@ -48,6 +78,7 @@ class Chart:
     lines: tuple[Line, ...]
     log: str = ""
     numbered: bool = False
+    equal: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +92,7 @@ class Map:
         x, y: the axes' values, ``(n,)`` and ``(m,)``.
         z: the quantity, ``(n, m)``.
         marks: points and curves on the plane.
+        log: which of the three are logarithmic, "", "xyz" or some of it.
     """
 
     name: str
@@ -72,6 +104,7 @@ class Map:
     y: np.ndarray
     z: np.ndarray
     marks: tuple[Line, ...] = ()
+    log: str = ""
 
 
 Figure = Chart | Map

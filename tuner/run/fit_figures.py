@@ -71,19 +71,19 @@ def _parts(posed: Posed, name: str, found: Mapping[str, np.ndarray]) -> Iterator
 
 
 def normalised(posed: Posed, tuned: Mapping[str, Any]) -> Chart:
-    """Innovations over their deviations: 95 of 100 lie within two of them where both are right."""
+    """Innovations over their deviations: 95 % lie within two of them where both are right."""
     y, s = innovations(posed.problem, tuned)
     columns = _columns(posed, np.where(s > 0, y / np.sqrt(np.where(s > 0, s, 1.0)), np.nan))
     axes = _axes(posed, "innovation", columns)
-    lines = [
+    ends = _times(posed)[[0, -1]]
+    band = Line("95 % expected", ends, np.full(2, -2.0), drawn="band", upper=np.full(2, 2.0))
+    points = [
         _line(posed, axis or "innovation", columns[:, i], "points") for i, axis in enumerate(axes)
     ]
-    t = _times(posed)
-    for sign, label in ((2.0, "95 of 100 lie within"), (-2.0, "")):
-        ends = np.array([np.nanmin(t), np.nanmax(t)])
-        lines.append(Line(label, ends, np.full(2, sign), drawn="limit"))
-    title = "what the tuned filter did not foretell, over its own deviation"
-    return _chart(posed, "innovations", title, "innovation / deviation", lines)
+    known = columns[np.isfinite(columns)]
+    share = f"{100 * np.mean(np.abs(known) <= 2):.3g}" if known.size else "none"
+    title = f"{share} % of innovations lie within two of their deviations (95 % expected)"
+    return _chart(posed, "innovations", title, "innovation / deviation", [band, *points])
 
 
 def _chart(posed: Posed, name: str, title: str, label: str, lines: list[Line]) -> Chart:

@@ -8,7 +8,7 @@ import numpy as np
 from filters.declared import bare, channel_facts, output
 from tuner.diagnostics import Innovations
 from tuner.run.diagnosed import innovations_of
-from tuner.run.drawing import draw, new_canvas
+from tuner.run.drawing import COLOURS, draw, entitle, new_canvas
 from tuner.run.figure import Chart, Figure, Line
 from tuner.run.fit_figures import POINTS, figures, normalised
 from tuner.run.held_out import HeldOut
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 MOST = 3
 """Parts of a measurement that are drawn; a picture of more shows none well."""
-COLOURS = {"start": "0.6", "tuned": "#1f77b4", "no filter": "#d62728", "best there": "#2ca02c"}
+BARS = {"before": "0.65", "tuned": COLOURS[0], "no filter": COLOURS[1], "best there": COLOURS[2]}
 
 
 def plotted(posed: Posed, solutions: Solutions, judged: Judged) -> "Canvas":
@@ -79,7 +79,7 @@ def _panel(
     rows = _few(seen)
     lines = [
         Line(
-            "95 of 100 measurements are foretold within",
+            "expected range of 95 % of measurements",
             t[rows],
             (level - spread)[rows],
             drawn="band",
@@ -96,7 +96,7 @@ def _panel(
     called = name or "measurement"
     return Chart(
         name=called,
-        title=f"{posed.problem.name}: {called} and what the tuned filter makes of it"
+        title=f"{posed.problem.name}: {called}, and the tuned filter's estimate of it"
         + ("; first recording" if found.value.shape[1] > 1 else ""),
         x_label="time, s",
         y_label=f"{called}, {found.unit}" if found.unit else called,
@@ -132,18 +132,28 @@ def _few(there: np.ndarray) -> np.ndarray:
 
 
 def _draw_held_out(held: HeldOut, unit: str, axes: "Axes") -> None:
-    """Bars: the start, the tuned filter, no filter, and the best that there is, there."""
-    bars = {"start": held.start, "tuned": held.tuned}
+    """Bars: the values before, the tuned filter, no filter, and the best that there is, there."""
+    bars = {"before": held.start, "tuned": held.tuned}
     if held.unfiltered is not None:
         bars["no filter"] = held.unfiltered
     if held.best is not None:
         bars["best there"] = held.best
     names = [name for name, value in bars.items() if np.isfinite(value)]
     values = [bars[name] for name in names]
-    drawn = axes.barh(names, values, color=[COLOURS[name] for name in names], height=0.6)
+    drawn = axes.barh(names, values, color=[BARS[name] for name in names], height=0.6)
     axes.bar_label(drawn, fmt="%.4g", padding=3, fontsize=8)
     axes.set_xlim(0, 1.12 * max(values, default=1.0))
     axes.invert_yaxis()
-    axes.set_title(f"On {held.what}, tuned on the rest (shorter is better)", fontsize=11)
-    axes.set_xlabel(unit)
-    axes.grid(axis="x", alpha=0.3)
+    entitle(axes, _outcome(held))
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.set_xlabel(f"error, {unit}" if unit else "error")
+    axes.grid(axis="x", alpha=0.25, lw=0.6)
+
+
+def _outcome(held: HeldOut) -> str:
+    """What the bars show, in a sentence."""
+    share = held.gain.share if held.gain is not None else np.nan
+    if not np.isfinite(share):
+        return f"On {held.what}, tuned on the rest"
+    told = f"{abs(100 * share):.2g} % {'less' if share >= 0 else 'more'} error than before"
+    return f"Tuned on the rest, {told} on {held.what}"
