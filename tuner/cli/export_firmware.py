@@ -29,14 +29,14 @@ def write_firmware(run: Path, target: Target, wanted: Wanted) -> None:
             "and to be tried; --accept-approximate writes them"
         )
     text = target.written(asked)
-    for note in text.notes:
-        print(note, file=sys.stderr)
+    said = list(text.notes)
     if wanted.output == "-":
         sys.stdout.write(text.text)
-        return
-    path = Path(wanted.output or target.file)
-    write_bytes(path, text.text.encode("ascii"), overwrite=wanted.force)
-    print(f"wrote {path}: {text.numbers} parameters", file=sys.stderr)
+    else:
+        path = Path(wanted.output or target.file)
+        write_bytes(path, text.text.encode("ascii"), overwrite=wanted.force)
+        said.append(f"wrote {path}: {text.numbers} parameters")
+    print(*said, sep="\n", end="\n" * bool(said), file=sys.stderr)
 
 
 def _asked(run: Path, target: Target, wanted: Wanted) -> Asked:
@@ -45,8 +45,8 @@ def _asked(run: Path, target: Target, wanted: Wanted) -> Asked:
         axes = known if wanted.axes == known else axes
     if wanted.axes is not None and axes is None:
         raise ValueError(f"--axes is {wanted.axes!r}; give {' or '.join(get_args(Axes))}")
-    if wanted.precision or wanted.tunable or wanted.densities:
-        raise ValueError(f"--precision, --tunable and --density say nothing to {target.name}")
+    if wanted.densities and not target.of_model:
+        raise ValueError(f"--density says nothing to {target.name}; leave it out")
     rate = wanted.rate_hz
     if rate is not None and not 0 < rate < math.inf:
         raise ValueError(f"--rate is {rate:g}; give a positive number of samples a second")

@@ -28,13 +28,13 @@ def written(asked: Asked) -> Text:
     """The file: the whole matrix, with its own defaults where nothing was tuned."""
     matrix, told = np.diag(list(_DEFAULTS.values())), list[str]()
     (tuned,) = asked.tuned
+    mapped = {key: _place(key) for keys in asked.wish.maps.values() for key in keys}
+    if not mapped:
+        raise ValueError(_ask(tuned))
     states = {state: keys for state, keys in asked.wish.maps.items() if state in tuned.states}
     told += _of_states(tuned, states, matrix)
     for name, keys in asked.wish.maps.items():
         told += [] if name in states else _of_density(asked, name, keys, matrix)
-    mapped = {key for keys in asked.wish.maps.values() for key in keys}
-    if not mapped:
-        raise ValueError(_ask(tuned))
     rest = [name for name in PLACES if name not in mapped]
     notes = (f"{', '.join(rest)} have robot_localization's own defaults",) if rest else ()
     lines = commented([*head(asked, "robot_localization", TARGET.filter, notes), *told])
@@ -62,11 +62,12 @@ def _of_states(
     """Q / T at the places of the states that are mapped."""
     if not states:
         return
-    Q = _covariance(tuned) / tuned.dt
-    places, rows = [], []
     for state, keys in states.items():
         if len(keys) > 1:
             raise ValueError(f"{state} is one state; map it to one of {' and '.join(keys)}")
+    Q = _covariance(tuned) / tuned.dt
+    places, rows = [], []
+    for state, keys in states.items():
         places.append(_place(keys[0])[0])
         rows.append(tuned.states.index(state))
         yield f"{keys[0]} is the state {state}: Q / T, T = {tuned.dt:.6g} s"

@@ -18,8 +18,8 @@ _SAME = 1e-6
 def a_sample(filter: Any, params: Any) -> Derived:
     """What a filter derives of its parameters, and what follows from its linear model.
 
-    To what it derives itself come, where it has a method ``linear``: Q and K where it does not
-    derive them, the gain L = F K of the observer that predicts, where that is another one, and
+    To what it derives itself come, where it has a method ``linear``: F, C, Q and K where it does
+    not derive them, the gain L = F K of the observer that predicts, where that is another one, and
     alpha, beta and gamma where the model is a position with its derivatives.
 
     Args:
@@ -52,8 +52,11 @@ def system_of(form: LinearForm, dt: float) -> LinearSystem:
 
 def _of_model(form: LinearForm, dt: float, known: Derived) -> Derived:
     whole = system_of(form, dt)
+    F, C = (np.squeeze(part) if np.size(part) == 1 else part for part in (whole.A, whole.C))
     found: Derived = {
-        "Q": (whole.W, Channel("", f"covariance that enters in a sample, {whole.W.shape}"))
+        "F": (F, Channel("", f"what a sample makes of the state: x' = F x, {whole.A.shape}")),
+        "C": (C, Channel("", f"what is measured of it: z = C x, {whole.C.shape}")),
+        "Q": (whole.W, Channel("", f"covariance that enters in a sample, {whole.W.shape}")),
     }
     if "K" not in known:
         K, system, shape, unit = steady_kalman(whole).gain, whole, whole.C.T.shape, ""
