@@ -58,10 +58,13 @@ def vertical(q_acc=4e-4, q_bias=9e-10, R=0.25, **changed):
     return filter_of("vertical", quantities, states, **changed), findings
 
 
-def save_run(folder, *runs, intervals=None, settings=None, rate_hz=50.0):
-    """Write result.json of tuned filters and their findings; intervals as of one solution each."""
+def save_run(folder, *runs, intervals=None, settings=None, rate_hz=50.0, derived=("Q",)):
+    """Write result.json of tuned filters and their findings; intervals as of one solution each.
+
+    Numbers are parameters but for those that are said to be derived, and matrices.
+    """
     tuned = [one for one, _ in runs]
-    solutions = [_solution(one, intervals or {}) for one in tuned]
+    solutions = [_solution(one, intervals or {}, derived) for one in tuned]
     document = {
         "schema": "tuner.result/1",
         "study": tuned[0].provenance.study,
@@ -81,7 +84,7 @@ def save_run(folder, *runs, intervals=None, settings=None, rate_hz=50.0):
     return folder
 
 
-def _solution(tuned, intervals):
+def _solution(tuned, intervals, derived):
     searched = {
         q.name: {
             "value": q.value.tolist(),
@@ -89,7 +92,7 @@ def _solution(tuned, intervals):
             "interval": intervals.get(q.name, (q.value / 2, q.value * 2)),
         }
         for q in tuned.quantities
-        if q.value.ndim == 0 and not q.name.endswith("0")
+        if q.value.ndim == 0 and not q.name.endswith("0") and q.name not in derived
     }
     for q in tuned.quantities:
         if q.name.endswith("0"):

@@ -118,3 +118,12 @@ def test_linear_filters_export_their_model():
     found = {q.name: q.value for q in derived_of(cls(dt=0.1), params)}
     np.testing.assert_allclose(found["F"], F, rtol=1e-15)
     np.testing.assert_array_equal(found["C"], C)
+
+
+def test_a_known_input_and_other_states_have_no_model_beside_their_gain():
+    """The channel of heights is moved by the acceleration, and its linear model turns a sign."""
+    import jax.numpy as jnp
+
+    cls = chosen("vertical").cls
+    params = cls.params(**{name: jnp.asarray(1.0) for name in cls.params._fields})
+    assert not {"F", "C"} & {q.name for q in derived_of(cls(dt=0.1), params)}

@@ -289,6 +289,35 @@ def test_a_prediction_of_robot_localization_adds_what_the_model_adds(written, he
     assert "x, y, roll, pitch, yaw, vx, vy, vroll" in said[-1]
 
 
+def test_like_axes_have_the_covariance_of_one_each(written, refused, here):
+    """As constant-velocity has for the axes xy; as many states of other names have not."""
+    Q = np.array([[1.0, 2.0], [2.0, 5.0]])
+    states = ["position_x", "position_y", "velocity_x", "velocity_y"]
+    save_run("run", (filter_of("track", {"Q": (Q, "")}, states, dt=0.5), []))
+    maps = [f"--map={s}={key}" for s, key in zip(states, ("y", "x", "vy", "vx"), strict=True)]
+    found, frequency = matrix(written("robot_localization", OK, *maps)[0])
+    assert frequency == 2.0
+    for axes in (["x", "vx"], ["y", "vy"]):
+        block = [STATES.index(name) for name in axes]
+        np.testing.assert_array_equal(found[np.ix_(block, block)], 2 * Q)
+    assert found[0, 1] == found[0, 7] == found[1, 6] == 0
+    save_run("other", (filter_of("track", {"Q": (Q, "")}, ["x", "vx", "y", "vy"]), []))
+    told = refused("robot_localization", OK, "--map", "x=x", folder="other")
+    assert told.startswith("track has no covariance Q a sample of its states x, vx, y, vy; map")
+
+
+def test_a_parameter_named_q_may_be_a_density(written, refused, here):
+    one = filter_of("level", {"Q": (0.5, "m^2/s")}, ["height"])
+    save_run("run", (one, []), derived=())
+    assert "level has no covariance Q" in refused("robot_localization", OK, "--map", "height=z")
+    assert matrix(written("robot_localization", OK, "--map", "Q=z")[0])[0][2, 2] == pytest.approx(
+        0.5
+    )
+    save_run("other", (one, []))
+    text, _ = written("robot_localization", OK, "--map", "height=z", folder="other")
+    assert matrix(text)[0][2, 2] == pytest.approx(25.0)
+
+
 def test_densities_of_robot_localization(written, here):
     save_run("run", (filter_of("robot", {"q": (0.3, "rad^2/s^3"), "p": (0.1, "m/s^2/Hz^0.5")}), []))
     text, _ = written("robot_localization", OK, "--map", "q=vyaw", "--map", "p=vx,vy")
@@ -305,7 +334,10 @@ def test_densities_of_robot_localization(written, here):
         (["height=vzz"], "unknown state of robot_localization 'vzz'; did you mean vz?"),
         (["heigt=z"], "unknown state or number 'heigt'; did you mean height?"),
         (["height=z,y"], "height is one state; map it to one of z and y"),
-        (["height=z"], "vertical has no covariance Q of its 3 states and a sample"),
+        (
+            ["height=z"],
+            "vertical has no covariance Q a sample of its states height, climb, bias; map",
+        ),
         (["R_baro=z"], "R_baro is 0.25 m^2, and z takes a positive density in (m)^2/s"),
         (["climb0=z"], None),
     ],
@@ -335,7 +367,7 @@ def test_values_for_another_filter_have_to_be_accepted(refused, here, to):
     [
         (["--map", "R_baro"], "--map R_baro says nothing; write --map NAME=KEY"),
         (["--map", "R_baro=A,"], "--map R_baro=A, says nothing; write --map NAME=KEY"),
-        (["--map", "R=EKF2_BARO_NOISE"], "unknown number 'R'; There are: R_baro, bias0, climb0, q_acc"),
+        (["--map", "R=EKF2_BARO_NOISE"], "unknown number 'R'; There are: R_baro, bias0, "),
         (["--map", "R_baro=EKF2_BARO_NOIS"], "did you mean EKF2_BARO_NOISE"),
         (["--map", "R_baro=EKF2_X\nEKF2_Y"], "unknown parameter 'EKF2_X\\nEKF2_Y'"),
         (["--map", "R_baro=EKF2_GYR_NOISE"],

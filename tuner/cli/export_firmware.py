@@ -52,18 +52,18 @@ def _asked(run: Path, target: Target, wanted: Wanted) -> Asked:
         raise ValueError(f"--rate is {rate:g}; give a positive number of samples a second")
     result = read_result(run)
     tuned = _tuned(run, result, target, wanted)
-    searched, limits = _searched(result, tuned)
+    parameters, limits = _parameters(result, tuned)
     found = tuple(amounts(tuned, result.findings, limits))
     log_rate = result.log.rate_hz
     log_rate = log_rate if log_rate and math.isfinite(log_rate) else 0.0
-    return Asked(tuned, found, searched, Wish(read_maps(wanted.maps), axes), rate, log_rate)
+    return Asked(tuned, found, parameters, Wish(read_maps(wanted.maps), axes), rate, log_rate)
 
 
-def _searched(
+def _parameters(
     result: Result, tuned: tuple[Tuned, ...]
-) -> tuple[set[str], dict[tuple[str, str], float]]:
-    """Names of what was tuned, as those of the amounts, and upper limits that stand alone."""
-    searched, limits = set(), {}
+) -> tuple[dict[str, bool], dict[tuple[str, str], float]]:
+    """Parameters, by the amounts' names, with whether they were searched for; and upper limits."""
+    found, limits = {}, {}
     for one in tuned:
         prefix = f"{one.name}." if len(tuned) > 1 else ""
         for solution in result.solutions:
@@ -71,11 +71,10 @@ def _searched(
                 continue
             for name, parameter in solution.parameters.items():
                 low, high = parameter.interval or (None, None)
-                if parameter.interval is not None:
-                    searched.add(f"{prefix}{name}")
+                found[f"{prefix}{name}"] = parameter.interval is not None
                 if not low and high is not None:
                     limits[one.name, name] = high
-    return searched, limits
+    return found, limits
 
 
 def _tuned(run: Path, result: Result, target: Target, wanted: Wanted) -> tuple[Tuned, ...]:

@@ -4,7 +4,7 @@ Order, defaults and what they are times: robot_localization, params/ekf.yaml and
 a prediction over T seconds adds T times the matrix; so the matrix is Q / T.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
@@ -32,7 +32,7 @@ def written(asked: Asked) -> Text:
     if not mapped:
         raise ValueError(_ask(tuned))
     states = {state: keys for state, keys in asked.wish.maps.items() if state in tuned.states}
-    told += _of_states(tuned, states, matrix)
+    told += _of_states(asked, states, matrix)
     for name, keys in asked.wish.maps.items():
         told += [] if name in states else _of_density(asked, name, keys, matrix)
     rest = [name for name in PLACES if name not in mapped]
@@ -57,7 +57,7 @@ def _ask(tuned: Tuned) -> str:
 
 
 def _of_states(
-    tuned: Tuned, states: dict[str, tuple[str, ...]], matrix: np.ndarray
+    asked: Asked, states: dict[str, tuple[str, ...]], matrix: np.ndarray
 ) -> Iterator[str]:
     """Q / T at the places of the states that are mapped."""
     if not states:
@@ -65,7 +65,8 @@ def _of_states(
     for state, keys in states.items():
         if len(keys) > 1:
             raise ValueError(f"{state} is one state; map it to one of {' and '.join(keys)}")
-    Q = _covariance(tuned) / tuned.dt
+    (tuned,) = asked.tuned
+    Q = _covariance(tuned, asked.parameters) / tuned.dt
     places, rows = [], []
     for state, keys in states.items():
         places.append(_place(keys[0])[0])
@@ -74,20 +75,31 @@ def _of_states(
     matrix[np.ix_(places, places)] = Q[np.ix_(rows, rows)]
 
 
-def _covariance(tuned: Tuned) -> np.ndarray:
-    """The covariance that enters the states in a sample."""
+def _covariance(tuned: Tuned, parameters: Collection[str]) -> np.ndarray:
+    """The covariance that enters the states in a sample; that of one axis for each of like axes.
+
+    A parameter of the name Q may be a density as well.
+    """
     n = len(tuned.states)
-    named = {quantity.name: quantity for quantity in tuned.quantities}
+    named = {one.name: one for one in tuned.quantities if one.name not in parameters}
     Q = named.get("Q_derived", named.get("Q"))
-    if Q is None or Q.value.size != n * n or not tuned.dt > 0:
+    side = 0 if Q is None else round(Q.value.size**0.5)
+    axes = n // side if side else 0
+    if Q is None or Q.value.size != side**2 or not (tuned.dt > 0 and _alike(tuned, side, axes)):
         raise ValueError(
-            f"{tuned.name} has no covariance Q of its {n} states and a sample, for its model is "
-            "not linear; map a density instead, as in --map q=vx"
+            f"{tuned.name} has no covariance Q a sample of its states {', '.join(tuned.states)}; "
+            "map a density instead, as in --map q=vx"
         )
-    found = Q.value.reshape(n, n)
+    found = Q.value.reshape(side, side)
     if not (np.diagonal(found) >= 0).all():
         raise ValueError(f"{Q.name} of {tuned.name} has a negative variance; it is no covariance")
-    return found
+    return np.kron(found, np.eye(axes))
+
+
+def _alike(tuned: Tuned, side: int, axes: int) -> bool:
+    """Whether the states are so many, or as many for each axis: place_x, place_y, speed_x ..."""
+    ends = [state.rpartition("_")[2] for state in tuned.states]
+    return side * axes == len(ends) and (axes == 1 or ends == list("xyz"[:axes]) * side)
 
 
 def _of_density(
@@ -96,7 +108,7 @@ def _of_density(
     """A density on the diagonal."""
     amounts = {amount.name: amount for amount in asked.amounts}
     if name not in amounts:
-        raise unknown("state or number", name, [*asked.tuned[0].states, *asked.searched])
+        raise unknown("state or number", name, [*asked.tuned[0].states, *asked.parameters])
     amount = amounts[name]
     for key in keys:
         place, unit = _place(key)

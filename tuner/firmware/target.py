@@ -1,6 +1,6 @@
 """What is asked of a firmware's file, and what all of them say."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -17,7 +17,8 @@ class Asked:
     Attributes:
         tuned: the filters whose numbers are written.
         amounts: their numbers.
-        searched: names among the amounts that were searched for: their meaning is asked for.
+        parameters: of the filters, by name among the amounts, and whether they were searched for:
+            then their meaning is asked for.
         wish: what a person says.
         rate_hz: of the firmware's predictions; None: its own.
         log_rate_hz: of the record; 0: unknown.
@@ -25,7 +26,7 @@ class Asked:
 
     tuned: tuple[Tuned, ...]
     amounts: tuple[Amount, ...]
-    searched: Collection[str]
+    parameters: Mapping[str, bool]
     wish: Wish
     rate_hz: float | None = None
     log_rate_hz: float = 0.0
@@ -86,7 +87,7 @@ def keyed(
         ValueError: where nothing has a meaning there, and as ``settings`` of the choice.
     """
     found, notes = settings(keys, asked.amounts, asked.wish, T)
-    searched = [amount for amount in asked.amounts if amount.name in asked.searched]
+    searched = [amount for amount in asked.amounts if asked.parameters.get(amount.name)]
     ways = list(candidates(keys, searched, asked.wish, T))
     if not found:
         ways = ways or list(candidates(keys, asked.amounts, asked.wish, T))
