@@ -315,7 +315,7 @@ REFUSED = (
     (("--to", "c", "--density", "R"), "--density says what grows with the rate; give --rate"),
     (("--rate", "-1"), "--rate is -1; give a positive number of samples a second"),
     (("--rate", "60", "--density", "S"), "unknown variance of a sample 'S'"),
-    (("--rate", "60", "--to", "pdf"), "there is no format 'pdf'"),
+    (("--rate", "60", "--to", "pdf"), "unknown format 'pdf'"),
 )
 
 

@@ -139,7 +139,7 @@ def test_kalibr_is_told_what_is_missing(written, here):
     text, _ = written("kalibr", "--map", "random_walk=gyroscope_random_walk", "--rate", "400")
     assert yaml.safe_load(text)["gyroscope_random_walk"] == 1e-8
     assert yaml.safe_load(text)["update_rate"] == 400.0
-    assert "which the record does not tell from 0 (below 3e-07)" in text
+    assert "which the record does not tell from 0, it is below 3e-07 rad/s/s/sqrt(Hz)" in text
 
 
 def three_axes():
@@ -213,10 +213,14 @@ def test_another_rate_of_predictions(written, here):
 
 
 def test_what_is_not_determined_is_left_out_unless_it_is_named(written, refused, here):
-    folder = save_run("run", vertical(), intervals={"q_acc": (0.0, 1e-3), "q_bias": (None, 1e-3)})
+    folder = save_run("run", vertical(), intervals={"q_acc": (0.0, 1e-3), "q_bias": (None, None)})
     told = refused("px4", OK)
     assert told.startswith("nothing says which numbers of vertical (fit, flight.csv) PX4 takes: ")
-    for words in ("q_acc is left out: the record does not tell it from 0", "R_baro (m^2, "):
+    for words in (
+        "q_acc is left out: the record does not tell it from 0, it is below 0.001 m^2/s^3; --map",
+        "q_bias is left out: the record does not tell it from 0; --map q_bias=EKF2_ACC_B_NOISE",
+        "R_baro (m^2, ",
+    ):
         assert words in told
     text, _ = written("px4", OK, "--map", "q_acc=EKF2_ACC_NOISE", folder=folder)
     assert read_px4(text) == {"EKF2_ACC_NOISE": pytest.approx(0.2)}
@@ -439,6 +443,11 @@ def test_what_did_not_converge_needs_force(refused, written, here):
     save_run("run", vertical(status="stalled"))
     assert "the solution of vertical is 'stalled', not converged" in refused("px4", OK)
     assert read_px4(written("px4", OK, "--force")[0])
+
+
+def test_formats_of_both_kinds_are_near(refused, here):
+    save_run("run", vertical())
+    assert "unknown format 'px5'; did you mean px4?" in refused("px5")
 
 
 def test_options_of_firmware_alone(refused, here):

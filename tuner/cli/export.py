@@ -10,6 +10,7 @@ from tuner.cli.exported import at_rate, check_converged, choose, tuned_of
 from tuner.cli.wanted import Wanted, path_of
 from tuner.export import Tuned
 from tuner.firmware import TARGETS
+from tuner.names import unknown
 from tuner.run.result import read_result
 
 
@@ -28,6 +29,8 @@ def write(run: Path, wanted: Wanted) -> None:
         )
     if wanted.to != "c" and (wanted.precision or wanted.tunable):
         raise ValueError("--precision and --tunable say how C is written; give --to c with them")
+    if wanted.to is not None and wanted.to not in (*export.FORMATS, *TARGETS):
+        raise unknown("format", wanted.to, [*export.FORMATS, *TARGETS])
     if wanted.to in TARGETS:
         write_firmware(run, TARGETS[wanted.to], wanted)
         return

@@ -3,7 +3,6 @@
 import math
 import sys
 from pathlib import Path
-from typing import get_args
 
 from tuner.atomic import write_bytes
 from tuner.cli.exported import at_rate, check_converged, choose, tuned_of
@@ -12,6 +11,8 @@ from tuner.export import Tuned
 from tuner.firmware import Asked, Target, Wish, amounts, read_maps
 from tuner.firmware.choice import Axes
 from tuner.run.result import Result, read_result
+
+_AXES: dict[str, Axes] = {"largest": "largest", "rms": "rms"}
 
 
 def write_firmware(run: Path, target: Target, wanted: Wanted) -> None:
@@ -40,11 +41,9 @@ def write_firmware(run: Path, target: Target, wanted: Wanted) -> None:
 
 
 def _asked(run: Path, target: Target, wanted: Wanted) -> Asked:
-    axes: Axes | None = None
-    for known in get_args(Axes):
-        axes = known if wanted.axes == known else axes
+    axes = _AXES.get(wanted.axes or "")
     if wanted.axes is not None and axes is None:
-        raise ValueError(f"--axes is {wanted.axes!r}; give {' or '.join(get_args(Axes))}")
+        raise ValueError(f"--axes is {wanted.axes!r}; give {' or '.join(_AXES)}")
     if wanted.densities and not target.of_model:
         raise ValueError(f"--density says nothing to {target.name}; leave it out")
     rate = wanted.rate_hz
@@ -70,10 +69,10 @@ def _parameters(
             if (solution.problem, solution.solver) != (one.name, one.provenance.solver):
                 continue
             for name, parameter in solution.parameters.items():
-                low, high = parameter.interval or (None, None)
                 found[f"{prefix}{name}"] = parameter.interval is not None
-                if not low and high is not None:
-                    limits[one.name, name] = high
+                low, high = parameter.interval or (1.0, None)
+                if not low:
+                    limits[one.name, name] = math.inf if high is None else high
     return found, limits
 
 

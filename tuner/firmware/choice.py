@@ -135,7 +135,7 @@ def _converted(key: Key, amount: Amount, T: float) -> tuple[float, tuple[str, ..
     if read.how != amount.name:
         line = f"{read.how} = {read.value:.6g} {key.measured_in}, {line}"
     if amount.below is not None:
-        line += f", which the record does not tell from 0 (below {amount.below:.3g})"
+        line += f", which the record does not tell from 0{_limit(amount)}"
     return read.value, (line,)
 
 
@@ -149,13 +149,17 @@ def _is_seen(amount: Amount) -> bool:
 
 def _unseen(amount: Amount, key: Key) -> str:
     if not amount.value:
-        limit = "" if amount.below is None else f", it is below {amount.below:.3g} {amount.unit}"
-        return f"{amount.name} is left out: the record shows none{limit}"
+        return f"{amount.name} is left out: the record shows none{_limit(amount)}"
     return (
-        f"{amount.name} is left out: the record does not tell it from 0, it is below "
-        f"{amount.below:.3g} {amount.unit}; --map {amount.name}={key.name} writes "
-        f"{amount.value:.3g} all the same"
+        f"{amount.name} is left out: the record does not tell it from 0{_limit(amount)}; --map "
+        f"{amount.name}={key.name} writes {amount.value:.3g} all the same"
     )
+
+
+def _limit(amount: Amount) -> str:
+    if amount.below is None or np.isinf(amount.below):
+        return ""
+    return f", it is below {amount.below:.3g} {amount.unit}"
 
 
 def _or(names: Sequence[str]) -> str:
