@@ -17,9 +17,11 @@ C = np.array([[1.0, 0.0]])
 K = np.array([0.3, 0.2])
 
 
-def tracker(**changed):
+def tracker(told="x' = F x", **changed):
+    """A filter with its model, whose meaning tells that it is one."""
     named = {"F": F, "C": C, "K": K, "R": np.array(2.0)} | changed
-    return tuned(*(Quantity(name, value, "") for name, value in named.items() if value is not None))
+    kept = {name: value for name, value in named.items() if value is not None}
+    return tuned(*(Quantity(n, value, "", told * (n == "F")) for n, value in kept.items()))
 
 
 def script(one):
@@ -61,7 +63,16 @@ def test_keywords_and_own_fields_are_renamed():
 
 
 @pytest.mark.parametrize(
-    "missing", [{"F": None}, {"C": None}, {"K": None}, {"K": np.ones((2, 2))}, {"K": np.ones(3)}]
+    "missing",
+    [
+        {"F": None},
+        {"C": None},
+        {"K": None},
+        {"K": np.ones((2, 2))},
+        {"K": np.ones(3)},
+        {"told": "force of the wind"},
+        {"told": "", **dict.fromkeys("FCK", np.ones(()))},
+    ],
 )
 def test_without_the_whole_model_there_is_no_loop(missing):
     assert "update" not in script(tracker(**missing))
@@ -109,6 +120,12 @@ def test_octave_runs_the_steady_loop(tmp_path):
     np.testing.assert_allclose([float(word) for word in printed.split()], x, rtol=1e-13)
 
 
+def test_a_design_of_a_discrete_model_has_its_loop():
+    told = "gain on a sample: x+ = x + K (y - C x), L = A K"
+    one = tuned(Quantity("A", F, ""), Quantity("C", C, ""), Quantity("K", K[:, None], "", told))
+    assert "gyro.predict = @(x) gyro.A * x;" in script(one)
+
+
 def test_linear_filters_export_their_model():
     """x' = F x over a sample of 0.1 s, for a position that moves on."""
     import jax.numpy as jnp
@@ -118,6 +135,7 @@ def test_linear_filters_export_their_model():
     found = {q.name: q.value for q in derived_of(cls(dt=0.1), params)}
     np.testing.assert_allclose(found["F"], F, rtol=1e-15)
     np.testing.assert_array_equal(found["C"], C)
+    assert "gyro.update" in script(tuned(*derived_of(cls(dt=0.1), params)))
 
 
 def test_a_known_input_and_other_states_have_no_model_beside_their_gain():

@@ -2,17 +2,20 @@
 
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tuner.export.arrays import labelled
 from tuner.export.document import flat, head, label, nested, tuned_from
-from tuner.export.tuned import Tuned
+from tuner.export.tuned import Quantity, Tuned
 
 _LINE = re.compile(r"^% ([\w.]+): (.+)$", re.MULTILINE)
 _QUANTITY = re.compile(r"^% quantity: (.+)\n\w+\.\w+ = ([^\[;]+|\[[^\]]*\]);$", re.MULTILINE)
+# How the state moves, where a quantity's meaning tells that it is the model of K: a parameter may
+# be called so as well.
+_MODEL = {"F": ("F", "x' = F x"), "A": ("K", "L = A K")}
 _OWN = {"dt", "convention", "states", "predict", "update"}
 # No field and no variable may be called so, in one of both.
 _KEYWORD = re.compile(
@@ -50,8 +53,9 @@ def _lines(tuned: Tuned) -> Iterator[str]:
 
 def _loop(tuned: Tuned, own: str) -> Iterator[str]:
     """The filter with its steady gain, where the model is among the numbers."""
-    shapes = {q.name: (*q.value.shape, 1, 1)[:2] for q in tuned.quantities}
-    F, C, K = (shapes.get(name, ()) for name in "FCK")
+    named = {q.name: q for q in tuned.quantities}
+    move = next((m for m, (name, told) in _MODEL.items() if told in _meaning(named, name)), "")
+    F, C, K = ((*named[n].value.shape, 1, 1)[:2] if n in named else () for n in (move, "C", "K"))
     if not (F and K and C == K[::-1] == (C[0], F[0]) and tuned.dt > 0):
         return
     yield ""
@@ -60,10 +64,14 @@ def _loop(tuned: Tuned, own: str) -> Iterator[str]:
     yield "%     for k = 1:size(z, 2)"
     yield f"%         x = {own}.update({own}.predict(x), z(:, k));"
     yield "%     end"
-    yield f"{own}.predict = @(x) {own}.F * x;"
+    yield f"{own}.predict = @(x) {own}.{move} * x;"
     seen = "~isnan(z)"
     gain, rest = f"{own}.K(:, {seen})", f"z({seen}, 1) - {own}.C({seen}, :) * x"
     yield f"{own}.update = @(x, z) x + {gain} * ({rest});"
+
+
+def _meaning(named: Mapping[str, Quantity], name: str) -> str:
+    return named[name].meaning if name in named else ""
 
 
 def load(data: bytes) -> Tuned:
