@@ -13,6 +13,7 @@ from studies.design.settings import Settings, error_of, system_of
 from tests import oracles_ha1981 as oracle
 from tuner.certificate.solution import Status
 from tuner.cli import invoke
+from tuner.export import FORMATS
 from tuner.observers import (
     fastest_decay,
     gain_of,
@@ -98,7 +99,7 @@ def test_minimum_variance_is_the_kalman_filters(noisy):
         assert solutions[name]["value"] == pytest.approx(P[1, 1], rel=1e-7)
     bound = solutions["sdp"]["certificate"]["lower_bound"]
     assert P[1, 1] * (1 - 1e-6) <= bound <= P[1, 1] * (1 + 1e-9)
-    assert {e["format"] for e in noisy["exports"]} == {"json", "toml", "npz", "csv", "mat", "c"}
+    assert {e["format"] for e in noisy["exports"]} == {*FORMATS}
     assert all(abs(e["relative_change"]) < 1e-12 for e in noisy["exports"])
 
 
@@ -419,7 +420,7 @@ def test_a_kalman_filter_that_settles_in_time_stays():
 def test_a_settling_time_by_command_line(tmp_path):
     found = ran(tmp_path, **PLANT, settles_s=2.0, starts=1)
     assert findings(found)["settles_s"] <= 2.0 + 1e-3
-    assert {e["format"] for e in found["exports"]} == {"json", "toml", "npz", "csv", "mat", "c"}
+    assert {e["format"] for e in found["exports"]} == {*FORMATS}
 
 
 @pytest.mark.parametrize(

@@ -120,7 +120,7 @@ def test_exports_hold_gains_and_poles(ran):
     assert stored["gains"].shape == (5, 3)
     assert stored["edges"].tolist() == [0, 1, 2, 5, 10, 22]
     assert all(abs(export["relative_change"]) < 1e-12 for export in ran[1]["exports"])
-    assert len(ran[1]["exports"]) == 12
+    assert len(ran[1]["exports"]) == 14
 
 
 def test_the_estimated_bias_survives_single_precision(ran):

@@ -13,6 +13,7 @@ from studies.kownacki2010.data import benches, synthetic
 from studies.kownacki2010.paper import ACC, GYRO
 from studies.kownacki2010.settings import Settings
 from tuner.cli import invoke
+from tuner.export import FORMATS
 from tuner.run.comparison import Verdict
 from tuner.run.study import find_study
 from tuner.solvers import Gradient, NelderMead
@@ -126,7 +127,7 @@ def test_own_log_is_tuned_and_exported(tmp_path, capsys):
     drawn = [f"figures/{stem}_gyro.{form}" for stem in ("step", "tradeoff") for form in FORMS]
     assert figures == set(drawn)
     assert all("Table" not in (out / name).read_text() for name in figures if ".csv" in name)
-    assert {e["format"] for e in result["exports"]} == {"json", "toml", "npz", "csv", "mat", "c"}
+    assert {e["format"] for e in result["exports"]} == {*FORMATS}
     # The exports are exact; only the way through ln Q rounds.
     assert all(abs(e["relative_change"]) < 1e-12 for e in result["exports"])
     assert all((out / name).is_file() for name in result["artifacts"])

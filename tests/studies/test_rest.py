@@ -335,7 +335,7 @@ def test_an_axis_of_three_by_command_line(cli_run):
     assert result["log"]["samples"] == 1000
     header = Path("out/exports/gyr_x.h").read_text()
     assert "gyr_x_step" in header
-    assert len(result["exports"]) == 18
+    assert len(result["exports"]) == 21
 
 
 @pytest.fixture

@@ -311,11 +311,11 @@ def test_a_fit_tells_its_noise_and_gains(run):
 
 
 REFUSED = (
-    ((), "give the format, --to json|toml|npz|csv|mat|c, or --rate HZ"),
+    ((), "|ardupilot, or --rate HZ"),
     (("--to", "c", "--density", "R"), "--density says what grows with the rate; give --rate"),
     (("--rate", "-1"), "--rate is -1; give a positive number of samples a second"),
     (("--rate", "60", "--density", "S"), "unknown variance of a sample 'S'"),
-    (("--rate", "60", "--to", "pdf"), "there is no format 'pdf'"),
+    (("--rate", "60", "--to", "pdf"), "unknown format 'pdf'"),
 )
 
 

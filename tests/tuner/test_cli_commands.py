@@ -55,7 +55,7 @@ def test_people_get_tables(cli, run):
     assert code == 0
     assert "Solutions" in out
     assert "not identifiable" in out
-    assert "12 exports, each read back, compared and scored again" in out
+    assert "14 exports, each read back, compared and scored again" in out
 
 
 def test_no_file_knows_where_it_was_made(run, finished):

@@ -176,4 +176,4 @@ def test_unknown_formats_are_told_the_near_ones():
             call("jsn")
     with pytest.raises(ExportError) as raised:
         suffix("xyz")
-    assert str(raised.value) == ("there is no format 'xyz'; there are json, toml, npz, csv, mat, c")
+    assert str(raised.value) == f"there is no format 'xyz'; there are {', '.join(FORMATS)}"

@@ -85,7 +85,7 @@ def test_importing_it_imports_no_heavy_library():
 
 def test_suffixes():
     assert [suffix(format) for format in FORMATS] == [
-        ".json", ".toml", ".npz", ".csv", ".mat", ".h",
+        ".json", ".toml", ".npz", ".csv", ".mat", ".m", ".h",
     ]  # fmt: skip
 
 

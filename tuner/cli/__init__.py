@@ -274,9 +274,7 @@ def compare(
 @app.command()
 def export(
     run: Annotated[Path, typer.Argument(help="Folder of a run, or its result.json.")],
-    to: Annotated[
-        str | None, typer.Option(metavar="FORMAT", help="json, toml, npz, csv, mat or c.")
-    ] = None,
+    to: Annotated[str | None, typer.Option(metavar="FORMAT", help="Of tuner list formats.")] = None,
     output: Annotated[
         str | None, typer.Option("-o", "--output", metavar="FILE|-", help="- is stdout.")
     ] = None,
@@ -299,6 +297,17 @@ def export(
     tunable: Annotated[
         bool, typer.Option("--tunable", help="With --to c: parameters that can be set.")
     ] = False,
+    map: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=KEY", help="What a number is to a firmware: R=EKF2_BARO_NOISE."),
+    ] = None,
+    axes: Annotated[
+        str | None, typer.Option(help="One number for several axes: largest or rms.")
+    ] = None,
+    approximate: Annotated[
+        bool,
+        typer.Option("--accept-approximate", help="Values to begin with, for another filter."),
+    ] = False,
     force: Annotated[
         bool, typer.Option(help="Replace the file; export what did not converge.")
     ] = False,
@@ -309,7 +318,18 @@ def export(
     from tuner.cli.which import Which
 
     wanted = Wanted(
-        to, output, problem, rate, tuple(density or ()), Which(filter), force, precision, tunable
+        to=to,
+        output=output,
+        problem=problem,
+        rate_hz=rate,
+        densities=tuple(density or ()),
+        which=Which(filter),
+        force=force,
+        precision=precision,
+        tunable=tunable,
+        maps=tuple(map or ()),
+        axes=axes,
+        approximate=approximate,
     )
     write(run, wanted)
 

@@ -102,8 +102,10 @@ def _solvers() -> dict[str, str]:
 
 def _formats() -> dict[str, str]:
     from tuner.export import FORMATS, suffix
+    from tuner.firmware import TARGETS
 
-    return {name: f"*{suffix(name)}" for name in FORMATS}
+    files = {name: f"*{suffix(name)}" for name in FORMATS}
+    return files | {target.name: target.file for target in TARGETS.values()}
 
 
 _LISTS = {

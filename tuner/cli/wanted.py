@@ -22,6 +22,9 @@ class Wanted:
         force: whether a file is replaced, and what did not converge is exported.
         precision: of a filter in C; None: double.
         tunable: whether the parameters of a filter in C can be set as it runs.
+        maps: of a firmware's file: NAME=KEY, what a number is there.
+        axes: of a firmware's file: what one number for several axes is, largest or rms.
+        approximate: whether the numbers may go to another filter, to begin with.
     """
 
     to: str | None
@@ -33,6 +36,9 @@ class Wanted:
     force: bool = False
     precision: str | None = None
     tunable: bool = False
+    maps: tuple[str, ...] = ()
+    axes: str | None = None
+    approximate: bool = False
 
 
 def path_of(tuned: Tuned, to: str, wanted: Wanted) -> Path:

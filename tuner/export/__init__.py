@@ -1,4 +1,4 @@
-"""Tuned filters as files: written in six formats, and read back to the bit."""
+"""Tuned filters as files: written in seven formats, and read back to the bit."""
 
 from tuner.export.error import ExportError
 from tuner.export.formats import FORMATS, Format, dump, is_text, load, read_back, suffix, write

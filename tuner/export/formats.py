@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tuner.atomic import WriteError, write_bytes
-from tuner.export import csv, header, json, mat, npz, toml
+from tuner.export import csv, header, json, mat, matlab, npz, toml
 from tuner.export.error import ExportError
 from tuner.export.tuned import Tuned
 
@@ -39,6 +39,7 @@ _FORMATS = {
         Format("npz", ".npz", npz.dump, npz.load, text=False),
         Format("csv", ".csv", csv.dump, csv.load),
         Format("mat", ".mat", mat.dump, mat.load, text=False),
+        Format("matlab", ".m", matlab.dump, matlab.load),
         Format("c", ".h", header.dump, header.load),
     )
 }

@@ -19,8 +19,9 @@ def a_sample(filter: Any, params: Any) -> Derived:
     """What a filter derives of its parameters, and what follows from its linear model.
 
     To what it derives itself come, where it has a method ``linear``: Q and K where it does not
-    derive them, the gain L = F K of the observer that predicts, where that is another one, and
-    alpha, beta and gamma where the model is a position with its derivatives.
+    derive them, F and C where they are those of K and nothing else moves the state, the gain
+    L = F K of the observer that predicts, where that is another one, and alpha, beta and gamma
+    where the model is a position with its derivatives.
 
     Args:
         filter: the filter, for its own sample time.
@@ -65,6 +66,10 @@ def _of_model(form: LinearForm, dt: float, known: Derived) -> Derived:
         system = _of_one_axis(whole, *K.shape)
         if not _is_steady(system, K):  # of other states than those of the model
             return found
+    if form.transition.B is None:
+        F, C = (np.squeeze(part) if np.size(part) == 1 else part for part in (system.A, system.C))
+        found["F"] = F, Channel("", f"what a sample makes of the state, {system.A.shape}: x' = F x")
+        found["C"] = C, Channel("", f"what is measured of it, {system.C.shape}: z = C x")
     L = system.A @ K
     if not np.allclose(L, K, rtol=1e-12, atol=0):
         words = "gain of the observer that predicts, x' = F x + L (z - C x): L = F K"

@@ -13,6 +13,7 @@ from tuner.run.noises import Noise, noises
 
 COLUMNS = ("variance", "density", "deviation")
 """What stands side by side: the ends of the findings' names."""
+_MODEL = ("F", "C")  # exported beside the gains, and known to who made the model
 _SHOWN = 3  # a matrix of more states has too many numbers to be read
 
 
@@ -62,13 +63,13 @@ def gains_told(derived: Iterable[Quantity]) -> Iterator[Finding]:
         derived: what follows from a filter's parameters; of a symmetric matrix one half is told.
     """
     for each in derived:
-        if each.value.ndim == 2 and len(each.value) > _SHOWN:
+        own = each.name.removesuffix("_derived")  # as Q beside the density q is exported
+        if own in _MODEL or (each.value.ndim == 2 and len(each.value) > _SHOWN):
             continue
         for at, number in np.ndenumerate(each.value):
             if _square(each) and at[0] > at[1]:
                 continue
             index = "".join(f"{i + 1}" for i in (at[:1] if _column(each) else at))
-            own = each.name.removesuffix("_derived")  # as Q beside the density q is exported
             name = own if each.value.size == 1 else f"{own}{index}"
             yield Finding(name, float(number), _unit(each, at), each.meaning)
 

@@ -1,0 +1,9 @@
+"""Noise in the files of other filters and programs: kalibr, robot_localization, PX4, ArduPilot."""
+
+from tuner.firmware.amount import Amount, amounts
+from tuner.firmware.choice import Wish
+from tuner.firmware.maps import read_maps
+from tuner.firmware.target import Asked, Target, Text
+from tuner.firmware.targets import TARGETS
+
+__all__ = ["TARGETS", "Amount", "Asked", "Target", "Text", "Wish", "amounts", "read_maps"]
