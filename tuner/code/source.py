@@ -72,15 +72,24 @@ def _assigned(file: str) -> dict[Span, Said]:
         tree = ast.parse(text)
     except (OSError, SyntaxError, ValueError):
         return {}
+    lines = text.encode().splitlines()
     found: dict[Span, Said] = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.Return | ast.Assign | ast.AnnAssign):
-            whole = " ".join((ast.get_source_segment(text, node) or "").split())
+            whole = " ".join(_segment(lines, node).split())
             for target, value in _pairs(node):
                 ends = value.end_lineno or 0, value.end_col_offset or 0
                 place = Said(target, whole, f"{Path(file).name}:{node.lineno}")
                 found[(value.lineno, value.col_offset, *ends)] = place
     return found
+
+
+def _segment(lines: list[bytes], node: ast.stmt) -> str:
+    """The text of a statement; the standard library splits the whole file for each."""
+    last = (node.end_lineno or node.lineno) - 1
+    rows = [*lines[node.lineno - 1 : last], lines[last][: node.end_col_offset]]
+    rows[0] = rows[0][node.col_offset :]  # columns are counted in bytes
+    return b"\n".join(rows).decode()
 
 
 def _pairs(node: ast.Return | ast.Assign | ast.AnnAssign) -> Iterator[tuple[str, ast.expr]]:
