@@ -13,7 +13,7 @@ Move: TypeAlias = Callable[[np.ndarray, Params], np.ndarray]
 
 
 def worked_out(
-    equation: Any, given: Sequence[np.ndarray], params: Params | None = None
+    equation: Any, given: Sequence[Any], params: Params | None = None
 ) -> list[np.ndarray]:
     """The results of an operation on numbers.
 
@@ -33,7 +33,7 @@ def worked_out(
     ]
 
 
-def _in_numpy(name: str, given: Sequence[np.ndarray], params: Params) -> Any:
+def _in_numpy(name: str, given: Sequence[Any], params: Params) -> Any:
     """The result where NumPy does what JAX does, else None."""
     kinds = {one.dtype.kind for one in given}
     if kinds == {"i"} and name in _WHOLE:
