@@ -7,6 +7,7 @@ import jax
 import numpy as np
 
 from tuner.code.operations import BINARY
+from tuner.code.refused import no_counterpart
 
 Params: TypeAlias = Mapping[str, Any]
 Move: TypeAlias = Callable[[np.ndarray, Params], np.ndarray]
@@ -23,7 +24,10 @@ def worked_out(
         params: its parameters, where they are others.
     """
     params = equation.params if params is None else params
-    found = _in_numpy(equation.primitive.name, given, params)
+    name = equation.primitive.name
+    if name.startswith(("random_", "threefry")):
+        raise no_counterpart(name)
+    found = _in_numpy(name, given, params)
     if found is not None:
         return [np.asarray(found)]
     with jax.ensure_compile_time_eval():
@@ -89,7 +93,6 @@ MOVED: Mapping[str, Move] = {
     "copy": lambda x, _: x,
     "copy_p": lambda x, _: x,
     "stop_gradient": lambda x, _: x,
-    "reduce_precision": lambda x, _: x,
 }
 """Moves of the entries of one array, of anything."""
 

@@ -13,7 +13,7 @@ from tuner.code.operations import Kind, kind_of
 from tuner.code.refused import NoCounterpartError, no_counterpart
 from tuner.code.straight import Operation
 
-_KEPT = frozenset({"copy", "copy_p", "stop_gradient", "reduce_precision", "optimization_barrier"})
+_KEPT = frozenset({"copy", "copy_p", "stop_gradient", "optimization_barrier"})
 MOVED = _KEPT | frozenset(
     [
         "broadcast_in_dim",

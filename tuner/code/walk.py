@@ -13,7 +13,7 @@ import numpy as np
 from jax.extend import core
 
 from tuner.code.numbers import worked_out
-from tuner.code.refused import no_counterpart
+from tuner.code.refused import check_type, no_counterpart
 
 Arrays: TypeAlias = list[np.ndarray]
 Rule: TypeAlias = "Callable[[Algebra, Any, Arrays], Arrays]"
@@ -95,6 +95,8 @@ class Walk:
             return self._cond(equation.params["branches"], given[0], given[1:])
         if name not in self.rules:
             raise no_counterpart(name)
+        for out in equation.outvars:
+            check_type(name, out.aval.dtype)
         return self.rules[name](self.algebra, equation, given)
 
     def known(self, equation: Any, given: Arrays) -> Arrays:
