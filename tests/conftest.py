@@ -17,6 +17,8 @@ QUICKLY = (
     "--xla_llvm_enable_invariant_load_metadata=false",
 )
 os.environ.setdefault("XLA_FLAGS", " ".join(QUICKLY))
+# Threads that wait by turning take a worker's processor away from the other one.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # Tracing makes many small objects that live: to look through all of them for circles after every
 # 700 new ones takes a tenth of the time.
