@@ -223,6 +223,8 @@ def test_the_update_of_many_states_is_the_update(row, z):
         return update(Estimate(before.x, scale * before.P), dense, scale**2, jnp.asarray(z))
 
     for way in (lambda f: f, jax.jacfwd, jax.jacrev):
-        for one, other in zip(*(jax.tree.leaves(way(f)(1.3)) for f in (large, usual)), strict=True):
+        for one, other in zip(
+            *(jax.tree.leaves(jax.jit(way(f))(1.3)) for f in (large, usual)), strict=True
+        ):
             # P is of order 15: other sums of 15 terms.
             np.testing.assert_allclose(one, other, rtol=1e-11, atol=1e-12)

@@ -35,6 +35,32 @@ class Form(NamedTuple):
     tried: Tried
 
 
+class Ready(NamedTuple):
+    """A filter in a precision, to be written with its parameters as numbers or to be set.
+
+    Attributes:
+        traced: the filter.
+        tried: what it is tried on.
+        note: a sentence about this form; "" for none.
+    """
+
+    traced: Traced
+    tried: Tried
+    note: str
+
+    def form(self, stem: str, *, tunable: bool = False) -> Form:
+        """It in C.
+
+        Args:
+            stem: what the names of its types and functions begin with.
+            tunable: whether its parameters come in.
+
+        Raises:
+            ValueError: for an operation that C has no counterpart for.
+        """
+        return Form(_noted(_written(self.traced, stem, tunable=tunable), self.note), self.tried)
+
+
 def form(
     stem: str,
     filter: Any,
@@ -63,11 +89,16 @@ def form(
     >>> [field.name for field in found.written.outputs]
     ['position', 'velocity']
     """
+    return ready(filter, params, inputs, precision).form(stem, tunable=tunable)
+
+
+def ready(filter: Any, params: Any, inputs: Any, precision: Precision = "double") -> Ready:
+    """A filter that is traced and tried; the arguments are those of :func:`form`."""
     filter, inputs = one_record(filter, inputs)
     sample = jax.tree.map(lambda leaf: np.asarray(leaf)[0], inputs)
-    keep = _wanted(filter)
-    code = write_form(stem, filter, params, sample, precision, keep=keep, tunable=tunable)
-    return Form(code, tried(filter, params, inputs, keep, precision))
+    whole = traced(filter, params, sample, precision, _wanted(filter))
+    ran = tried(filter, params, inputs, whole.kept, precision)
+    return Ready(whole, ran, getattr(filter, "note", ""))
 
 
 def write_form(
@@ -95,11 +126,13 @@ def write_form(
         ValueError: for a state that is too large, or an operation that C has no counterpart for.
     """
     code = _written(traced(filter, params, sample, precision, keep), stem, tunable=tunable)
-    note = getattr(filter, "note", "")
-    if note:
-        told = [f"/* {in_comment(note, 200)} */", *code.declarations]
-        code = replace(code, declarations=told)
-    return code
+    return _noted(code, getattr(filter, "note", ""))
+
+
+def _noted(code: Written, note: str) -> Written:
+    if not note:
+        return code
+    return replace(code, declarations=[f"/* {in_comment(note, 200)} */", *code.declarations])
 
 
 def one_record(filter: Any, inputs: Any) -> tuple[Any, Any]:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from tuner.code.nodes import Node
-from tuner.code.operations import COMMUTE, LOGIC, Kind, in_numpy, kind_of
+from tuner.code.operations import COMMUTE, LOGIC, Kind, kind_of, worked_out
 from tuner.code.points import Points
 from tuner.code.simplify import simpler
 
@@ -59,7 +59,7 @@ class Graph:
     def apply(self, op: str, *entries: int) -> int:
         """One operation, as simply as it can be put."""
         if all(self.is_constant(k) for k in entries):
-            return self.constant(in_numpy(op, *(self.nodes[k].value for k in entries)))
+            return self.constant(worked_out(op, *(self.nodes[k].value for k in entries)))
         found = simpler(self, op, entries)
         return self.make(op, *entries) if found is None else found
 

@@ -1,47 +1,20 @@
 """Operations of JAX that move numbers, on arrays of anything."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-import jax
 import numpy as np
 
+from tuner.code.numbers import MOVED, Move, worked_out
 from tuner.code.refused import NoCounterpartError
-from tuner.code.walk import Algebra, Arrays, Rule, each, mixed, objects, rows_of, worked_out
+from tuner.code.walk import Algebra, Arrays, Rule, each, mixed, objects, rows_of
 
 MOST_WAYS = 16
 """Entries of a table of which one is chosen as the step runs; all of them are looked at."""
 
 
-def _broadcast(x: np.ndarray, params: Mapping[str, Any]) -> np.ndarray:
-    axes = [1] * len(params["shape"])
-    for axis, size in zip(params["broadcast_dimensions"], x.shape, strict=True):
-        axes[axis] = size
-    return np.broadcast_to(x.reshape(axes), params["shape"])
-
-
-def _slice(x: np.ndarray, params: Mapping[str, Any]) -> np.ndarray:
-    steps = params["strides"] or (1,) * x.ndim
-    return x[tuple(map(slice, params["start_indices"], params["limit_indices"], steps))]
-
-
-_OF_ONE: Mapping[str, Callable[[np.ndarray, Mapping[str, Any]], np.ndarray]] = {
-    "broadcast_in_dim": _broadcast,
-    "slice": _slice,
-    "reshape": lambda x, params: x.reshape(params["new_sizes"]),
-    "squeeze": lambda x, params: np.squeeze(x, axis=params["dimensions"]),
-    "expand_dims": lambda x, params: np.expand_dims(x, params["dimensions"]),
-    "transpose": lambda x, params: x.transpose(params["permutation"]),
-    "rev": lambda x, params: np.flip(x, params["dimensions"]),
-    "copy": lambda x, _: x,
-    "copy_p": lambda x, _: x,
-    "stop_gradient": lambda x, _: x,
-    "reduce_precision": lambda x, _: x,
-}
-
-
-def _of_one(move: Callable[[np.ndarray, Mapping[str, Any]], np.ndarray]) -> Rule:
+def _of_one(move: Move) -> Rule:
     return lambda _, equation, given: [move(given[0], equation.params)]
 
 
@@ -133,12 +106,10 @@ def places(equation: Any, given: Sequence[Any]) -> Arrays:
             counted.append(np.arange(at, at + math.prod(one), dtype=np.int64).reshape(one))
             at += math.prod(one)
         else:
-            counted.append(one)
+            counted.append(np.asarray(one))
     if "fill_value" in params:
         params["fill_value"] = -1
-    with jax.ensure_compile_time_eval():
-        found = equation.primitive.bind(*counted, **params)
-    return [np.asarray(one) for one in (found if equation.primitive.multiple_results else [found])]
+    return worked_out(equation, counted, params)
 
 
 def _added(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
@@ -159,7 +130,7 @@ def _added(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
 
 
 MOVES: Mapping[str, Rule] = {
-    **{name: _of_one(move) for name, move in _OF_ONE.items()},
+    **{name: _of_one(move) for name, move in MOVED.items()},
     "concatenate": _joined,
     "stack": _stacked,
     "split": _parted,

@@ -21,7 +21,15 @@ rint round scalbn signbit signgam significand sin sinh sqrt tan tanh tgamma time
 trunc y0 y1 yn errno linux unix complex imaginary I NULL NAN INFINITY HUGE_VAL
 HUGE_VALF HUGE_VALL M_PI M_E DOMAIN SING OVERFLOW UNDERFLOW near far interrupt
 vector pixel state in out tables params found"""
-TAKEN = frozenset(f"{_C} {_CPP} {_LIBRARY}".split())
+_MATH = """float_t double_t math_errhandling fpclassify isgreaterequal islessequal islessgreater
+FP_NAN FP_INFINITE FP_ZERO FP_NORMAL FP_SUBNORMAL FP_FAST_FMA FP_ILOGB0 FP_ILOGBNAN MATH_ERRNO
+MATH_ERREXCEPT M_LOG2E M_LOG10E M_LN2 M_LN10 M_PI_2 M_PI_4 M_1_PI M_2_PI M_2_SQRTPI M_SQRT2
+M_SQRT1_2 MAXFLOAT drem finite gamma_r lgamma_r llrint llround nexttoward pow10 remquo scalb
+scalbln sincos exp10"""
+TAKEN = frozenset(
+    f"{_C} {_CPP} {_LIBRARY} {_MATH}".split()
+    + [f"{name}{end}" for name in f"{_LIBRARY} {_MATH}".split() for end in "fl" if name.islower()]
+)
 """Words of the languages, names of their libraries and of compilers, and those of our own."""
 
 

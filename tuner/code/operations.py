@@ -80,6 +80,14 @@ def in_numpy(op: str, *values: Any) -> Any:
         return (UNARY if len(values) == 1 else BINARY)[op](*values)
 
 
+def worked_out(op: str, *values: Any) -> Any:
+    """An operation on single numbers; a quotient of whole ones is whole, as in C."""
+    found = in_numpy(op, *values)
+    if op == "div" and {kind_of(value) for value in values} == {"whole"}:
+        return int(np.trunc(found)) if np.isfinite(found) else 0
+    return found
+
+
 def kind_of(value: Any) -> Kind:
     """What an array or a type holds."""
     dtype = value if isinstance(value, np.dtype) else np.asarray(value).dtype

@@ -75,8 +75,46 @@ def _choose(algebra: Algebra, _: Any, given: Arrays) -> Arrays:
 
 
 def _convert(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
-    dtype = np.dtype(equation.params["new_dtype"])
+    before, dtype = equation.invars[0].aval.dtype, np.dtype(equation.params["new_dtype"])
+    if dtype.kind == before.kind == "f" and dtype.itemsize < min(before.itemsize, _size(algebra)):
+        raise NoCounterpartError(
+            f"a number of {dtype} among those of {before} has no counterpart; give it no type"
+        )
+    if before.kind == "f" and dtype.kind == "i":
+        given = [each(lambda x: _in_range(algebra, x, before.type), *given)]
     return [each(lambda x: algebra.convert(x, dtype), *given)]
+
+
+def _size(algebra: Algebra) -> int:
+    return 4 if getattr(algebra, "precision", None) in ("float", np.float32) else 8
+
+
+def _in_range(algebra: Algebra, x: Any, number: type[np.floating]) -> Any:
+    """A number of which there is a whole one: C has none for NaN, nor for what is too large."""
+    low, high = (number(end) for end in _ENDS[_size(algebra)])
+    x = algebra.choose(algebra.apply("isnan", x), x, algebra.constant(number(0)))
+    x = algebra.apply("max", x, algebra.constant(low))
+    return algebra.apply("min", x, algebra.constant(high))
+
+
+_ENDS = {8: (-(2.0**31), 2.0**31 - 1), 4: (-(2.0**31), 2.0**31 - 128)}
+"""Of int, as numbers of so many bytes."""
+
+
+def _before(algebra: Algebra, _: Any, given: Arrays) -> Arrays:
+    """Less in the order of all numbers, of which NaN is the last."""
+
+    def of(x: Any, y: Any) -> Any:
+        whole = algebra.apply("not", algebra.apply("isnan", x))
+        last = algebra.apply("and", whole, algebra.apply("isnan", y))
+        return algebra.apply("or", algebra.apply("lt", x, y), last)
+
+    return [each(of, *objects(algebra, given))]
+
+
+def _not_behind(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
+    (behind,) = _before(algebra, equation, given[::-1])
+    return [each(lambda one: algebra.apply("not", one), behind)]
 
 
 def _clamp(algebra: Algebra, _: Any, given: Arrays) -> Arrays:
@@ -124,6 +162,8 @@ RULES: Mapping[str, Rule] = {
     "logistic": _logistic,
     "select_n": _choose,
     "convert_element_type": _convert,
+    "lt_to": _before,
+    "le_to": _not_behind,
     "clamp": _clamp,
     "integer_pow": _power,
     "argmax": place("gt"),

@@ -1,5 +1,7 @@
 """Operations that scalars do not have, told by name."""
 
+from typing import Any
+
 
 class NoCounterpartError(ValueError):
     """An operation that scalars do not have."""
@@ -11,12 +13,29 @@ def no_counterpart(name: str) -> NoCounterpartError:
     return NoCounterpartError(f"{words} has no counterpart among scalars")
 
 
+def check_type(name: str, dtype: Any) -> None:
+    """Refuse an operation whose result is neither real, nor whole with a sign, nor a truth value.
+
+    Raises:
+        NoCounterpartError: names it.
+    """
+    if name == "convert_element_type" and dtype.kind == "c":  # whoever takes it is told
+        return
+    if dtype.kind not in "fib" or (dtype.kind == "i" and dtype.itemsize < 4):
+        raise NoCounterpartError(f"{name} of numbers of {dtype} has no counterpart among scalars")
+
+
 _KNOWN = {
     "while": "a while loop, which takes as long as its data want (while),",
     "sort": "sorting (sort)",
     "fft": "a Fourier transform (fft)",
     "pure_callback": "a call of Python (pure_callback)",
     "io_callback": "a call of Python (io_callback)",
+    "reduce_precision": "rounding to fewer digits (reduce_precision)",
+    **{
+        name: f"drawing random numbers ({name})"
+        for name in ("random_seed", "random_wrap", "random_bits", "random_unwrap", "threefry2x32")
+    },
     **{
         name: f"solving a system of equations in the step ({name})"
         for name in ("custom_linear_solve", "lu", "triangular_solve", "cholesky")

@@ -5,7 +5,7 @@ JAX keeps with each operation where it was traced. Where it keeps nothing, nothi
 
 import ast
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, lru_cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
@@ -28,6 +28,7 @@ class Said(NamedTuple):
     where: str
 
 
+@lru_cache(4096)
 def said(source: Any) -> Said | None:
     """The assignment whose whole value an operation is, from the innermost call outwards.
 
@@ -72,15 +73,24 @@ def _assigned(file: str) -> dict[Span, Said]:
         tree = ast.parse(text)
     except (OSError, SyntaxError, ValueError):
         return {}
+    lines = text.encode().splitlines()
     found: dict[Span, Said] = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.Return | ast.Assign | ast.AnnAssign):
-            whole = " ".join((ast.get_source_segment(text, node) or "").split())
+            whole = " ".join(_segment(lines, node).split())
             for target, value in _pairs(node):
                 ends = value.end_lineno or 0, value.end_col_offset or 0
                 place = Said(target, whole, f"{Path(file).name}:{node.lineno}")
                 found[(value.lineno, value.col_offset, *ends)] = place
     return found
+
+
+def _segment(lines: list[bytes], node: ast.stmt) -> str:
+    """The text of a statement; the standard library splits the whole file for each."""
+    last = (node.end_lineno or node.lineno) - 1
+    rows = [*lines[node.lineno - 1 : last], lines[last][: node.end_col_offset]]
+    rows[0] = rows[0][node.col_offset :]  # columns are counted in bytes
+    return b"\n".join(rows).decode()
 
 
 def _pairs(node: ast.Return | ast.Assign | ast.AnnAssign) -> Iterator[tuple[str, ast.expr]]:

@@ -13,7 +13,7 @@ from jax.extend import core
 
 from tuner.code.moves import MOVES, PLACED
 from tuner.code.primitives import walk
-from tuner.code.refused import NoCounterpartError
+from tuner.code.refused import NoCounterpartError, check_type
 from tuner.code.walk import aval_of, inner_of
 
 
@@ -154,6 +154,8 @@ class _Writer:
         numbers = [atom for atom in given if isinstance(atom, np.ndarray)]
         if len(numbers) == len(given):
             return list(walk(_NO_ENTRIES).known(equation, numbers))
+        for out in equation.outvars:
+            check_type(equation.primitive.name, out.aval.dtype)
         if equation.primitive.name == "cond":
             return self._cond(equation, given)
         return self._write(equation.primitive.name, equation, given, equation.outvars)

@@ -1,6 +1,6 @@
 """What a filter is tried on where it runs: a few samples, and what JAX makes of them."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,7 +8,6 @@ import jax
 import numpy as np
 
 from filters import run
-from tuner.code.fields import fields_of
 from tuner.code.trace import in_precision
 
 SAMPLES = 50
@@ -41,9 +40,7 @@ class Tried:
     allowed_after: list[np.ndarray]
 
 
-def tried(
-    filter: Any, params: Any, inputs: Any, keep: Collection[str] | None, precision: str
-) -> Tried:
+def tried(filter: Any, params: Any, inputs: Any, kept: Sequence[bool], precision: str) -> Tried:
     """Run a filter over some of its samples, in the precision that it is written for.
 
     The first samples and some of all the others, with holes where the filter takes them.
@@ -52,7 +49,7 @@ def tried(
         filter: the filter.
         params: its parameters.
         inputs: its inputs, time first.
-        keep: names of the outputs that are put out; None: all.
+        kept: which of its outputs, flat, are put out.
         precision: double or float.
     """
     samples = _with_holes(filter, params, _chosen(inputs))
@@ -62,8 +59,7 @@ def tried(
     others.append(_ran(filter, params, samples, np.float64))
     start = [np.asarray(leaf) for leaf in jax.tree.leaves(filter.init(params))]
     rest = _ROUNDING[precision] * max(map(_size, (*start, *state)), default=0.0)
-    names = _names(filter, params, samples)
-    wanted = [k for k, name in enumerate(names) if keep is None or name in keep]
+    wanted = [k for k, put_out in enumerate(kept) if put_out]
     share = _SHARE[precision]
     return Tried(
         [np.asarray(leaf) for leaf in jax.tree.leaves(in_precision(samples, dtype))],
@@ -89,12 +85,6 @@ def _beside(samples: Any, dtype: type[np.floating]) -> Iterator[Any]:
 
     for _ in range(3):
         yield jax.tree.map(near, samples)
-
-
-def _names(filter: Any, params: Any, samples: Any) -> list[str]:
-    """Of the outputs, as C has them."""
-    _, outputs = jax.eval_shape(lambda p, u: run(filter, p, u), params, samples)
-    return [field.name for field in fields_of(filter, "outputs", outputs)]
 
 
 def _chosen(inputs: Any) -> Any:

@@ -9,11 +9,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol, TypeAlias
 
-import jax
 import numpy as np
 from jax.extend import core
 
-from tuner.code.refused import no_counterpart
+from tuner.code.numbers import worked_out
+from tuner.code.refused import check_type, no_counterpart
 
 Arrays: TypeAlias = list[np.ndarray]
 Rule: TypeAlias = "Callable[[Algebra, Any, Arrays], Arrays]"
@@ -95,6 +95,8 @@ class Walk:
             return self._cond(equation.params["branches"], given[0], given[1:])
         if name not in self.rules:
             raise no_counterpart(name)
+        for out in equation.outvars:
+            check_type(name, out.aval.dtype)
         return self.rules[name](self.algebra, equation, given)
 
     def known(self, equation: Any, given: Arrays) -> Arrays:
@@ -153,15 +155,6 @@ def inner_of(equation: Any) -> core.ClosedJaxpr | None:
 def aval_of(variable: Any) -> Any:
     """Shape and type of a variable or a number of a traced function."""
     return variable.aval
-
-
-def worked_out(equation: Any, given: Sequence[Any]) -> Arrays:
-    """What depends on no entry JAX works out itself."""
-    with jax.ensure_compile_time_eval():
-        found = equation.primitive.bind(*given, **equation.params)
-    return [
-        np.asarray(part) for part in (found if equation.primitive.multiple_results else [found])
-    ]
 
 
 def rows_of(array: np.ndarray, axis: int = 0) -> Arrays:

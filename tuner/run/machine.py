@@ -1,11 +1,13 @@
 """A tuned filter as C: in both precisions, with its numbers fixed or to be set."""
 
 from collections.abc import Mapping
+from functools import cache, partial
 from typing import NamedTuple
 
 from tuner.code.document import files
 from tuner.code.files import Files
-from tuner.code.form import Form, form
+from tuner.code.form import Form, Ready, ready
+from tuner.code.literal import Precision
 from tuner.code.names import identifier
 from tuner.code.size import size
 from tuner.export.tuned import Tuned
@@ -39,22 +41,33 @@ def code_of(tuned: Tuned, trials: Mapping[str, Trial], variant: Variant, include
         ValueError: in one sentence, where there is nothing that runs, or what it does has no
             counterpart in C.
     """
+    return _code(tuned, _ready(tuned, trials, variant.precision), variant, include)
+
+
+def _ready(tuned: Tuned, trials: Mapping[str, Trial], precision: Precision) -> dict[str, Ready]:
     if not trials:
         raise ValueError(
             f"{tuned.name} is a design without a filter that runs on samples, so there is no C for "
             "it; give the design a sample time"
         )
-    stem, found = tuned.name.lower(), dict[str, Form]()
+    found = dict[str, Ready]()
     for name, trial in trials.items():
-        own = f"{stem}_{identifier(name)}" if found else stem
         try:
-            found[name] = form(own, *trial, variant.precision, tunable=variant.tunable)
+            found[name] = ready(*trial, precision)
         except TypeError as error:  # of JAX, for a filter that insists on its own precision
             raise ValueError(
-                f"{type(trial.filter).__name__} cannot be traced in {variant.precision} "
+                f"{type(trial.filter).__name__} cannot be traced in {precision} "
                 f"({str(error).splitlines()[0][:120]}); give its numbers no type of their own"
             ) from error
-    return Code(files(tuned, include, list(found.values())), found)
+    return found
+
+
+def _code(tuned: Tuned, found: Mapping[str, Ready], variant: Variant, include: str) -> Code:
+    stem, forms = tuned.name.lower(), dict[str, Form]()
+    for name, one in found.items():
+        own = f"{stem}_{identifier(name)}" if forms else stem
+        forms[name] = one.form(own, tunable=variant.tunable)
+    return Code(files(tuned, include, list(forms.values())), forms)
 
 
 def in_all_variants(
@@ -66,11 +79,12 @@ def in_all_variants(
     """
     found: dict[str, bytes] = {}
     records = []
+    in_precision = cache(partial(_ready, tuned, trials))
     for variant in VARIANTS:
         include = f"{tuned.name}.h"
         names = [f"{kept(tuned.name, variant)}{end}" for end in (".h", ".c", "_selftest.c")]
         try:
-            code = code_of(tuned, trials, variant, include)
+            code = _code(tuned, in_precision(variant.precision), variant, include)
         except ValueError as error:
             record = CodeRecord(
                 problem=tuned.name,

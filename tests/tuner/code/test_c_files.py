@@ -19,6 +19,7 @@ from tests.tuner.code.made import FILTERS, KEPT
 from tests.tuner.export_cases import nasty, tuned
 from tuner.code.document import files, sources
 from tuner.code.form import Form, form, write_form
+from tuner.code.trace import traced
 from tuner.code.tried import tried
 from tuner.export.header import load
 
@@ -33,7 +34,8 @@ def made(name, precision="double", tunable=False):
     sample = jax.tree.map(lambda leaf: np.asarray(leaf)[0], record)
     keep = KEPT[name]
     code = write_form(name, filter, params, sample, precision, keep=keep, tunable=tunable)
-    return Form(code, tried(filter, params, record, keep, precision))
+    kept = traced(filter, params, sample, precision, keep).kept
+    return Form(code, tried(filter, params, record, kept, precision))
 
 
 def put(folder, name, found, text=None):

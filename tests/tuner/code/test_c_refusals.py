@@ -45,7 +45,9 @@ class Nasty:
 
     def step(self, params, state, inputs):
         volatile = state["while"] * params.int + inputs.double
-        sin = jnp.sin(volatile) + state["for"].sum()  # */ ??/ \\
+        sinf = jnp.sin(volatile) + jnp.sqrt(jnp.abs(volatile))
+        FP_NAN = sinf * volatile + state["for"][0]
+        sin = jnp.sin(FP_NAN) + state["for"].sum()  # */ ??/ \\
         σ = sin * inputs.σ + inputs.sigma  # noqa: PLC2401
         delete = σ * len("*/ ??/")
         return {"while": delete, "for": jnp.stack([sin, σ])}, Names(*[delete * k for k in range(8)])

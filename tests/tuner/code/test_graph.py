@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tuner.code import operations
 from tuner.code.graph import Graph, TooLargeError
 from tuner.code.operations import in_numpy
 from tuner.code.primitives import walk
@@ -43,10 +44,11 @@ def value(graph, result, *arrays):
         elif node.op == "convert":
             values.append({"real": float, "whole": int, "truth": bool}[node.kind](given[0]))
         else:
-            values.append(in_numpy(node.op, *given))
+            values.append(operations.worked_out(node.op, *given))
     return np.array([values[k] for k in result.ravel()]).reshape(result.shape)
 
 
+x0 = np.array([0.1, -0.3, 0.5])
 FUNCTIONS = {
     "arithmetic": lambda x: (x * 2 - x / 3 + 1) ** 3 + x**-2 - (-x) * 0.5,
     "functions": lambda x: jnp.exp(jnp.sin(x)) + jnp.sqrt(x**2 + 1) * jnp.arctan2(x, 2.0),
@@ -62,6 +64,12 @@ FUNCTIONS = {
         jnp.int32(3 * x[0]), [lambda: x, lambda: -x, lambda: 0 * x]
     ),
     "a loop": lambda x: jax.lax.scan(lambda s, u: (s * u + x, s.sum()), x, x)[1],
+    "whole numbers": lambda x: (
+        jnp.int32(50 * x) // 3 + jnp.where(x > 0, 7, 7) // 2 + jnp.sign(jnp.int32(9 * x))
+    ),
+    "too large for a whole number": lambda x: jnp.int32(x * 1e12) * 1.0,
+    "no number made whole": lambda x: jnp.int32(jnp.sqrt(x)) * 1.0,
+    "the order of all numbers": lambda x: jnp.searchsorted(jnp.sort(x0), x, method="compare_all"),
     "a table": lambda x: jnp.array([1.0, 4.0, 9.0])[jnp.clip(jnp.int32(3 * x), 0, 2)[0]] * x,
 }
 
@@ -192,6 +200,11 @@ REFUSED = {
     "a table of 98 entries": lambda x: jax.lax.dynamic_slice(
         jnp.arange(100.0), [jnp.int32(x[0])], [3]
     ),
+    "rounding to fewer digits": lambda x: jax.lax.reduce_precision(x, 5, 10),
+    "float32 among those of float64": lambda x: x.astype(jnp.float32) * 2.0,
+    "numbers of complex128": lambda x: jnp.exp(1j * x).real,
+    "numbers of uint8": lambda x: x.astype(jnp.uint8) * 1.0,
+    "drawing random numbers": lambda x: x * jax.random.normal(jax.random.key(0)),
     "(lu)": lambda x: jnp.linalg.solve(jnp.outer(x, x) + jnp.eye(3), x),
 }
 
