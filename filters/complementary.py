@@ -209,7 +209,9 @@ class Madgwick:
             level = rotate(state, _seen(inputs.mag))
             north = jnp.stack([jnp.zeros_like(level[2]), jnp.hypot(level[0], level[1]), level[2]])
             slope = slope + _slope(state, inputs.mag, normalise(north))
-        length = jnp.sqrt(jnp.maximum(slope @ slope, 1e-30))
+        # Where no error is left, rounding has no direction: such a slope makes no step.
+        none = jnp.finfo(slope.dtype).eps ** 0.75
+        length = jnp.sqrt(slope @ slope + none**2)
         still = jnp.zeros_like(inputs.gyr)
         rate = jnp.concatenate([still[:1], or_else(inputs.gyr, still)])
         moved = multiply(state, rate) / 2

@@ -460,3 +460,13 @@ def test_an_infinite_acceleration_is_missing():
     for a in ([np.inf, 0.0, 0.0], [-np.inf, np.inf, 1.0]):
         after, _ = PLAIN.step(noise(), state, ImuSample(jnp.array(a), rate))
         assert all(np.isfinite(leaf).all() for leaf in jax.tree.leaves(after))
+
+
+def test_madgwick_stays_where_no_error_is_left():
+    """Rounding has no direction: without the guard it would be a step of full length."""
+    turned = Rotation.from_rotvec([0.3, -0.5, 0.2])
+    start = jnp.asarray(np.roll(turned.as_quat(), 1))
+    force = np.tile(9.81 * turned.inv().apply([0.0, 0.0, 1.0]), (5, 1))
+    inputs = ImuSample(jnp.asarray(force), jnp.zeros((5, 3)))
+    _, found = run(Madgwick(0.02), MadgwickGain(jnp.asarray(0.12), start), inputs)
+    assert np.abs(np.asarray(found) - np.asarray(start)).max() < 1e-3 * 0.02 * 0.12

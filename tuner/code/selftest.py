@@ -61,9 +61,7 @@ def _form(written: Written, tried: Tried) -> Iterator[str]:
     stem, real = written.stem, written.precision
     samples = np.hstack(_flat(written.inputs, tried.samples))
     expected = np.hstack(_flat(written.outputs, tried.expected))
-    allowed = np.hstack(
-        [row[0] for row in _flat(written.outputs, [a[None] for a in tried.allowed])]
-    )
+    allowed = np.hstack(_flat(written.outputs, tried.allowed))
     after, most = (
         np.hstack([row[0] for row in _flat(written.state, [np.asarray(a)[None] for a in part])])
         for part in (tried.after, tried.allowed_after)
@@ -99,7 +97,7 @@ def _form(written: Written, tried: Tried) -> Iterator[str]:
     tables = ", &tables" if written.params else ""
     yield f"        {stem}_step(&state, &input, &output{tables});"
     yield from _compared(
-        "output", written.outputs, stem, real, "expected[k]", "allowed", "        "
+        "output", written.outputs, stem, real, "expected[k]", "allowed[k]", "        "
     )
     yield "        first = k + 1;"
     yield "    }"

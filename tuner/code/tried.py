@@ -28,7 +28,7 @@ class Tried:
     Attributes:
         samples: the inputs, ``(N, inputs)``.
         expected: the outputs, a field each, ``(N, ...)``.
-        allowed: how far an output may be off, a field each, ``(...)``.
+        allowed: how far an output may be off in each sample, a field each, ``(N, ...)``.
         after: the state after the last sample, a field each.
         allowed_after: how far it may be off.
     """
@@ -67,7 +67,7 @@ def tried(filter: Any, params: Any, inputs: Any, kept: Sequence[bool], precision
         [_allowed(outputs[k], [other[1][k] for other in others], share) for k in wanted],
         state,
         [
-            _allowed(one[None], [other[0][k][None] for other in others], share) + rest
+            _allowed(one[None], [other[0][k][None] for other in others], share)[0] + rest
             for k, one in enumerate(state)
         ],
     )
@@ -125,12 +125,16 @@ def _run(filter: Any, params: Any, samples: Any) -> Any:
 
 
 def _allowed(found: np.ndarray, others: Sequence[np.ndarray], share: float) -> np.ndarray:
-    """How far another machine may be off in a number, over the samples."""
+    """How far another machine may be off in a number: by what rounding has grown to so far.
+
+    A filter may forget where it was told exactly (a direction that is normalised has none at rest);
+    its first samples still show a wrong constant.
+    """
     with np.errstate(invalid="ignore"):
         apart = [np.abs(other.astype(float) - found) for other in others]
-    strays = np.max([np.where(np.isfinite(one), one, 0).max(axis=0) for one in apart], axis=0)
+    strays = np.max([np.where(np.isfinite(one), one, 0) for one in apart], axis=0)
     size = np.where(np.isfinite(found), np.abs(found), 0).max(axis=0).astype(float)
-    return np.asarray(4 * strays + share * size)
+    return np.asarray(4 * np.maximum.accumulate(strays, axis=0) + share * size)
 
 
 def _size(array: np.ndarray) -> float:
