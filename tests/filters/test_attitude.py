@@ -462,11 +462,11 @@ def test_an_infinite_acceleration_is_missing():
         assert all(np.isfinite(leaf).all() for leaf in jax.tree.leaves(after))
 
 
-def test_madgwick_stays_where_no_error_is_left():
+def test_madgwick_makes_no_step_where_no_error_is_left():
     """Rounding has no direction: without the guard it would be a step of full length."""
     turned = Rotation.from_rotvec([0.3, -0.5, 0.2])
     start = jnp.asarray(np.roll(turned.as_quat(), 1))
     force = np.tile(9.81 * turned.inv().apply([0.0, 0.0, 1.0]), (5, 1))
     inputs = ImuSample(jnp.asarray(force), jnp.zeros((5, 3)))
     _, found = run(Madgwick(0.02), MadgwickGain(jnp.asarray(0.12), start), inputs)
-    assert np.abs(np.asarray(found) - np.asarray(start)).max() < 1e-3 * 0.02 * 0.12
+    assert np.abs(np.asarray(found[0]) - np.asarray(start)).max() < 1e-3 * 0.02 * 0.12
