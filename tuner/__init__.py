@@ -4,17 +4,26 @@ Public names are imported from here; what they need is loaded when they are firs
 is the stub beside this file, which type checkers read too.
 """
 
-import ast
+import os.path
+from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
-from pathlib import Path
-from typing import Any
+
+# Nothing else: the command line listens for signals only when this file has run.
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+_STUB = f"{__file__.removesuffix('.py')}.pyi"
 
 
-def _listed(stub: Path) -> dict[str, tuple[str, str]]:
+def _listed(stub: str) -> "dict[str, tuple[str, str]]":
     """Public names, each with its module and what it is called there: the imports of a stub."""
+    import ast
+
     try:
-        text = stub.read_text(encoding="utf-8")
+        with open(stub, encoding="utf-8") as stream:
+            text = stream.read()
     except OSError as error:
         raise ImportError(
             f"{stub} is missing, the list of tuner's names; install filter-tuner again"
@@ -27,33 +36,35 @@ def _listed(stub: Path) -> dict[str, tuple[str, str]]:
     }
 
 
-_HOME = _listed(Path(__file__).with_suffix(".pyi"))
+@cache
+def _home() -> "dict[str, tuple[str, str]]":
+    return _listed(_STUB)
 
-__all__ = sorted(_HOME)  # noqa: PLE0605  # the names are those of the stub
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
+def __getattr__(name: str) -> "Any":
+    if name == "__all__":
+        return sorted(_home())
+    if name.startswith("__") or name not in _home():
         raise AttributeError(f"module 'tuner' has no attribute {name!r}")
-    module, there = _HOME[name]
+    module, there = _home()[name]
     return getattr(import_module(module), there)
 
 
-def __dir__() -> list[str]:
-    return [*globals(), *__all__]
+def __dir__() -> "list[str]":
+    return [*globals(), *sorted(_home())]
 
 
 def _check_siblings() -> None:
     """Refuse to start beside another package called filters, objectives or studies."""
-    root = Path(__file__).resolve().parents[1]
+    root = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
     for name in ("filters", "objectives", "studies"):
         spec = find_spec(name)
-        found = None if spec is None or spec.origin is None else Path(spec.origin).resolve()
-        if found != root / name / "__init__.py":
+        found = None if spec is None or spec.origin is None else os.path.realpath(spec.origin)
+        if found != os.path.join(root, name, "__init__.py"):
             raise ImportError(
-                f"tuner needs its own package {name!r} in {root / name}, but Python finds "
-                f"{found or 'none'}; rename yours, or start Python with -P so that the current "
-                "folder does not come first"
+                f"tuner needs its own package {name!r} in {os.path.join(root, name)}, but Python "
+                f"finds {found or 'none'}; rename yours, or start Python with -P so that the "
+                "current folder does not come first"
             )
 
 

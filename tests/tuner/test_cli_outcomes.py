@@ -11,7 +11,6 @@ import pytest
 
 from tests.tuner.helpers import Solved, snapshot, toy_study, write_csv
 from tuner import export
-from tuner.cli import invoke
 from tuner.run.recipe import read_recipe
 from tuner.run.result import read_result
 from tuner.solvers import Sampler
@@ -274,10 +273,11 @@ def test_an_error_while_solving_is_told_in_one_line(cli, here, offer):
     assert cli("run", "toy") == (2, "", "tuner: this cannot be solved\n")
 
 
-def test_debugging_shows_the_traceback(here, toy, monkeypatch):
-    monkeypatch.setenv("TUNER_DEBUG", "1")
-    with pytest.raises(ValueError, match="no such file"):
-        invoke(["run", "toy", "--log", "nowhere.csv", "--map", "x=g"])
+def test_who_asks_for_a_traceback_sees_it(cli, toy):
+    code, out, err = cli("run", "toy", "--log", "nowhere.csv", "--map", "x=g", "--traceback")
+    assert (code, out) == (2, "")
+    assert err.startswith("Traceback (most recent call last):")
+    assert err.splitlines()[-1].startswith("tuner: nowhere.csv: there is no such file")
 
 
 def test_samplers_of_one_run_share_its_database(cli, here, offer):

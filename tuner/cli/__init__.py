@@ -1,12 +1,10 @@
 """The command line: results on stdout, everything else on stderr."""
 
-import os
 import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
-from typer.exceptions import TyperException
 
 app = typer.Typer(
     name="tuner",
@@ -67,6 +65,19 @@ Jobs = Annotated[
 ]
 Resume = Annotated[bool, typer.Option(help="Go on with an interrupted run in --out.")]
 DryRun = Annotated[bool, typer.Option(help="Say what would be done, and stop.")]
+
+
+@app.callback()
+def everywhere(
+    memory: Annotated[
+        str | None,
+        typer.Option(metavar="SIZE", help="Take no more than that, such as 4GB; anywhere."),
+    ] = None,
+    traceback: Annotated[
+        bool, typer.Option("--traceback", help="Show where an error came from; anywhere.")
+    ] = False,
+) -> None:
+    """Options of every command, which are taken out of the line before it is read."""
 
 
 @app.command("list")
@@ -344,28 +355,32 @@ def doctor(json: Json = False) -> None:
 
 def main() -> None:
     """Run the command line, with one line on stderr and exit code 2 for what a user can mend."""
-    sys.exit(invoke(sys.argv[1:]))
+    from tuner.cli.leaving import leave
+
+    leave(invoke(sys.argv[1:]))
 
 
 def invoke(arguments: list[str]) -> int:
     """Run the command line with given arguments and return its exit code."""
+    from tuner.cli.door import outcome
+    from tuner.cli.everywhere import Everywhere
+
+    asked = Everywhere.of(arguments)
+
+    def run() -> int:
+        with asked.bounded():
+            return _commanded(asked.rest or ["--help"])
+
+    return outcome(run, whole=asked.traceback)
+
+
+def _commanded(arguments: list[str]) -> int:
+    """Run a command by hand: typer's own way ends the process in its own words."""
+    command = typer.main.get_command(app)
     try:
-        return int(app(arguments or ["--help"], prog_name="tuner", standalone_mode=False) or 0)
-    except TyperException as error:
-        words = error.format_message()
-        return _refuse(f"{words.rstrip('.')}; see tuner --help")
-    except (KeyboardInterrupt, typer.Abort):
-        print("tuner: interrupted", file=sys.stderr)
-        return 130
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
-    except (ValueError, OSError) as error:
-        if os.environ.get("TUNER_DEBUG"):
-            raise
-        return _refuse(str(error))
-
-
-def _refuse(message: str) -> int:
-    print(f"tuner: {' '.join(message.split())}", file=sys.stderr)
-    return 2
+        with command.make_context("tuner", arguments) as context:
+            return int(command.invoke(context) or 0)
+    except typer.Exit as ended:
+        return ended.exit_code
+    except typer.Abort:
+        raise KeyboardInterrupt from None

@@ -1,10 +1,12 @@
-"""A Ctrl-C that is not lost."""
+"""A Ctrl-C, or another signal that ends a run, that is not lost."""
 
 import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
+
+from tuner.stop import heed, leave
 
 
 @contextmanager
@@ -20,6 +22,7 @@ def interruptible() -> Iterator[Callable[[], None]]:
     def interrupt(_signal: int, _frame: FrameType | None) -> None:
         nonlocal asked
         asked = True
+        heed(leave)  # whoever asks a second time waits for nothing
         raise KeyboardInterrupt
 
     def check() -> None:
@@ -29,8 +32,9 @@ def interruptible() -> Iterator[Callable[[], None]]:
     if threading.current_thread() is not threading.main_thread():
         yield check
         return
-    before = signal.signal(signal.SIGINT, interrupt)
+    before = heed(interrupt)
     try:
         yield check
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -19,6 +19,7 @@ from tuner.run.folder import RunFolder, open_folder
 from tuner.run.pipeline import Progress, Run, recorded, trusted, write_down
 from tuner.run.recipe import Recipe
 from tuner.run.study import Plan, Study, find_study
+from tuner.shown import plain, shown
 
 SHOWN = 3
 """How many of several recordings are described."""
@@ -143,18 +144,25 @@ def _progress(check: Callable[[], None]) -> Iterator[Progress]:
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
     from rich.progress import Progress as Bar
 
-    console = Console(stderr=True)
+    console = Console(file=plain(sys.stderr))  # a bar is drawn by what others may not write
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
         TimeElapsedColumn(),
     )
-    with Bar(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        shown = bar.add_task("starting", total=1)
+    with Bar(
+        *columns,
+        console=console,
+        transient=True,
+        redirect_stdout=False,
+        redirect_stderr=False,
+        disable=not console.is_terminal,
+    ) as bar:
+        task = bar.add_task("starting", total=1)
 
         def report(what: str, done: int, total: int) -> None:
             check()
-            bar.update(shown, description=what, completed=done, total=total)
+            bar.update(task, description=shown(what), completed=done, total=total)
 
         yield report

@@ -1,10 +1,13 @@
 """Tables for people, on stdout."""
 
+import sys
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 from rich import box
-from rich.console import Console
+from rich.console import Console, ConsoleOptions, ConsoleRenderable, RenderHook
+from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
@@ -13,6 +16,7 @@ from tuner.certificate.table import range_in_words
 from tuner.run.finding import Finding
 from tuner.run.noise_told import COLUMNS
 from tuner.run.result import CodeRecord, ParameterRecord, Result, SolutionRecord
+from tuner.shown import plain, shown
 
 _COLOURS = {
     "match": "green",
@@ -25,10 +29,31 @@ _COLOURS = {
 }
 
 
+@dataclass(frozen=True)
+class _Safe:
+    """What is drawn without control characters of its texts."""
+
+    drawn: ConsoleRenderable
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Segment]:
+        for part in console.render(self.drawn, options):
+            yield part if part.control else Segment(shown(part.text), part.style)
+
+
+class _AllSafe(RenderHook):
+    """Has everything that a console prints made safe; only rich itself draws."""
+
+    def process_renderables(self, renderables: list[ConsoleRenderable]) -> list[ConsoleRenderable]:
+        """The same, made safe."""
+        return [_Safe(each) for each in renderables]
+
+
 def console() -> Console:
     """Standard output; 150 columns where it is no terminal."""
-    plain = Console()
-    return plain if plain.is_terminal else Console(width=150)
+    stream = plain(sys.stdout)
+    own = Console(file=stream, width=None if stream.isatty() else 150)
+    own.push_render_hook(_AllSafe())
+    return own
 
 
 def number_text(value: float | None) -> str:
@@ -46,7 +71,7 @@ def show_grid(title: str, lines: list[list[str]]) -> None:
     """Print a table: the first line heads it, verdicts are coloured, no number is ever cut."""
     out = console()
     wide = out.width >= WIDE
-    shown = [i for i, head in enumerate(lines[0]) if wide or head not in _EXPLANATIONS]
+    columns = [i for i, head in enumerate(lines[0]) if wide or head not in _EXPLANATIONS]
     table = Table(
         title=title,
         title_justify="left",
@@ -54,12 +79,12 @@ def show_grid(title: str, lines: list[list[str]]) -> None:
         box=box.SQUARE if wide else None,
         pad_edge=False,
     )
-    for i in shown:
+    for i in columns:
         table.add_column(lines[0][i], overflow="fold", no_wrap=lines[0][i] not in _FOLDED)
     for line in lines[1:]:
-        table.add_row(*(Text(line[i], style=_COLOURS.get(line[i], "")) for i in shown))
+        table.add_row(*(Text(shown(line[i]), style=_COLOURS.get(line[i], "")) for i in columns))
     out.print(table)
-    if len(shown) < len(lines[0]):
+    if len(columns) < len(lines[0]):
         out.print(f"(sources and notes from {WIDE} columns on, or by tuner compare RUN --md)\n")
 
 
@@ -179,7 +204,7 @@ def _solution(solution: SolutionRecord) -> list[str]:
     held = any(certificate.get("multipliers", {}).values())
     unknown = not (certificate["curvatures"] or certificate["active_bounds"])
     tuned = set() if held or unknown else {label.split()[-1] for label in certificate["gradient"]}
-    shown = [
+    values = [
         f"{name} = {_parameter(p, tuned=name in tuned)}"
         for name, p in solution.parameters.items()
         if isinstance(p.value, float)
@@ -189,7 +214,7 @@ def _solution(solution: SolutionRecord) -> list[str]:
         solution.solver,
         solution.status.value,
         number_text(solution.value),
-        "\n".join(shown),
+        "\n".join(values),
         str(solution.evaluations),
         f"{solution.seconds:.1f}",
         "; ".join(_meaning(solution)),

@@ -4,6 +4,9 @@ import shutil
 import weakref
 from pathlib import Path
 from tempfile import mkdtemp
+from typing import Any
+
+_OPEN: "weakref.WeakSet[Home]" = weakref.WeakSet()  # for a process that ends without its end
 
 
 class Home:
@@ -15,4 +18,11 @@ class Home:
 
     def __init__(self) -> None:
         self.path = Path(mkdtemp(prefix="tuner-"))
-        weakref.finalize(self, shutil.rmtree, self.path, ignore_errors=True)
+        self.remove: Any = weakref.finalize(self, shutil.rmtree, self.path, ignore_errors=True)
+        _OPEN.add(self)
+
+
+def remove_all() -> None:
+    """Remove all of them, at the very end."""
+    for home in list(_OPEN):
+        home.remove()

@@ -1,0 +1,172 @@
+"""Where the command line ends: one line, an exit code, and nothing that a terminal would obey."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tuner.cli.door import outcome
+from tuner.cli.everywhere import Everywhere
+from tuner.cli.fault import fault_of
+from tuner.limits import LEAST, VARIABLE, check_amount, largest, memory, parse_size
+from tuner.shown import shown
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+class Foreign(Exception):
+    """Another package's error."""
+
+
+def raising(error):
+    def run():
+        raise error
+
+    return run
+
+
+ERRORS = [
+    RecursionError("maximum recursion depth exceeded"),
+    MemoryError(),
+    OverflowError(34, "Numerical result out of range"),
+    ZeroDivisionError("float division by zero"),
+    KeyError("starts"),
+    TypeError("an integer is required"),
+    StopIteration(),
+    IndexError("list index out of range"),
+    AttributeError("'NoneType' object has no attribute 'x'"),
+    AssertionError(),
+    NotImplementedError(),
+    ImportError("no module named 'x'"),
+    RuntimeError("RESOURCE_EXHAUSTED: Out of memory allocating 80000000000 bytes."),
+    ValueError("two\nlines"),
+    OSError("what no system says"),
+    FileNotFoundError(2, "No such file or directory", "x\x1b[2J"),
+    Foreign("words\nmore words\x07"),
+]
+
+
+@pytest.mark.parametrize("error", ERRORS, ids=lambda error: type(error).__name__)
+def test_every_exception_is_one_sentence(capsys, error):
+    code = outcome(raising(error), whole=False)
+    out, err = capsys.readouterr()
+    assert code in (1, 2)
+    assert out == ""
+    assert err.startswith("tuner: ")
+    assert len(err.splitlines()) == 1
+    assert "Traceback" not in err
+    assert shown(err) == err
+
+
+def test_faults_of_the_program_are_told_from_the_users(capsys):
+    assert outcome(raising(ValueError("no column 'x'; name another")), whole=False) == 2
+    assert outcome(raising(TypeError("an integer is required")), whole=False) == 1
+    err = capsys.readouterr().err
+    assert "no column 'x'; name another\n" in err
+    assert "test_door.py" not in err  # where it was raised is asked for by --traceback
+
+
+def test_the_words_of_libraries_say_where():
+    with pytest.raises(ValueError, match="broadcast") as caught:
+        np.zeros(3) + np.zeros(2)
+    assert fault_of(caught.value).sentence.endswith("--traceback shows where")
+
+
+@given(st.text())
+def test_no_control_character_is_shown(text):
+    safe = shown(text)
+    assert all(c in "\t\n" or (c >= " " and not "\x7f" <= c <= "\x9f") for c in safe)
+    assert shown(safe) == safe
+    safe.encode()
+
+
+def test_names_with_control_characters(cli, here):
+    Path("a\x1b[2Jb.csv").write_text("t,g\x1b]0;owned\x07x\x9b31m\n" + "0,1\n1,3\n2,1\n")
+    for words in (["columns"], ["run", "kownacki2010", "--map", "omega=\x1b[31m", "--log"]):
+        _, out, err = cli(*words, "a\x1b[2Jb.csv")
+        assert "\x1b" not in out + err
+        assert "\x07" not in out + err
+        assert "\x9b" not in out + err
+    assert cli("run", "\udcff\x1b")[0] == 2
+
+
+def test_options_of_every_command_stand_anywhere():
+    assert Everywhere.of(["--memory=4G", "fit", "--", "--traceback"]) == Everywhere(
+        ["fit", "--", "--traceback"], memory="4G"
+    )
+    assert Everywhere.of(["fit", "--memory"]) == Everywhere(["fit"], memory="")
+
+
+@pytest.mark.parametrize("size", ["", "much", "-1GB", "4", "900MB", "nan", "1" * 50 + "GB"])
+def test_bounds_on_memory_that_are_none(cli, size):
+    code, out, err = cli("list", f"--memory={size}")
+    assert (code, out) == (2, "")
+    assert err.startswith("tuner: --memory ")
+
+
+def test_a_bound_on_memory(cli, monkeypatch):
+    monkeypatch.setenv(VARIABLE, "2GB")
+    assert memory() == 2 << 30
+    assert largest() < (2 << 30) // 3
+    with pytest.raises(ValueError, match="1e9 samples would take 8 GB, where 0.5 GB is the most"):
+        check_amount("1e9 samples", 8 << 30, "take fewer")
+    assert cli("list", "--memory", "3GB")[0] == 0
+    assert os.environ[VARIABLE] == "2GB"
+    assert parse_size("x", "1g") == LEAST
+
+
+def started(*words, **options):
+    """The program in a process of its own."""
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-m", "tuner", *words]
+    return subprocess.Popen(
+        command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options
+    )
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of another kind")
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_signals_end_as_ctrl_c_does(tmp_path, name):
+    fifo = tmp_path / "started"
+    os.mkfifo(fifo)
+    # A plugin of no kind: what is imported last says that the program has begun.
+    code = (
+        "import sys, time; import tuner.stop, tuner.__main__ as m\n"
+        f"import tuner.cli; tuner.cli.main = lambda: (open({str(fifo)!r}, 'w').close(), "
+        "time.sleep(60))\n"
+        "m.main()"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", code],
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    with fifo.open() as stream:
+        stream.read()
+    process.send_signal(getattr(signal, name))
+    out, err = process.communicate(timeout=20)
+    told = b"tuner: interrupted before anything was saved\n"
+    assert (process.returncode, out, err) == (130, b"", told)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="pipes of another kind")
+def test_a_pipe_that_nobody_reads_is_no_fault():
+    process = started("list", "formats")
+    assert process.stdout is not None
+    process.stdout.close()
+    assert process.wait(timeout=120) == 0
+    assert process.stderr is not None
+    assert process.stderr.read() == b""
+    process.stderr.close()
+
+
+def test_a_broken_pipe_of_another_kind_is_told(capsys):
+    assert outcome(raising(BrokenPipeError(32, "Broken pipe", "socket")), whole=False) == 2
+    assert "socket: Broken pipe" in capsys.readouterr().err

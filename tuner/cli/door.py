@@ -1,0 +1,79 @@
+"""Where the command line ends: one line and an exit code, whatever was raised within."""
+
+import os
+import sys
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
+from typing import Any, cast
+
+from tuner.cli.fault import fault_of
+from tuner.shown import Shown, on_one_line
+from tuner.stop import INTERRUPTED, say_interrupted
+
+
+def outcome(run: Callable[[], int], *, whole: bool) -> int:
+    """The exit code of a command.
+
+    Args:
+        run: the command; it returns its own exit code.
+        whole: whether the traceback of an error is shown.
+    """
+    with _shown():
+        try:
+            code = run()
+            sys.stdout.flush()
+        except KeyboardInterrupt:
+            say_interrupted()
+            return INTERRUPTED
+        except SystemExit as ended:
+            return 0 if _nobody_reads(ended.__context__) else _code_of(ended)
+        except Exception as error:
+            if _nobody_reads(error):
+                return 0
+            if whole:
+                traceback.print_exception(error, file=sys.stderr)
+            return refuse(error)
+        return code
+
+
+def refuse(error: BaseException) -> int:
+    """Say in one line what was wrong, and return the exit code."""
+    fault = fault_of(error)
+    with suppress(OSError):  # nobody may read it
+        print(f"tuner: {on_one_line(fault.sentence)}", file=sys.stderr)
+    return fault.code
+
+
+@contextmanager
+def _shown() -> Iterator[None]:
+    """Nothing that a terminal would obey is written while this lasts."""
+    out, err = (cast("Any", Shown(stream)) for stream in (sys.stdout, sys.stderr))
+    with redirect_stdout(out), redirect_stderr(err):
+        yield
+
+
+def _nobody_reads(error: BaseException | None) -> bool:
+    """Whether it failed because who read the output has gone, as ``| head`` does."""
+    if not isinstance(error, BrokenPipeError):
+        return False
+    gone = [stream for stream in (sys.stdout, sys.stderr) if _is_gone(stream)]
+    for stream in gone:  # so that what is left in it does not fail once more at the end
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+    return bool(gone)
+
+
+def _is_gone(stream: Any) -> bool:
+    """Whether the other end of a pipe is closed."""
+    try:
+        import select
+
+        ends = select.poll()
+        ends.register(stream.fileno(), 0)
+        return bool(ends.poll(0))
+    except (AttributeError, OSError, ValueError):  # no poll on Windows; no number of a stream
+        return True
+
+
+def _code_of(ended: SystemExit) -> int:
+    return ended.code if isinstance(ended.code, int) else int(ended.code is not None)

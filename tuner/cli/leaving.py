@@ -1,0 +1,33 @@
+"""How the process ends: its streams flushed, and after an interruption without waiting."""
+
+import os
+import sys
+from contextlib import suppress
+from typing import NoReturn
+
+from tuner.stop import INTERRUPTED
+
+
+def leave(code: int) -> NoReturn:
+    """End the process.
+
+    After an interruption threads may still be in compiled code, which nobody waits for: all that
+    is kept was written before.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:  # who read it has gone
+            with suppress(OSError):
+                os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+    if code == INTERRUPTED:
+        _clean_up()
+        os._exit(code)
+    sys.exit(code)
+
+
+def _clean_up() -> None:
+    """Remove what was unpacked."""
+    home = sys.modules.get("tuner.data.logs.home")
+    if home is not None:
+        home.remove_all()

@@ -1,0 +1,98 @@
+"""How much may be read and made: one cap for all formats, looked at before anything is taken."""
+
+import os
+import re
+from contextlib import suppress
+from pathlib import Path
+
+VARIABLE = "TUNER_MEMORY"
+"""The environment's bound on memory, in bytes or as ``4GB``; ``--memory`` sets it."""
+LEAST = 1 << 30
+"""The program and its compiler take half of this."""
+UNPACKED, RATIO = 1 << 28, 100
+"""What unpacks to more than this, and to more than so many times its size, is no log."""
+COPIES = 3
+"""An array that is read is held so many times at most, as it is read and made ready."""
+
+_SIZE = re.compile(r"(\d+(?:\.\d+)?)\s*([kmgt]?)(i?b)?", re.IGNORECASE)
+_POWERS = {"": 0, "k": 1, "m": 2, "g": 3, "t": 4}
+
+
+def parse_size(what: str, text: str) -> int:
+    """Bytes of a text such as ``4GB``.
+
+    Raises:
+        ValueError: for what is no size, and for one in which nothing runs.
+
+    >>> parse_size("--memory", "1.5 GB")
+    1610612736
+    """
+    found = _SIZE.fullmatch(text.strip())
+    if found is None or len(text) > 40:
+        raise ValueError(f"{what} {text[:40]!r} is no size; write such as 4GB or 800MB")
+    size = int(float(found[1]) * 1024 ** _POWERS[found[2].lower()])
+    if size < LEAST:
+        raise ValueError(f"{what} {text} is less than the program itself takes; give 1GB or more")
+    return size
+
+
+def memory() -> int:
+    """How many bytes may be held: as the environment says, else half of what the machine has.
+
+    Raises:
+        ValueError: where the environment says what is no size.
+    """
+    told = os.environ.get(VARIABLE)
+    return parse_size(VARIABLE, told) if told else _of_machine() // 2
+
+
+def _of_machine() -> int:
+    """The memory of the machine, or of the container where that has less."""
+    found = [1 << 34]
+    with suppress(ValueError, OSError, AttributeError):  # not on Windows
+        found = [os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")]
+    for place in ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"):
+        with suppress(ValueError, OSError):
+            found.append(int(Path(place).read_text()))
+    return min(found)
+
+
+def largest() -> int:
+    """How many bytes an array may have that is read or made."""
+    return max(memory() - LEAST // 2, LEAST // 2) // COPIES
+
+
+def check_amount(what: str, size: int | float, way_out: str) -> None:
+    """Refuse what would not fit, before it is made.
+
+    Args:
+        what: such as "1e13 samples".
+        size: bytes of all of it.
+        way_out: what to do.
+
+    Raises:
+        ValueError: one sentence, with the limit and the way out.
+    """
+    if size > largest():
+        raise ValueError(
+            f"{what} would take {told(size)}, where {told(largest())} is the most that "
+            f"{told(memory())} of memory allow; {way_out}, or name another limit by --memory"
+        )
+
+
+def unpacked(held: int) -> int:
+    """What a compressed file of so many bytes may unpack to.
+
+    >>> unpacked(1000) == UNPACKED, unpacked(1 << 30) == RATIO << 30
+    (True, True)
+    """
+    return max(UNPACKED, RATIO * held)
+
+
+def told(size: int | float) -> str:
+    """A size in words.
+
+    >>> told(3 << 30), told(5000)
+    ('3 GB', '0.00477 MB')
+    """
+    return f"{size / 2**30:.3g} GB" if size >= 1 << 29 else f"{size / 2**20:.3g} MB"

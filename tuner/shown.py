@@ -1,0 +1,57 @@
+"""Text for a terminal: what a name may hold and a terminal would obey is written out instead."""
+
+import re
+from typing import Any, TextIO
+
+_OBEYED = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f"  # control characters, all but the tab and the line feed
+    "\u061c\u200e\u200f\u2028\u2029\u202a-\u202e\u2066-\u2069\ufeff"  # they turn or break lines
+    "\ud800-\udfff]"  # halves of characters: bytes of a file's name that are no text
+)
+
+
+def shown(text: str) -> str:
+    r"""The text without control characters: as JSON writes them, so that JSON stays what it is.
+
+    >>> shown("gx\x1b[2J"), shown("rate\r\n")
+    ('gx\\u001b[2J', 'rate\\u000d\n')
+    """
+    return _OBEYED.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
+def on_one_line(text: str) -> str:
+    r"""The same on one line.
+
+    >>> on_one_line("this cannot\nbe solved")
+    'this cannot be solved'
+    """
+    return shown(" ".join(text.split()))
+
+
+class Shown:
+    """A stream of text whose every character is safe for a terminal.
+
+    Attributes:
+        plain: the stream itself, for those that draw and clean what they draw.
+    """
+
+    def __init__(self, plain: TextIO) -> None:
+        self.plain = plain
+
+    def write(self, text: str) -> int:
+        """Write text, its control characters written out."""
+        self.plain.write(shown(text))
+        return len(text)
+
+    def writelines(self, lines: "list[str]") -> None:
+        """Write several texts."""
+        for line in lines:
+            self.write(line)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.plain, name)
+
+
+def plain(stream: TextIO) -> TextIO:
+    """The stream behind :class:`Shown`, or the stream itself."""
+    return stream.plain if isinstance(stream, Shown) else stream
