@@ -20,7 +20,7 @@ from tuner.shown import shown
 ROOT = Path(__file__).resolve().parents[2]
 
 
-class Foreign(Exception):
+class ForeignError(Exception):
     """Another package's error."""
 
 
@@ -48,7 +48,7 @@ ERRORS = [
     ValueError("two\nlines"),
     OSError("what no system says"),
     FileNotFoundError(2, "No such file or directory", "x\x1b[2J"),
-    Foreign("words\nmore words\x07"),
+    ForeignError("words\nmore words\x07"),
 ]
 
 

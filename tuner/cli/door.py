@@ -65,14 +65,17 @@ def _nobody_reads(error: BaseException | None) -> bool:
 
 def _is_gone(stream: Any) -> bool:
     """Whether the other end of a pipe is closed."""
-    try:
-        import select
+    import select
 
-        ends = select.poll()
-        ends.register(stream.fileno(), 0)
-        return bool(ends.poll(0))
-    except (AttributeError, OSError, ValueError):  # no poll on Windows; no number of a stream
+    try:
+        number = stream.fileno()
+    except (AttributeError, OSError, ValueError):  # it is no file
+        return False
+    if not hasattr(select, "poll"):  # on Windows nobody can tell
         return True
+    ends = select.poll()
+    ends.register(number, 0)
+    return bool(ends.poll(0))
 
 
 def _code_of(ended: SystemExit) -> int:
