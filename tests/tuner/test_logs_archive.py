@@ -77,7 +77,7 @@ def test_suspicious_names(tmp_path, name, part):
 
 
 def test_what_would_unpack_to_gigabytes_is_not_unpacked(tmp_path, monkeypatch):
-    monkeypatch.setattr("tuner.data.logs.archive._SMALL", 1 << 20)  # a smaller bomb is as hostile
+    monkeypatch.setattr("tuner.limits.UNPACKED", 1 << 20)  # a smaller bomb is as hostile
     path = tmp_path / "bomb.zip"
     with (
         zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive,
@@ -86,7 +86,9 @@ def test_what_would_unpack_to_gigabytes_is_not_unpacked(tmp_path, monkeypatch):
         for _ in range(30):
             member.write(bytes(1 << 20))
     assert path.stat().st_size < 1 << 17
-    assert "would unpack to 0.0 GiB, more than 100 times its size" in refusal(path, ["omega=x"])
+    told = refusal(path, ["omega=x"])
+    assert "would unpack to 30 MB from 0.0" in told
+    assert "which no log does" in told
 
 
 def test_what_declares_less_than_it_holds(tmp_path):

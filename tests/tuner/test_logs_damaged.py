@@ -115,7 +115,7 @@ def test_hostile_mat_files(tmp_path, body, part):
 def test_mat_files_that_would_unpack_to_gigabytes(tmp_path, monkeypatch):
     import zlib
 
-    monkeypatch.setattr("tuner.data.mat._LARGE", 1 << 16)
+    monkeypatch.setattr("tuner.limits.UNPACKED", 1 << 16)
     body = zlib.compress(matrix(6, (1, 1 << 20), element(9, bytes(1 << 23))))
     path = tmp_path / "log.mat"
     head = b"MATLAB 5.0 MAT-file".ljust(124) + b"\0\1IM"

@@ -165,6 +165,6 @@ def test_a_header_that_claims_too_much(tmp_path):
 
 
 def test_an_archive_that_unpacks_to_gigabytes(tmp_path, monkeypatch):
-    monkeypatch.setattr("tuner.data.logs.npz._MAX_BYTES", 1000)
+    monkeypatch.setattr("tuner.limits.UNPACKED", 1000)
     path = saved(tmp_path, np.savez_compressed, x=np.zeros(10_000))
-    assert "would unpack to 0.0 GiB" in refused(path, "omega=x", rate_hz=1)
+    assert "would unpack to 0.0764 MB" in refused(path, "omega=x", rate_hz=1)

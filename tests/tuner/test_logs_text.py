@@ -154,7 +154,6 @@ def test_rows_of_one_width_by_a_word(tmp_path):
         (LOG.encode() * 9999 + b"1,\0\0\n2,3\n", "holds '\\x00\\x00', not a number"),
         (b"t,x\n0,1\n" + b"1" * (17 << 20), "a line is longer than 16 MB"),
         (",".join(map(str, range(110_000))) + "\n", "110000 cells; at most 100000"),
-        (gzip.compress(b"t,x\n" + b"0,1\n" * (12 << 20), 9), "unpack to more than"),
         (gzip.compress(LOG.encode())[:-9], "cannot be read"),
         ("\n".join(",".join("1" * (1 + 7 * k % 11)) for k in range(99)), "cells instead of"),
         ("some words, and more\nof them, here\n" * 9, "not one row of numbers"),
@@ -166,6 +165,12 @@ def test_rows_of_one_width_by_a_word(tmp_path):
 )
 def test_bad_files_end_in_a_sentence(tmp_path, text, part):
     assert part in refusal(written(tmp_path, text), ["z=2"], rate_hz=1)
+
+
+def test_what_unpacks_to_more_than_a_log_does(tmp_path, monkeypatch):
+    monkeypatch.setattr("tuner.limits.UNPACKED", 1 << 20)  # a smaller bomb is as hostile
+    bomb = gzip.compress(b"t,x\n" + b"0,1\n" * (1 << 20), 9)
+    assert "unpack to more than 1 MB; a log does" in refusal(written(tmp_path, bomb), ["z=2"])
 
 
 def test_a_kind_without_numbers_is_told(tmp_path):

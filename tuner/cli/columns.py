@@ -68,12 +68,17 @@ def _clocks(table: Table) -> list[ClockFound]:
     for name in numbers:
         if name in raw:
             lengths.setdefault(len(raw[name]) if raw[name].ndim else 0, []).append(name)
-    found = [_clock(table, raw, names, length) for length, names in lengths.items()]
+    known = replace(table, names=tuple(raw), time=table.time if _has_time(table, raw) else None)
+    found = [_clock(known, raw, names, length) for length, names in lengths.items()]
     if found and told:
         found[0] = replace(found[0], notes=[*told, *found[0].notes])
     others = [*table.texts, *unread]
     texts = [ColumnFound(name, [], "text", "") for name in table.names if name in others]
     return found if not texts else [*found, ClockFound(texts, 0, "", None, None, [])]
+
+
+def _has_time(table: Table, raw: dict[str, Raw]) -> bool:
+    return table.time is not None and table.time.column in raw
 
 
 def _loaded(table: Table, names: list[str]) -> tuple[dict[str, Raw], list[str], list[str]]:

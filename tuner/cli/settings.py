@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from tuner.names import listed, unknown
+from tuner.toml import parsed
 
 Some = TypeVar("Some", bound=BaseModel)
 
@@ -61,8 +62,14 @@ def _fault(error: Mapping[str, Any]) -> str:
 
 
 def value_of(text: str) -> Any:
-    """A value as TOML has it, or the text where it is none."""
+    """A value as TOML has it, or the text where it is none.
+
+    Raises:
+        ValueError: for lists in lists without end, and numbers of thousands of digits.
+    """
     try:
-        return tomllib.loads(f"value = {text}")["value"]
+        return parsed(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
         return text
+    except ValueError as error:
+        raise ValueError(f"{text[:40]}... is no value: {error}") from None

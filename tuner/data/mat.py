@@ -13,11 +13,13 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from tuner.limits import largest, unpacked
+
 _HEADER = 128
 _MATRIX, _COMPRESSED = 14, 15
 _CELL, _STRUCT, _OBJECT, _CHAR, _OPAQUE = 1, 2, 3, 4, 17  # classes of matrices
 _COMPLEX, _LOGICAL = 0x08, 0x02
-_LARGE, _RATIO = 1 << 28, 100
+_VALUE = 1 << 9  # bytes that any value takes in memory, however small it is
 _DEEPEST = 24
 # MATLAB packs the numbers of a matrix into the smallest of these that holds them.
 _NUMBERS = {
@@ -29,7 +31,8 @@ _CLASSES = {
 _TEXTS = {1: "latin-1", 2: "latin-1", 4: "utf-16-native", 16: "utf-8", 17: "utf-16-native"}
 
 Numbers: TypeAlias = NDArray[Any]
-Parts: TypeAlias = list[tuple[int, bytes]]
+Bytes: TypeAlias = bytes | memoryview
+Parts: TypeAlias = list[tuple[int, Bytes]]
 
 
 @dataclass(frozen=True)
@@ -69,20 +72,45 @@ class Cells:
 Value: TypeAlias = Numbers | str | Structs | Cells | Opaque | None
 
 
+class Layout:
+    """How a file is written, and how much it may still become.
+
+    Args:
+        order: of the bytes, "<" or ">".
+        room: bytes that all of its values together may take.
+    """
+
+    def __init__(self, order: str, room: int) -> None:
+        self.order = order
+        self._room = room
+
+    def take(self, size: int) -> None:
+        """Take some of the room.
+
+        Raises:
+            ValueError: where there is none left.
+        """
+        self._room -= size + _VALUE
+        if self._room < 0:
+            raise ValueError("it would unpack to more than a hundredfold, or than memory has room")
+
+
 def read(data: bytes) -> dict[str, Value]:
     """The variables of a MAT v5 file; sparse matrices and functions are None.
 
     Raises:
         ValueError: one sentence, where the file is damaged or none of this kind, or would unpack
-            to more than 256 MiB and to more than a hundredfold.
+            to more than :func:`tuner.limits.unpacked` and :func:`tuner.limits.largest` allow.
         struct.error: where a size in it cannot be read.
         zlib.error: where a compressed variable is damaged.
     """
     order = {b"IM": "<", b"MI": ">"}.get(data[_HEADER - 2 : _HEADER])
     if order is None:
         raise ValueError("it has no header of a MAT v5 file")
-    bodies = _variables(data[_HEADER:], order, max(_LARGE, _RATIO * len(data)))
-    return dict(_value(body, order, _DEEPEST) for body in bodies)
+    room = min(unpacked(len(data)), largest())
+    layout = Layout(order, room)
+    bodies = _variables(memoryview(data)[_HEADER:], order, room)
+    return dict(_value(body, layout, _DEEPEST) for body in bodies)
 
 
 def variables(data: bytes) -> tuple[dict[str, NDArray[np.float64]], dict[str, str]]:
@@ -109,19 +137,22 @@ def elements(data: bytes, order: str) -> Iterator[Value]:
         ValueError: one sentence, where they are damaged.
         struct.error: where a size cannot be read.
     """
+    layout = Layout(order, min(unpacked(len(data)), largest()))
     for kind, body in _elements(data, order):
         if kind == _MATRIX:
-            yield _value(body, order, _DEEPEST)[1]
+            yield _value(body, layout, _DEEPEST)[1]
 
 
-def _variables(data: bytes, order: str, budget: int) -> Iterator[bytes]:
+def _variables(data: Bytes, order: str, budget: int) -> Iterator[Bytes]:
     """The bodies of the variables, compressed ones unpacked."""
     for kind, body in _elements(data, order):
         if kind == _COMPRESSED:
             unpacker = zlib.decompressobj()
             unpacked = unpacker.decompress(body, budget)
             if unpacker.unconsumed_tail:
-                raise ValueError("it would unpack to more than a hundredfold")
+                raise ValueError(
+                    "it would unpack to more than a hundredfold, or than memory has room"
+                )
             if not unpacker.eof:
                 raise ValueError("it ends too early")
             budget -= len(unpacked)
@@ -130,7 +161,7 @@ def _variables(data: bytes, order: str, budget: int) -> Iterator[bytes]:
             yield body
 
 
-def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
+def _elements(data: Bytes, order: str) -> Iterator[tuple[int, Bytes]]:
     """The elements that follow one another: the type and the bytes of each."""
     at = 0
     while at < len(data):
@@ -147,60 +178,62 @@ def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
             at += -at % 8
 
 
-def _value(body: bytes, order: str, deep: int) -> tuple[str, Value]:
+def _value(body: Bytes, layout: Layout, deep: int) -> tuple[str, Value]:
     """The name and the value of a matrix."""
     if not body:
         return "", np.empty((0, 0))
     if deep == 0:
         raise ValueError(f"it is nested more than {_DEEPEST} deep")
-    (_, flags), (_, second), (_, third), *rest = _elements(body, order)
-    word = struct.unpack_from(f"{order}I", flags)[0]
+    (_, flags), (_, second), (_, third), *rest = _elements(body, layout.order)
+    word = struct.unpack_from(f"{layout.order}I", flags)[0]
     kind, marks = word & 0xFF, word >> 8 & 0xFF
     if kind == _OPAQUE:  # it has no sizes: its name and the kind of system come next
         (_, class_name), *held = rest
-        inner = _value(held[0][1], order, deep - 1)[1] if held and held[0][0] == _MATRIX else None
+        inner = _value(held[0][1], layout, deep - 1)[1] if held and held[0][0] == _MATRIX else None
         return _letters(second), Opaque(_letters(class_name), inner)
-    shape = _shape(second, order)
-    return _letters(third), _of_class(kind, marks, shape, rest, order, deep)
+    layout.take(0)
+    shape = _shape(second, layout.order)
+    return _letters(third), _of_class(kind, marks, shape, rest, layout, deep)
 
 
 def _of_class(
-    kind: int, marks: int, shape: tuple[int, ...], rest: Parts, order: str, deep: int
+    kind: int, marks: int, shape: tuple[int, ...], rest: Parts, layout: Layout, deep: int
 ) -> Value:
     """The value of a matrix of some class; None of one that is passed over."""
     if kind in _CLASSES:
-        return _matrix(shape, rest, order, kind, marks)
+        return _matrix(shape, rest, layout, kind, marks)
     if kind == _CHAR:
-        return _text(rest, order)
+        return _text(rest, layout.order)
     if kind in (_STRUCT, _OBJECT):
-        return _structs(shape, rest[kind == _OBJECT :], order, deep)
+        return _structs(shape, rest[kind == _OBJECT :], layout, deep)
     if kind == _CELL:
-        return Cells(shape, [_value(part, order, deep - 1)[1] for _, part in rest])
+        return Cells(shape, [_value(part, layout, deep - 1)[1] for _, part in rest])
     return None
 
 
-def _letters(name: bytes) -> str:
-    return name.decode("latin-1")
+def _letters(name: Bytes) -> str:
+    return bytes(name).decode("latin-1")
 
 
-def _shape(sizes: bytes, order: str) -> tuple[int, ...]:
+def _shape(sizes: Bytes, order: str) -> tuple[int, ...]:
     shape = np.frombuffer(sizes, f"{order}i4").tolist()
     if min(shape, default=0) < 0 or len(shape) > 32:
         raise ValueError("it holds a matrix of an impossible size")
     return tuple(shape)
 
 
-def _matrix(shape: tuple[int, ...], rest: Parts, order: str, kind: int, marks: int) -> Numbers:
+def _matrix(shape: tuple[int, ...], rest: Parts, layout: Layout, kind: int, marks: int) -> Numbers:
     parts = []
     for stored, body in rest[:2]:
         if stored not in _NUMBERS:
             raise ValueError("it holds a matrix that is not of numbers")
-        parts.append(np.frombuffer(body, order + _NUMBERS[stored]))
+        parts.append(np.frombuffer(body, layout.order + _NUMBERS[stored]))
     if len(parts) != 1 + bool(marks & _COMPLEX):
         raise ValueError("it holds a matrix that is not of real numbers")
     if any(math.prod(shape) != part.size for part in parts):
         raise ValueError("it holds a matrix with too many or too few numbers")
     dtype = "?" if marks & _LOGICAL else _CLASSES[kind]
+    layout.take(math.prod(shape) * np.dtype(dtype).itemsize * len(parts))
     numbers = parts[0].astype(dtype) if len(parts) == 1 else parts[0] + 1j * parts[1]
     return numbers.reshape(shape, order="F")
 
@@ -210,19 +243,20 @@ def _text(rest: Parts, order: str) -> str:
         raise ValueError("it holds a text of an unknown kind")
     kind, body = rest[0]
     letters = _TEXTS[kind].replace("native", {"<": "le", ">": "be"}[order])
-    return body.decode(letters, errors="replace")
+    return bytes(body).decode(letters, errors="replace")
 
 
-def _structs(shape: tuple[int, ...], rest: Parts, order: str, deep: int) -> Structs:
+def _structs(shape: tuple[int, ...], rest: Parts, layout: Layout, deep: int) -> Structs:
     """The fields of a struct array, whose values stand element by element."""
     (_, length), (_, letters), *values = rest
-    (width,) = struct.unpack_from(f"{order}i", length)
+    (width,) = struct.unpack_from(f"{layout.order}i", length)
     if width < 1 or len(letters) % width:
         raise ValueError("it holds a struct whose names of fields do not fit")
+    letters = bytes(letters)
     names = [
         _letters(letters[i : i + width].partition(b"\0")[0]) for i in range(0, len(letters), width)
     ]
     if len(values) != len(names) * math.prod(shape):
         raise ValueError("it holds a struct with too many or too few values")
-    parts = [_value(body, order, deep - 1)[1] for _, body in values]
+    parts = [_value(body, layout, deep - 1)[1] for _, body in values]
     return Structs(shape, {name: parts[k :: len(names)] for k, name in enumerate(names)})

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from tuner.files import opened
+
 _AS_WRITTEN = {"extra": "forbid"}
 """Read back from a result's JSON, it has these fields and no others."""
 
@@ -87,7 +89,7 @@ def file_digest(path: Path) -> str:
         files = sorted(file for file in path.rglob("*") if file.is_file())
         told = [f"{file.relative_to(path).as_posix()} {file_digest(file)}\n" for file in files]
         return hashlib.sha256("".join(told).encode()).hexdigest()
-    with path.open("rb") as stream:
+    with opened(path) as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 

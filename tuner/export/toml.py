@@ -1,12 +1,11 @@
 """TOML: for files that people read and change."""
 
-import tomllib
-
 import tomli_w
 
 from tuner.export.document import head
 from tuner.export.plain import from_plain, plain_quantities
 from tuner.export.tuned import Tuned
+from tuner.toml import parsed
 
 
 def dump(tuned: Tuned) -> bytes:
@@ -20,4 +19,4 @@ def dump(tuned: Tuned) -> bytes:
 
 def load(data: bytes) -> Tuned:
     """What :func:`dump` wrote, or a person who knows its schema."""
-    return from_plain(tomllib.loads(data.decode()))
+    return from_plain(parsed(data.decode()))

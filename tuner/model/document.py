@@ -5,6 +5,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+from tuner.files import opened
 from tuner.model.lines import Lines
 from tuner.model.quantities import NAME
 from tuner.model.reading import described
@@ -60,7 +61,7 @@ def _text(path: Path) -> str:
         why = "is no file" if path.exists() else "is not there"
         raise ValueError(f"{path} {why}; give a model in TOML, tuner init writes one to begin with")
     try:
-        with path.open("rb") as stream:
+        with opened(path) as stream:
             data = stream.read(LARGEST_FILE + 1)
     except OSError as error:
         raise ValueError(f"{path} cannot be read: {error.strerror}") from None

@@ -15,6 +15,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from tuner.files import whole
 from tuner.names import unknown
 
 LARGEST = 10_000_000
@@ -67,9 +68,7 @@ class OwnFile:
 
     def _read(self) -> bytes:
         try:
-            if self.path.stat().st_size > LARGEST:
-                raise ValueError(f"{self.path} is larger than any filter; name a Python file")
-            return self.path.read_bytes()
+            return whole(self.path, LARGEST, "Python file")
         except OSError as error:
             raise ValueError(f"{self.path} cannot be read: {error.strerror}") from None
 

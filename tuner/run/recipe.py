@@ -1,7 +1,6 @@
 """The study.toml of a run: what was asked for, so that it can be run again."""
 
 import re
-import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path, PurePath
 from typing import Any
@@ -9,7 +8,9 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from tuner.data.source import file_digest
+from tuner.files import leads_out
 from tuner.names import listed, unknown
+from tuner.toml import read_toml
 
 LARGEST_SEED = 2**31 - 1
 LARGEST_FILE = 10_000_000
@@ -132,14 +133,12 @@ def read_document(path: Path) -> dict[str, Any]:
         ValueError: for a file that is not there, is too large, or is no TOML.
     """
     try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise ValueError(f"it has more than {LARGEST_FILE} bytes; a study.toml is small")
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return read_toml(path, LARGEST_FILE, "study.toml")
     except FileNotFoundError:
         raise ValueError(f"{path} is not there; name a study or a study.toml") from None
     except OSError as error:
         raise ValueError(f"{path} cannot be read: {error.strerror}") from None
-    except (ValueError, RecursionError) as error:
+    except ValueError as error:
         raise ValueError(f"{path.name} is no study.toml: {error}") from None
 
 
@@ -181,7 +180,13 @@ def _log_beside(path: Path, name: str, digest: str) -> Path:
             f"the log {name} of {path} leads out of its folder, where no study.toml looks; if you "
             f"mean it, name it with --log {name}"
         )
-    there = [file for file in (path.parent / name, Path(name)) if file.exists()]
+    folders = [folder for folder in (path.parent, Path()) if (folder / name).exists()]
+    there = [folder / name for folder in folders]
+    if any(leads_out(folder / name, folder) for folder in folders):
+        raise ValueError(
+            f"the log {name} of {path} is a link that leads out of its folder, where no study.toml "
+            f"looks; if you mean it, name it with --log {name}"
+        )
     for file in there:
         if not digest or file_digest(file) == digest:
             return file

@@ -10,6 +10,7 @@ from pydantic import Field, ValidationError
 
 from tuner.certificate.solution import Certificate, Solution, Starts, Status, TunedParameter
 from tuner.data.source import Source
+from tuner.files import whole
 from tuner.run.comparison import Comparison
 from tuner.run.finding import Finding
 from tuner.run.fit_record import FitRecord, Recorded
@@ -89,7 +90,20 @@ class SolutionRecord(Recorded):
         )
 
     def solution(self) -> Solution:
-        """The solution that was recorded."""
+        """The solution that was recorded.
+
+        Raises:
+            ValueError: where the certificate is none.
+        """
+        try:
+            return self._solution()
+        except (KeyError, TypeError, AttributeError):
+            raise ValueError(
+                f"the certificate of {self.problem} by {self.solver} is not that of a run; run it "
+                "again"
+            ) from None
+
+    def _solution(self) -> Solution:
         fields = _infinite(self.certificate)
         for name in ("active_bounds", "curvatures", "flat_directions"):
             fields[name] = tuple(fields[name])
@@ -193,6 +207,10 @@ class Result(Recorded):
         return self.model_dump_json(by_alias=True, indent=1) + "\n"
 
 
+LARGEST = 1 << 28
+"""Bytes of a result.json."""
+
+
 def read_result(path: Path) -> Result:
     """Read a run's result from its folder, or from result.json itself.
 
@@ -201,7 +219,7 @@ def read_result(path: Path) -> Result:
     """
     file = path / "result.json" if path.is_dir() else path
     try:
-        return Result.model_validate_json(file.read_bytes())
+        return Result.model_validate_json(whole(file, LARGEST, "result of a run"))
     except FileNotFoundError:
         raise ValueError(
             f"{path} holds no result.json; give the folder of a finished run"

@@ -46,6 +46,8 @@ def no_findings(case: Any, solutions: Solutions) -> "tuple[Finding, ...]":
 def best(problem: str, solutions: Solutions) -> "Solution":
     """The solution of a problem with the lowest value; among equals (to 1e-6) a converged one."""
     candidates = [s for (name, _), s in solutions.items() if name == problem]
+    if not candidates:
+        raise ValueError(f"there is no solution of {problem}; run it again")
     lowest = min(s.value for s in candidates)
     equals = [s for s in candidates if s.value <= lowest + 1e-6 * abs(lowest)]
     return min(equals, key=lambda s: (not s.status.trusted, s.value))

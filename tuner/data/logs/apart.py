@@ -12,22 +12,24 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from importlib.util import find_spec
-from io import BytesIO
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryFile
+from typing import IO, Any
 
 import numpy as np
 
 from tuner.data.logs.contents import Contents, table_of
 from tuner.data.logs.error import LogError
 from tuner.data.logs.table import Raw, Table
+from tuner.limits import memory
 
 _START = """import sys, os
 sys.path[:] = sys.argv[1].split(os.pathsep)
 from tuner.data.logs.child import main
 main()"""
 _SECONDS, _SECONDS_A_MIB = 60, 4
-_BYTES, _BYTES_A_BYTE = 4 << 30, 32
+_BYTES, _BYTES_A_BYTE = 4 << 30, 32  # of addresses, which cost nothing until they are used
+_HELD, _HELD_A_BYTE = 3 << 28, 32
 
 
 @dataclass(frozen=True)
@@ -66,8 +68,8 @@ def open_apart(path: Path, reader: Reader) -> Table:
 
 
 def _load(path: Path, reader: Reader, names: Sequence[str]) -> dict[str, Raw]:
-    told, stream = _asked(path, reader, list(names))
-    return {name: _array(stream, *told["arrays"][name]) for name in names}
+    _, arrays = _asked(path, reader, list(names))
+    return {name: arrays[name] for name in names}
 
 
 def _there(package: str) -> bool:
@@ -76,35 +78,47 @@ def _there(package: str) -> bool:
     return package in sys.modules or find_spec(package) is not None
 
 
-def _asked(path: Path, reader: Reader, names: list[str] | None) -> tuple[dict[str, Any], BytesIO]:
+def _asked(
+    path: Path, reader: Reader, names: list[str] | None
+) -> tuple[dict[str, Any], dict[str, Raw]]:
     """The child's answer: a line of JSON, and the bytes of the arrays after it."""
     size = _size(path)
     seconds = _SECONDS + _SECONDS_A_MIB * (size >> 20)
-    bounds = {"seconds": seconds, "bytes": _BYTES + _BYTES_A_BYTE * size}
+    held = min(_HELD + _HELD_A_BYTE * size, memory())
+    bounds = {"seconds": seconds, "bytes": _BYTES + _BYTES_A_BYTE * size, "held": held}
     question = {"module": reader.module, "path": str(path.resolve()), "names": names, **bounds}
+    with TemporaryFile() as answer:  # from which arrays are read in place
+        code = _answered(question, answer, 2 * seconds)
+        answer.seek(0)
+        line = answer.readline()
+        if code is None:
+            raise _damaged(path, reader, f"not read within {2 * seconds} s")
+        if code or not line:
+            raise _damaged(path, reader, _ended(code))
+        told = json.loads(line)
+        if "refused" in told:
+            raise LogError(f"{path.name}: {told['refused']}")
+        if "broken" in told:
+            raise _damaged(path, reader, told["broken"].replace(str(path.resolve()), path.name))
+        return told, {name: _array(answer, *how) for name, how in told.get("arrays", {}).items()}
+
+
+def _answered(question: dict[str, Any], answer: IO[bytes], seconds: int) -> int | None:
+    """Let the child answer into a file: its exit code, None where it took too long."""
     search = os.pathsep.join(os.path.abspath(entry) for entry in sys.path)
     try:
         done = subprocess.run(
             [sys.executable, "-I", "-c", _START, search],
             input=json.dumps(question).encode(),
-            stdout=subprocess.PIPE,
+            stdout=answer,
             stderr=subprocess.DEVNULL,
             env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
-            timeout=2 * seconds,
+            timeout=seconds,
             check=False,
         )
     except subprocess.TimeoutExpired:
-        raise _damaged(path, reader, f"not read within {2 * seconds} s") from None
-    stream = BytesIO(done.stdout)
-    line = stream.readline()
-    if done.returncode or not line:
-        raise _damaged(path, reader, _ended(done.returncode))
-    told = json.loads(line)
-    if "refused" in told:
-        raise LogError(f"{path.name}: {told['refused']}")
-    if "broken" in told:
-        raise _damaged(path, reader, told["broken"].replace(str(path.resolve()), path.name))
-    return told, stream
+        return None
+    return done.returncode
 
 
 def _size(path: Path) -> int:
@@ -121,7 +135,7 @@ def _damaged(path: Path, reader: Reader, reason: str) -> LogError:
     return LogError(f"{path.name}: the {reader.format} file is damaged ({short}); {reader.mend}")
 
 
-def _array(stream: BytesIO, dtype: str, shape: list[int]) -> Raw:
+def _array(stream: IO[bytes], dtype: str, shape: list[int]) -> Raw:
     kind = np.dtype(dtype)
     count = int(np.prod(shape, dtype=np.int64))
-    return np.frombuffer(stream.read(count * kind.itemsize), kind, count).reshape(shape)
+    return np.fromfile(stream, kind, count).reshape(shape)

@@ -1,7 +1,6 @@
 """Phone loggers: a zip file, or a folder, with one text file a sensor, each on its own clock."""
 
 import zipfile
-import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -12,23 +11,23 @@ from tuner.data.logs.csv import open_csv
 from tuner.data.logs.error import LogError, quoted
 from tuner.data.logs.home import Home
 from tuner.data.logs.table import Loaded, Raw, Table, together
+from tuner.data.logs.zipped import DAMAGE, check_index, check_sizes
+from tuner.files import leads_out
+from tuner.limits import unpacked
 
 TEXTS = (".csv", ".txt", ".tsv", ".dat")
 _NESTED = (".zip", ".gz", ".7z", ".tar", ".tgz", ".bz2", ".xz")
 _BLOCK = 1 << 20
-_SMALL = 256 << 20
-_RATIO = 100
 _MOST = 1000
-_DAMAGE = (OSError, EOFError, zlib.error, zipfile.BadZipFile, NotImplementedError, RuntimeError,
-           ValueError, MemoryError)  # fmt: skip
 
 
 def is_archive(path: Path) -> bool:
     """Whether a zip file holds text files, or other archives, and no arrays of numpy."""
     try:
+        check_index(path)
         with zipfile.ZipFile(path) as archive:
             endings = {PurePosixPath(name.lower()).suffix for name in archive.namelist()}
-    except _DAMAGE:
+    except DAMAGE:
         return False
     return ".npy" not in endings and bool(endings & {*TEXTS, *_NESTED})
 
@@ -47,13 +46,13 @@ def open_archive(path: Path) -> Table:
     try:
         with zipfile.ZipFile(path) as archive:
             members = _checked(path, archive.infolist())
-            budget = max(_SMALL, _RATIO * path.stat().st_size)
+            budget = unpacked(path.stat().st_size)
             files = {}
             for number, member in enumerate(members):
                 file = Path(home.path, f"{number}{PurePosixPath(member.filename).suffix}")
                 budget -= _unpack(path, archive, member, file, budget)
                 files[member.filename] = file
-    except _DAMAGE as error:
+    except DAMAGE as error:
         if isinstance(error, LogError):
             raise
         reason = " ".join(str(error).split()) or type(error).__name__
@@ -70,7 +69,13 @@ def open_folder(path: Path) -> Table:
     held = list(islice(path.rglob("*"), _MOST + 1))
     if len(held) > _MOST:
         raise LogError(f"{path.name}: the folder holds more than {_MOST} files; name one of them")
-    found = sorted(file for file in held if file.suffix.lower() in TEXTS)
+    found = sorted(f for f in held if f.suffix.lower() in TEXTS and f.is_file())
+    for file in found:
+        if leads_out(file, path):
+            raise LogError(
+                f"{path.name}: {file.name!r} is a link that leads out of the folder; name the file "
+                "itself"
+            )
     files = {file.relative_to(path).as_posix(): file for file in found}
     return _together(path, files, "folder of text files", None)
 
@@ -93,12 +98,7 @@ def _checked(path: Path, members: Sequence[zipfile.ZipInfo]) -> list[zipfile.Zip
         hidden = name.name.startswith(".") or "__MACOSX" in name.parts
         if name.suffix.lower() in TEXTS and not hidden and not member.is_dir():
             chosen.append(member)
-    size = sum(member.file_size for member in chosen)
-    if size > max(_SMALL, _RATIO * path.stat().st_size):
-        raise LogError(
-            f"{path.name}: the zip file would unpack to {size / 2**30:.1f} GiB, more than "
-            f"{_RATIO} times its size; unpack it by hand and name the folder"
-        )
+    check_sizes(path, chosen, "the zip file")
     if len(chosen) > _MOST:
         raise LogError(f"{path.name}: the zip file holds more than {_MOST} text files; pack fewer")
     return chosen

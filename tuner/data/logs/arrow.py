@@ -9,6 +9,7 @@ import numpy as np
 from tuner.data.logs.contents import Contents, Group
 from tuner.data.logs.error import LogError
 from tuner.data.logs.table import Raw
+from tuner.limits import check_amount, told, unpacked
 
 _PARQUET = b"PAR1"
 _DEEPEST = 8
@@ -38,6 +39,14 @@ def load(path: Path, names: Sequence[str]) -> dict[str, Raw]:
     """Columns by their names; what is missing is NaN, times are integers."""
     from pyarrow import parquet
 
+    _, _, rows = _schema(path)
+    size = 8 * rows * len(names)
+    if size > unpacked(path.stat().st_size):
+        raise LogError(
+            f"{names[0]!r} and others would unpack to {told(size)}, which no log does; save fewer "
+            "rows"
+        )
+    check_amount("what is mapped of it", size, "map less or cut it into parts")
     if _is_parquet(path):
         file = parquet.ParquetFile(path)
         table = file.read([top for top in file.schema_arrow.names if _holds(top, names)])

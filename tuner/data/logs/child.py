@@ -20,13 +20,13 @@ def main() -> None:
     nowhere = os.open(os.devnull, os.O_WRONLY)
     with os.fdopen(os.dup(1), "wb") as out:
         os.dup2(nowhere, 1)
-        _bound(question["seconds"], question["bytes"])
+        _bound(question["seconds"], question["bytes"], question["held"])
         answer, arrays = _answer(question)
         _write(out, answer, arrays)
     os._exit(0)  # a library's own end can fail on a damaged file, when all is said
 
 
-def _bound(seconds: int, size: int) -> None:
+def _bound(seconds: int, size: int, held: int) -> None:
     """Bound processor time and memory where the system can."""
     try:
         import resource
@@ -35,6 +35,7 @@ def _bound(seconds: int, size: int) -> None:
     bounds = (
         (resource.RLIMIT_CPU, seconds),
         (resource.RLIMIT_AS, size),
+        (resource.RLIMIT_DATA, held),
         (resource.RLIMIT_FSIZE, size),
         (resource.RLIMIT_CORE, 0),
     )

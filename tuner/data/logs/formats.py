@@ -14,6 +14,7 @@ from tuner.data.logs.error import LogError
 from tuner.data.logs.mat import open_mat5
 from tuner.data.logs.npz import open_npz
 from tuner.data.logs.table import Table
+from tuner.files import opened
 
 _HEAD = 64
 
@@ -36,9 +37,9 @@ def open_table(path: Path) -> Table:
     if head is None:
         bag = (path / "metadata.yaml").is_file()
         return open_apart(path, _ROSBAG) if bag else open_folder(path)
-    for beginnings, opened in _FORMATS:
+    for beginnings, open_one in _FORMATS:
         if head.startswith(beginnings):
-            return opened(path)
+            return open_one(path)
     return open_csv(path)
 
 
@@ -80,17 +81,19 @@ _FORMATS: tuple[tuple[tuple[bytes, ...], Callable[[Path], Table]], ...] = (
 
 def _head(path: Path) -> bytes | None:
     """The first bytes of the file; None of a folder."""
+    if path.is_dir():
+        return None
     try:
-        if not path.exists():
-            raise LogError(f"{path.name}: there is no such file; check the path")
-        if path.is_dir():
-            return None
-        with path.open("rb") as stream:
+        with opened(path) as stream:
             head = stream.read(_HEAD)
+    except FileNotFoundError as error:
+        raise LogError(f"{path.name}: there is no such file; check the path") from error
     except OSError as error:
         raise LogError(
             f"{path.name}: the file cannot be opened ({error.strerror}); check path and permissions"
         ) from error
+    except ValueError as error:
+        raise LogError(str(error)) from None
     if not head:
         raise LogError(f"{path.name}: the file is empty; record or export the log again")
     return head

@@ -12,6 +12,7 @@ from tuner.data.logs.contents import Contents, Group, table_of
 from tuner.data.logs.error import LogError
 from tuner.data.logs.table import Raw, Table
 from tuner.data.mat_objects import Columns, Objects, columns_of
+from tuner.limits import check_amount
 
 FORMAT = "MATLAB file of version 5"
 _DEEPEST = 8
@@ -32,6 +33,7 @@ def open_mat5(path: Path) -> Table:
         LogError: where the file is damaged or holds no columns.
     """
     try:
+        check_amount("the MAT file", path.stat().st_size, "save fewer variables in it")
         variables = mat.read(path.read_bytes())
         groups, columns, left = _sorted_out(variables)
     except _DAMAGE as error:

@@ -10,6 +10,8 @@ from tuner.data.logs.contents import Contents, Group
 from tuner.data.logs.error import LogError
 from tuner.data.logs.mat import told
 from tuner.data.logs.table import Raw
+from tuner.limits import check_amount, unpacked
+from tuner.limits import told as told_size
 
 _DEEPEST = 8
 _MOST = 100_000
@@ -39,6 +41,13 @@ def load(path: Path, names: Sequence[str]) -> dict[str, Raw]:
 
     with h5py.File(path, "r") as file:
         found = dict(_datasets(file, "", _DEEPEST))
+        size = sum(found[name].size * found[name].dtype.itemsize for name in names)
+        if size > unpacked(path.stat().st_size):
+            raise LogError(
+                f"{names[0]!r} and others would unpack to {told_size(size)}, which no log does; "
+                "save them without compression"
+            )
+        check_amount("what is mapped of it", size, "map less or cut it into parts")
         return {name: _read(found[name]) for name in names}
 
 
@@ -52,8 +61,10 @@ def _datasets(group: Any, prefix: str, deep: int) -> Iterator[tuple[str, Any]]:
         if count > _MOST:
             raise LogError(f"the MAT file holds more than {_MOST} arrays; save fewer")
         link = group.get(name, getlink=True)
-        if isinstance(link, h5py.ExternalLink | h5py.SoftLink):
-            continue  # the one leads to other files, the other maybe in a circle
+        if isinstance(link, h5py.ExternalLink):
+            raise LogError(f"{name!r} is a link to another file; save the data in this one")
+        if isinstance(link, h5py.SoftLink):
+            continue  # it may lead in a circle
         part = group[name]
         if isinstance(part, h5py.Group) and deep:
             yield from _datasets(part, f"{prefix}{name}.", deep - 1)

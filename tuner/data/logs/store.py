@@ -6,6 +6,7 @@ import numpy as np
 
 from tuner.data.logs.scaling import Floats
 from tuner.data.logs.table import Raw
+from tuner.limits import check_amount
 
 
 class Store:
@@ -55,6 +56,11 @@ class Store:
 
     def _grow(self, k: int, rows: int, density: float) -> None:
         """Make room, for the whole file at first; memory that is not written costs nothing."""
+        check_amount(
+            f"{rows} rows of {len(self._values)} columns",
+            8 * rows * len(self._values),
+            "map fewer columns or cut the log into parts",
+        )
         room = rows + rows // 4 if self._rows else max(rows, int(1.05 * density * self._size))
         bigger = np.empty(room)
         bigger[: self._rows] = self._values[k][: self._rows]

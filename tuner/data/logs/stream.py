@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tuner.data.logs.error import LogError
+from tuner.limits import told, unpacked
 
 _GZIP = b"\x1f\x8b"
 _PROBE = 1 << 16
@@ -15,10 +16,8 @@ _HEAD = 1 << 18
 _FEW = 30
 _BLOCK = 1 << 20
 _LONGEST_LINE = 1 << 24
-_LARGEST = 1 << 33
 _SHARE = 0.8
 _ZEROS = 0.05  # a log on flash memory may have lost a page
-_SPARE, _RATIO = 1 << 25, 60  # a log shrinks to a tenth, an idle one to a fiftieth
 _MARKS = {
     codecs.BOM_UTF8: "utf-8",
     codecs.BOM_UTF16_LE: "utf-16-le",
@@ -125,20 +124,18 @@ def _is_packed(path: Path) -> bool:
 
 
 def _chunks(path: Path, size: int) -> Iterator[bytes]:
-    """The bytes of the text, unpacked where they are compressed, up to a size."""
+    """The bytes of the text, unpacked where they are compressed, up to what a log unpacks to."""
     held = path.stat().st_size
     packed = _is_packed(path)
-    most = _RATIO * held + _SPARE if packed else _LARGEST
-    way_out = "a log does not shrink like that; unpack it yourself" if packed else "cut it in parts"
-    if not packed and held > most:
-        raise LogError(f"{path.name}: the file holds {held >> 30} GB; {way_out}")
+    most = unpacked(held)
     read = 0
     with gzip.open(path, "rb") if packed else path.open("rb") as stream:
         while data := stream.read(size):
             read += len(data)
-            if read > most:
+            if packed and read > most:
                 raise LogError(
-                    f"{path.name}: {held >> 10} kB unpack to more than {most >> 20} MB; {way_out}"
+                    f"{path.name}: {held >> 10} kB unpack to more than {told(most)}; a log does "
+                    "not shrink like that; unpack it yourself"
                 )
             yield data
 

@@ -1,0 +1,66 @@
+"""Opening files: those alone that are files, and no more of them than is meant."""
+
+import os
+import stat
+from io import BufferedReader
+from pathlib import Path
+
+_KINDS = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISFIFO, "a pipe"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+    (stat.S_ISSOCK, "a socket"),
+)
+
+
+def opened(path: Path) -> BufferedReader:
+    """Open a file for reading; a link that a person names leads to one.
+
+    Raises:
+        OSError: where it is not there, or may not be read.
+        ValueError: for a pipe or a device, which may have no end, a socket and a folder.
+
+    >>> opened(Path("/dev/null"))
+    Traceback (most recent call last):
+    ValueError: /dev/null is a device and no file; write what it gives to a file, and name that
+    """
+    # Opening a pipe would wait for who writes into it.
+    number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    if kind := _kind(number):
+        os.close(number)
+        raise ValueError(
+            f"{path} is {kind} and no file; write what it gives to a file, and name that"
+        )
+    return os.fdopen(number, "rb")
+
+
+def whole(path: Path, most: int, what: str) -> bytes:
+    """All of a small file.
+
+    Args:
+        path: the file.
+        most: bytes that it may have.
+        what: what it should be, for the sentence.
+
+    Raises:
+        OSError: where it is not there, or may not be read.
+        ValueError: where it is no file, or larger.
+    """
+    with opened(path) as stream:
+        data = stream.read(most + 1)
+    if len(data) > most:
+        raise ValueError(
+            f"{path} has more than {most} bytes, which is no {what}; name another file"
+        )
+    return data
+
+
+def leads_out(path: Path, folder: Path) -> bool:
+    """Whether a file in a folder is a link that leads out of it."""
+    return folder.resolve() not in path.resolve().parents
+
+
+def _kind(number: int) -> str:
+    mode = os.fstat(number).st_mode
+    return next((kind for holds, kind in _KINDS if holds(mode)), "")
