@@ -11,6 +11,7 @@ from typing import Any, TypeAlias
 
 from tuner.cli import fits
 from tuner.cli.tables import number_text, show_grid
+from tuner.export.cells import inert
 from tuner.run.comparison import Comparison
 from tuner.run.result import Result, read_result
 
@@ -109,7 +110,9 @@ def _verdict(row: Comparison, tolerance: float | None) -> str:
 
 def _print(title: str, lines: list[list[str]], *, md: bool, csv: bool) -> None:
     if csv:
-        csv_.writer(sys.stdout, lineterminator="\n").writerows(lines)
+        csv_.writer(sys.stdout, lineterminator="\n").writerows(
+            [[inert(cell) for cell in line] for line in lines]
+        )
     elif md:
         body = [[cell.replace("|", "\\|") for cell in line] for line in lines]
         body.insert(1, ["---"] * len(lines[0]))

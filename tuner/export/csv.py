@@ -4,15 +4,19 @@ import csv
 import io
 import json
 import math
+import re
 from collections.abc import Iterator
 
 import numpy as np
 
+from tuner.export.cells import as_written, inert
 from tuner.export.document import Document, flat, head, mapping, nested, sequence, tuned_from
 from tuner.export.tuned import Quantity, Tuned
 
 _COLUMNS = ["name", "row", "column", "value", "unit", "meaning"]
 _SHAPES = "shapes"
+_TEXTS = re.compile(r'"(?:[^"\\]|\\.)*"')
+_PARTING = {ord(mark): f"\\u{ord(mark):04x}" for mark in ",;|"}
 
 
 def dump(tuned: Tuned) -> bytes:
@@ -23,7 +27,7 @@ def dump(tuned: Tuned) -> bytes:
     stream = io.StringIO(newline="")
     shapes = {quantity.name: list(quantity.value.shape) for quantity in tuned.quantities}
     for key, value in (flat(head(tuned)) | {_SHAPES: shapes}).items():
-        stream.write(f"# {key}: {json.dumps(value, ensure_ascii=False)}\n")
+        stream.write(f"# {key}: {_above(value)}\n")
     # Without its quotes a field with a carriage return would end the row.
     writer = csv.writer(stream, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
     writer.writerow(_COLUMNS)
@@ -51,7 +55,14 @@ def load(data: bytes) -> Tuned:
 def _rows(quantity: Quantity) -> Iterator[list[str | int | float]]:
     for index, value in np.ndenumerate(quantity.value):
         row, column = (*index, "", "")[:2]
-        yield [quantity.name, row, column, float(value), quantity.unit, quantity.meaning]
+        told = inert(quantity.unit), inert(quantity.meaning)
+        yield [quantity.name, row, column, float(value), *told]
+
+
+def _above(value: object) -> str:
+    """JSON for a line above, whose texts hold nothing that parts cells: each would begin one."""
+    text = json.dumps(value, ensure_ascii=False)
+    return _TEXTS.sub(lambda found: found[0].translate(_PARTING), text)
 
 
 def _quantity(rows: list[list[str]], shape: object) -> Quantity:
@@ -59,7 +70,7 @@ def _quantity(rows: list[list[str]], shape: object) -> Quantity:
     name = rows[0][0]
     if any(len(row) != len(_COLUMNS) for row in rows):
         raise ValueError(f"{name!r} has a row with too many or too few columns")
-    labels = {(unit, meaning) for *_, unit, meaning in rows}
+    labels = {(as_written(unit), as_written(meaning)) for *_, unit, meaning in rows}
     if len(labels) > 1:
         raise ValueError(f"{name!r} has more than one unit or meaning")
     numbers = {_index(row): float(row[3]) for row in rows}

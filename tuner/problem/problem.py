@@ -17,6 +17,7 @@ from tuner.data.source import Source
 from tuner.export.tuned import Quantity
 from tuner.problem.constraint import Constraint
 from tuner.problem.exported import Exported, Trial, exported_of, held_of, once, quantities_of
+from tuner.problem.physics import check_leaf, check_present, check_start
 from tuner.problem.space import Space
 from tuner.problem.steady_form import steady_form_of
 from tuner.problem.trial import try_out
@@ -61,8 +62,10 @@ class Problem:
         exported: what is written down beside the parameters; None: what the filter declares.
 
     Raises:
-        ValueError: where the data holds single precision, infinite values or unequal lengths, and
-            where an evaluation by shapes alone shows a mistake in the filter or its parameters.
+        ValueError: where the data holds single precision, what is no real number, infinite values,
+            outliers beyond all reason, unequal lengths, or an input without one sample; where an
+            evaluation by shapes alone shows a mistake in the filter or its parameters; and where
+            the search would begin with variances that are negative, or covariances that are none.
     """
 
     name: str
@@ -80,13 +83,15 @@ class Problem:
 
     def __post_init__(self) -> None:
         for path, leaf in jax.tree_util.tree_leaves_with_path(self.data):
-            _check(jax.tree_util.keystr(path), np.asarray(leaf))
+            check_leaf(f"data{jax.tree_util.keystr(path)}", np.asarray(leaf))
         lengths = {np.shape(leaf)[0] for leaf in jax.tree.leaves(self.data) if np.ndim(leaf)}
         if len(lengths) > 1:
             raise ValueError(f"the data of {self.name} has unequal lengths {sorted(lengths)}")
         if self.filter is not None:
             build = self.static.build
             try_out(self.name, self.filter, build, self.space, self.objective, self.data)
+            check_present(self.name, self.filter, self.data.inputs)
+            check_start(self.name, self.space, build, self.filter)
 
     def starts(self, count: int, seed: int) -> np.ndarray:
         """Where to begin, ``(count, size)``: the initial values, known starts, random points."""
@@ -310,14 +315,3 @@ def _score(static: Static, values: dict[str, Array], data: Data) -> Array:
 
 def _finite(value: float) -> float:
     return value if np.isfinite(value) else float("inf")
-
-
-def _check(where: str, leaf: np.ndarray) -> None:
-    if leaf.dtype.kind == "f" and leaf.dtype != np.float64:
-        raise ValueError(
-            f"data{where} is {leaf.dtype}; a filter is tuned in float64, for in single precision "
-            "slow gains are wrong by up to their size: convert it with np.asarray(x, float)"
-        )
-    if leaf.dtype.kind == "f" and np.isinf(leaf).any():
-        first = np.argwhere(np.isinf(leaf))[0]
-        raise ValueError(f"data{where} is infinite at {tuple(map(int, first))}; use NaN if missing")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tuner.export.cells import inert
 from tuner.run.figure import Chart, Figure, Line, Map
 
 if TYPE_CHECKING:
@@ -203,4 +204,5 @@ def _png(canvas: "Canvas") -> bytes:
 
 
 def _quoted(text: str) -> str:
-    return '"' + text.replace('"', '""') + '"' if set(text) & set(',"\n') else text
+    text = inert(text)
+    return '"' + text.replace('"', '""') + '"' if set(text) & set(',"\n\r') else text

@@ -1,0 +1,167 @@
+"""What no data and no covariances can be, whatever the filter: told before anything is compiled."""
+
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from filters import AnyFilter, bare
+from filters.declared import optional, parameter_facts
+
+_STRAY = float(1 / np.sqrt(np.finfo(float).eps))
+"""The square of a number so many times as large leaves no digit of the others' squares."""
+_TOP = 100
+"""One of so many numbers may be an outlier."""
+_ROUNDING = 1e-9
+_COVARIANCES = ("R", "Q", "P0")
+_WORDS = ("variance", "covariance", "spectral density")
+
+
+def check_leaf(where: str, leaf: np.ndarray) -> None:
+    """Refuse samples that are no numbers of float64, infinite ones, and outliers beyond all reason.
+
+    Args:
+        where: the place in the data, for the sentence.
+        leaf: the samples, time first.
+
+    Raises:
+        ValueError: one sentence, with the way out.
+    """
+    if leaf.dtype.kind not in "biuf":
+        kind = {"c": "complex"}.get(leaf.dtype.kind, str(leaf.dtype))
+        raise ValueError(
+            f"{where} is {kind}, and samples are real numbers; give np.asarray(x, float)"
+        )
+    if leaf.dtype.kind != "f":
+        return
+    if leaf.dtype != np.float64:
+        raise ValueError(
+            f"{where} is {leaf.dtype}; a filter is tuned in float64, for in single precision "
+            "slow gains are wrong by up to their size: convert it with np.asarray(x, float)"
+        )
+    if np.isinf(leaf).any():
+        first = np.argwhere(np.isinf(leaf))[0]
+        raise ValueError(f"{where} is infinite at {tuple(map(int, first))}; use NaN if missing")
+    _check_outliers(where, leaf)
+
+
+def _check_outliers(where: str, leaf: np.ndarray) -> None:
+    """Refuse a number beside whose square those of all others are rounded away."""
+    size = np.abs(leaf[np.isfinite(leaf) & (leaf != 0)])
+    if len(size) < 2 or size.max() <= _STRAY * size.min():
+        return
+    count = min(len(size), len(size) // _TOP + 2)
+    top = np.sort(np.partition(size, len(size) - count)[-count:])
+    if (top[1:] > _STRAY * top[:-1]).any():
+        least = top[1:][top[1:] > _STRAY * top[:-1]][0]
+        at = tuple(map(int, np.argwhere(np.abs(leaf) >= least)[0]))
+        usual = float(np.median(size))
+        raise ValueError(
+            f"{where} is {leaf[at]:.3g} at {at}, where numbers are {usual:.3g} as a rule, and its "
+            "square leaves no digit of theirs; use NaN if it is no measurement"
+        )
+
+
+def check_present(name: str, filter: AnyFilter | None, inputs: Any) -> None:
+    """Refuse inputs of which not one sample is there; a filter may do without optional ones.
+
+    Args:
+        name: of the problem.
+        filter: what runs over them; None: nothing does.
+        inputs: the samples, time first.
+
+    Raises:
+        ValueError: one sentence, with the way out.
+    """
+    spared = _optional(filter)
+    for path, leaf in jax.tree_util.tree_leaves_with_path(inputs):
+        values = np.asarray(leaf)
+        field = str(getattr(path[0], "name", "")) if path else ""
+        if values.dtype.kind != "f" or not values.size or field in spared:
+            continue
+        gone = np.isnan(values)
+        if not path and values.ndim > 1:  # signals side by side, each by itself
+            gone = gone.all(axis=0)
+        if gone.any() if not path else gone.all():
+            what = f"the input {field}" if field else "an input"
+            raise ValueError(
+                f"{what} of {name} is missing in all {len(values)} samples; give samples of it, or "
+                "leave it out"
+            )
+
+
+def _optional(filter: AnyFilter | None) -> frozenset[str]:
+    own = bare(filter)
+    return optional(own) if hasattr(own, "inputs") else frozenset()
+
+
+@lru_cache(maxsize=256)
+def check_start(name: str, space: Any, build: Any, filter: Any) -> None:
+    """Refuse variances that are negative or infinite, and covariances that are none, at the start.
+
+    Args:
+        name: of the problem.
+        space: the parameters.
+        build: from values by name to what the filter takes.
+        filter: the filter.
+
+    Raises:
+        ValueError: one sentence, with the way out.
+    """
+    z = jax.ShapeDtypeStruct((space.size,), jnp.float64)
+    shapes = jax.eval_shape(lambda at: build(space.constrain(at)), z)
+    said = _said(filter)
+    if not any(True for _ in _covariances(shapes, said)):
+        return
+    params = build(space.constrain(jnp.asarray(space.start())))
+    for field, value in _covariances(params, said):
+        fault = _fault(np.asarray(value))
+        if fault:
+            raise ValueError(f"the {field} of {name} {fault}")
+
+
+def _said(filter: AnyFilter | None) -> frozenset[str]:
+    """The parameters of which a filter says that they are variances."""
+    own = bare(filter)
+    if not hasattr(own, "params"):
+        return frozenset()
+    facts = parameter_facts(own)
+    return frozenset(n for n, fact in facts.items() if fact.meaning.startswith(_WORDS))
+
+
+def _covariances(params: Any, said: frozenset[str]) -> Iterator[tuple[str, Any]]:
+    """The fields that hold variances: those said to, and R, Q and P0 of this package's tuples."""
+    if not isinstance(params, tuple):
+        return
+    ours = type(params).__module__.startswith("filters.")
+    for field in getattr(params, "_fields", ()):
+        value = getattr(params, field)
+        if isinstance(value, tuple):
+            yield from _covariances(value, said)
+        elif value is not None and (field in said or (ours and field in _COVARIANCES)):
+            yield field, value
+
+
+def _fault(value: np.ndarray) -> str:
+    """What is wrong with variances, or a covariance; "" where nothing is."""
+    if not np.isfinite(value).all():
+        return f"holds {value[~np.isfinite(value)][0]:g}; give a finite number"
+    square = value.ndim == 2 and value.shape[0] == value.shape[1]
+    diagonal = np.diagonal(value) if square else value
+    if (diagonal < 0).any():
+        return f"holds the variance {diagonal.min():.4g}; give one that is not negative"
+    if not square:
+        return ""
+    largest = np.abs(value).max(initial=0.0)
+    if np.abs(value - value.T).max(initial=0.0) > _ROUNDING * largest:
+        return "is not symmetric, and a covariance is; give the mean of it and its transpose"
+    least = float(np.linalg.eigvalsh(value).min(initial=0.0))
+    if least < -_ROUNDING * largest:
+        return (
+            f"has the eigenvalue {least:.4g}, and a covariance has none below 0; no state or error "
+            "is spread like that"
+        )
+    return ""
