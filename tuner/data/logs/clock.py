@@ -18,6 +18,7 @@ _SLOW_S = 1.5
 _MANY = 10
 _STRAY = 0.1
 _SHARE = 0.2
+_DRIFT = 0.01
 _SPREAD = 0.6  # of a usual step: two samples in the time of one have a half
 
 
@@ -27,7 +28,8 @@ class Clock:
 
     Attributes:
         seconds: since the first sample, ``(N,)``, rising.
-        step: seconds between two samples as a rule; their mean where there is no rule.
+        step: seconds between two samples as a rule; their mean where there is no rule, or where
+            that does not add up to the time that has passed.
         rate_hz: samples per second, the same the other way round.
         gaps: ``(row, seconds)`` of each step above 1.5 times the median; the row before it.
         jitter: largest relative deviation of the other steps from the usual one; 0 where the
@@ -109,7 +111,9 @@ def judged(seconds: Floats, resolution: float = 0.0) -> Clock:
     rounded = np.ptp(regular) <= 1.001 * resolution
     stray = np.abs(regular - median) > _STRAY * median
     steady = bool(rounded or stray.mean() <= _SHARE)
-    step = median if steady and not rounded else float(regular.mean())
+    mean = float(regular.mean())
+    told = steady and not rounded and abs(mean - median) <= _DRIFT * median
+    step = median if told else mean  # of steps that take turns the middle one fits no record
     jitter = 0.0 if rounded else float(np.abs(regular - step).max()) / step
     rows = np.flatnonzero(gap)
     gaps = tuple(zip(rows.tolist(), steps[rows].tolist(), strict=True))

@@ -156,7 +156,8 @@ def _digits(column: Floats) -> float:
     sample = column[:: max(1, len(column) // 1000)]
     noise = 4.0 * float(np.spacing(np.abs(column).max()))
     for decimals in range(_DIGITS + 1):
-        if np.abs(sample - np.round(sample, decimals)).max() <= noise:
+        # Every second row of steps in turn may have fewer digits than all of them.
+        if all(np.abs(x - np.round(x, decimals)).max() <= noise for x in (sample, column)):
             return max(10.0**-decimals, noise)
     return noise
 
