@@ -36,6 +36,18 @@ def parse_size(what: str, text: str) -> int:
     return size
 
 
+def bound_process(size: int) -> None:
+    """Let this process and those that it starts take no more, where the system can."""
+    try:
+        import resource
+    except ImportError:  # not on Windows
+        return
+    with suppress(ValueError, OSError):  # a stricter bound is there already
+        resource.setrlimit(
+            resource.RLIMIT_DATA, (size, resource.getrlimit(resource.RLIMIT_DATA)[1])
+        )
+
+
 def memory() -> int:
     """How many bytes may be held: as the environment says, else half of what the machine has.
 

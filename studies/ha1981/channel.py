@@ -25,6 +25,7 @@ from filters import (
 from objectives import LinearSystem
 from studies.ha1981 import paper
 from studies.ha1981.settings import Settings
+from tuner.limits import check_amount
 
 ERRORS = tuple(ConventionalLoop.states)
 """(A_B, dV, dh), the state."""
@@ -155,6 +156,7 @@ def noise_share(K1: Array | float, K2p: Array | float, K3: Array | float) -> Arr
 
 def times(seconds: float, Ts: float) -> np.ndarray:
     """The sampling times from 0 to an end, ``(N,)``, s."""
+    check_amount(f"{seconds / Ts:.4g} steps", 512 * seconds / Ts, "take fewer seconds")
     return np.arange(int(np.floor(seconds / Ts + 1e-9)) + 1) * Ts
 
 

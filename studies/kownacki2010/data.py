@@ -13,6 +13,7 @@ from tuner.data.noise_split import NoiseSplit, split_noise
 from tuner.data.record import Record
 from tuner.data.source import Source
 from tuner.data.stillness import check_at_rest
+from tuner.limits import check_amount
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +72,9 @@ class Bench:
 
 def synthetic(sensor: Sensor, settings: Settings, seed: int) -> np.ndarray:
     """A motionless record: white noise with Table 1's R as its variance, ``(N,)``."""
-    samples = round(settings.seconds * settings.rate_hz) + 1
+    many = settings.seconds * settings.rate_hz
+    check_amount(f"{many:.4g} samples", 64.0 * many, "take fewer seconds")
+    samples = round(many) + 1
     draw = np.random.default_rng([seed, [GYRO, ACC].index(sensor)])
     return np.asarray(np.sqrt(sensor.table1.R) * draw.standard_normal(samples))
 

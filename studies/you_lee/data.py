@@ -11,6 +11,7 @@ from studies.you_lee.flight import Motion, Trajectory, motion
 from studies.you_lee.paper import MICRO, PER_HOUR
 from studies.you_lee.settings import Settings
 from tuner.data.simulation import Sensor, even_normals
+from tuner.limits import check_amount
 
 ALL = slice(None)
 
@@ -33,6 +34,8 @@ class Flown:
 
 def flown(settings: Settings, trajectory: Trajectory) -> Flown:
     """One flight."""
+    many = settings.samples
+    check_amount(f"{many:.4g} samples", 512.0 * many, "take a shorter flight")
     t = settings.dt / 2 * np.arange(2 * settings.samples + 1)
     known = [np.asarray(part) for part in motion(trajectory, settings.course, jnp.asarray(t))]
     angles, velocity = known[0], known[-1]

@@ -357,18 +357,23 @@ def main() -> None:
     """Run the command line, with one line on stderr and exit code 2 for what a user can mend."""
     from tuner.cli.leaving import leave
 
-    leave(invoke(sys.argv[1:]))
+    leave(invoke(sys.argv[1:], alone=True))
 
 
-def invoke(arguments: list[str]) -> int:
-    """Run the command line with given arguments and return its exit code."""
+def invoke(arguments: list[str], *, alone: bool = False) -> int:
+    """Run the command line with given arguments and return its exit code.
+
+    Args:
+        arguments: its words.
+        alone: whether the process does nothing else, so that a bound on memory may be put on it.
+    """
     from tuner.cli.door import outcome
     from tuner.cli.everywhere import Everywhere
 
     asked = Everywhere.of(arguments)
 
     def run() -> int:
-        with asked.bounded():
+        with asked.bounded(alone=alone):
             return _commanded(asked.rest or ["--help"])
 
     return outcome(run, whole=asked.traceback)

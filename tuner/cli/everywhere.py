@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from tuner.limits import VARIABLE, parse_size
+from tuner.limits import VARIABLE, bound_process, parse_size
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,14 @@ class Everywhere:
         return cls(rest, traceback, memory)
 
     @contextmanager
-    def bounded(self) -> Iterator[None]:
+    def bounded(self, *, alone: bool) -> Iterator[None]:
         """The bound on memory holds while this lasts, here and in processes that are started.
+
+        What is refused before it is made goes by it; what is taken unforeseen meets it, where the
+        process does nothing else.
+
+        Args:
+            alone: whether it does nothing else.
 
         Raises:
             ValueError: for a bound that is no size, or too small to run in.
@@ -56,7 +62,10 @@ class Everywhere:
             yield
             return
         before = os.environ.get(VARIABLE)
-        os.environ[VARIABLE] = str(parse_size("--memory", self.memory))
+        size = parse_size("--memory", self.memory)
+        os.environ[VARIABLE] = str(size)
+        if alone:
+            bound_process(size)
         try:
             yield
         finally:

@@ -14,6 +14,7 @@ import numpy as np
 
 from filters.imu import ImuSample
 from filters.rotation import rotate_back
+from tuner.limits import check_amount
 
 GRAVITY = 9.80665
 """m/s^2."""
@@ -121,6 +122,7 @@ def simulate(
     """
     if not (0 < dt < np.inf and dt <= seconds < np.inf):
         raise ValueError(f"{seconds:g} s in steps of {dt:g} s is no motion; give positive times")
+    check_amount(f"{seconds / dt:.4g} samples", 512 * seconds / dt, "take a shorter time")
     draw = np.random.default_rng(seed)
     time = dt * np.arange(round(seconds / dt))
     angles, speed = _angles(swing, time, draw)
