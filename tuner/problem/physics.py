@@ -98,7 +98,6 @@ def _optional(filter: AnyFilter | None) -> frozenset[str]:
     return optional(own) if hasattr(own, "inputs") else frozenset()
 
 
-@lru_cache(maxsize=256)
 def check_start(name: str, space: Any, build: Any, filter: Any) -> None:
     """Refuse variances that are negative or infinite, and covariances that are none, at the start.
 
@@ -111,6 +110,11 @@ def check_start(name: str, space: Any, build: Any, filter: Any) -> None:
     Raises:
         ValueError: one sentence, with the way out.
     """
+    _check_start(name, space, build, filter)
+
+
+@lru_cache(maxsize=256)  # by its values, however many problems begin with them
+def _check_start(name: str, space: Any, build: Any, filter: Any) -> None:
     z = jax.ShapeDtypeStruct((space.size,), jnp.float64)
     shapes = jax.eval_shape(lambda at: build(space.constrain(at)), z)
     said = _said(filter)
