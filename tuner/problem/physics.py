@@ -82,10 +82,9 @@ def check_present(name: str, filter: AnyFilter | None, inputs: Any) -> None:
         field = str(getattr(path[0], "name", "")) if path else ""
         if values.dtype.kind != "f" or not values.size or field in spared:
             continue
-        gone = np.isnan(values)
-        if not path and values.ndim > 1:  # signals side by side, each by itself
-            gone = gone.all(axis=0)
-        if gone.any() if not path else gone.all():
+        gone = np.isnan(values).all(axis=0)
+        # Of signals side by side each is one by itself; an axis of a sensor may be missing.
+        if gone.all() or (not path and gone.any()):
             what = f"the input {field}" if field else "an input"
             raise ValueError(
                 f"{what} of {name} is missing in all {len(values)} samples; give samples of it, or "
