@@ -41,7 +41,7 @@ def mat(**options: Any) -> bytes:
     stream = io.BytesIO()
     cells = np.array([VALUES, "text"], object)
     savemat(stream, {"t": TIMES, "gx": VALUES, "s": {"a": TIMES, "b": {"c": cells}}}, **options)
-    return stream.getvalue()
+    return b"MATLAB 5.0 MAT-file".ljust(116) + stream.getvalue()[116:]  # without the day
 
 
 def hdf5(**options: Any) -> bytes:
@@ -59,8 +59,8 @@ def archive() -> bytes:
     """A zip file of text logs."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as packed:
-        packed.writestr("Gyroscope.csv", text())
-        packed.writestr("meta/device.csv", "name,value\nx,1\n")
+        packed.writestr(zipfile.ZipInfo("Gyroscope.csv"), text())
+        packed.writestr(zipfile.ZipInfo("meta/device.csv"), "name,value\nx,1\n")
     return stream.getvalue()
 
 
