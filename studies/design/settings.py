@@ -13,6 +13,8 @@ from tuner.run.settings import StudySettings
 Number = Annotated[float, Strict()]
 Matrix = tuple[tuple[Number, ...], ...]
 
+_LARGEST = 1e60
+
 
 class Settings(StudySettings):
     """The model, and what is wanted of its observer."""
@@ -40,6 +42,22 @@ class Settings(StudySettings):
     def _rectangular(cls, value: Matrix | None) -> Matrix | None:
         if value is not None and (not value or len({len(row) for row in value}) != 1):
             raise ValueError("must be a matrix: rows of one length")
+        return value
+
+    @field_validator("A", "C", "Q", "R", "G", "error")
+    @classmethod
+    def _of_usual_size(cls, value: Matrix | str | tuple[Number, ...] | None) -> object:
+        """A design multiplies squares of them: those have to be numbers as well."""
+        if value is None or isinstance(value, str):
+            return value
+        size = np.abs(np.array(value, float))
+        if not np.isfinite(size).all():
+            raise ValueError("must be finite numbers")
+        if ((size > _LARGEST) | ((size > 0) & (size < 1 / _LARGEST))).any():
+            raise ValueError(
+                f"must be 0 or of a size between {1 / _LARGEST:g} and {_LARGEST:g}; take other "
+                "units"
+            )
         return value
 
     @field_validator("states")

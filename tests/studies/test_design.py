@@ -514,3 +514,14 @@ def test_what_takes_a_search_is_run_anew(more, words):
 
     with pytest.raises(ValueError, match=words):
         at_rate(Settings.model_validate(TRACKED | more), None, 60.0, ())
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("error", (1e308, 1e308, 1e308)), ("error", (1e-320, 0.0, 0.0)), ("R", ((1e-300,),))],
+)
+def test_numbers_whose_squares_are_none(name, value):
+    given = {"A": ((0.0,) * 3,) * 3, "C": ((0.0, 0.0, 1.0),), "Q": ((1.0,),), "R": ((3.0,),)}
+    given["error"] = (1.0, 0.0, 0.0)
+    with pytest.raises(ValueError, match=f"{name}\n.*must be 0 or of a size between 1e-60 and"):
+        Settings.model_validate({**given, name: value})

@@ -21,6 +21,7 @@ _CELL, _STRUCT, _OBJECT, _CHAR, _OPAQUE = 1, 2, 3, 4, 17  # classes of matrices
 _COMPLEX, _LOGICAL = 0x08, 0x02
 _VALUE = 1 << 9  # bytes that any value takes in memory, however small it is
 _DEEPEST = 24
+_PIECE = 1 << 14
 # MATLAB packs the numbers of a matrix into the smallest of these that holds them.
 _NUMBERS = {
     1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8",
@@ -95,7 +96,7 @@ class Layout:
             raise ValueError("it would unpack to more than a hundredfold, or than memory has room")
 
 
-def read(data: bytes) -> dict[str, Value]:
+def read(data: Bytes) -> dict[str, Value]:
     """The variables of a MAT v5 file; sparse matrices and functions are None.
 
     Raises:
@@ -104,7 +105,7 @@ def read(data: bytes) -> dict[str, Value]:
         struct.error: where a size in it cannot be read.
         zlib.error: where a compressed variable is damaged.
     """
-    order = {b"IM": "<", b"MI": ">"}.get(data[_HEADER - 2 : _HEADER])
+    order = {b"IM": "<", b"MI": ">"}.get(bytes(data[_HEADER - 2 : _HEADER]))
     if order is None:
         raise ValueError("it has no header of a MAT v5 file")
     room = min(unpacked(len(data)), largest())
@@ -147,18 +148,23 @@ def _variables(data: Bytes, order: str, budget: int) -> Iterator[Bytes]:
     """The bodies of the variables, compressed ones unpacked."""
     for kind, body in _elements(data, order):
         if kind == _COMPRESSED:
-            unpacker = zlib.decompressobj()
-            unpacked = unpacker.decompress(body, budget)
-            if unpacker.unconsumed_tail:
-                raise ValueError(
-                    "it would unpack to more than a hundredfold, or than memory has room"
-                )
-            if not unpacker.eof:
-                raise ValueError("it ends too early")
+            unpacked = _unpacked(body, budget)
             budget -= len(unpacked)
             yield from (inner for kind, inner in _elements(unpacked, order) if kind == _MATRIX)
         elif kind == _MATRIX:
             yield body
+
+
+def _unpacked(body: Bytes, budget: int) -> memoryview:
+    """The bytes of a compressed variable, piece by piece so that they are there once."""
+    unpacker, out = zlib.decompressobj(), bytearray()
+    for at in range(0, len(body), _PIECE):
+        out += unpacker.decompress(body[at : at + _PIECE])
+        if len(out) > budget:
+            raise ValueError("it would unpack to more than a hundredfold, or than memory has room")
+    if not unpacker.eof:
+        raise ValueError("it ends too early")
+    return memoryview(out)
 
 
 def _elements(data: Bytes, order: str) -> Iterator[tuple[int, Bytes]]:
@@ -234,7 +240,7 @@ def _matrix(shape: tuple[int, ...], rest: Parts, layout: Layout, kind: int, mark
         raise ValueError("it holds a matrix with too many or too few numbers")
     dtype = "?" if marks & _LOGICAL else _CLASSES[kind]
     layout.take(math.prod(shape) * np.dtype(dtype).itemsize * len(parts))
-    numbers = parts[0].astype(dtype) if len(parts) == 1 else parts[0] + 1j * parts[1]
+    numbers = parts[0].astype(dtype, copy=False) if len(parts) == 1 else parts[0] + 1j * parts[1]
     return numbers.reshape(shape, order="F")
 
 

@@ -235,7 +235,7 @@ def _record(name: str, found: Sequence[tuple[File, list[Reading]]]) -> Record:
 def _signal(reading: Reading, start: Fraction) -> Signal:
     clock = reading.clock
     later = 0.0 if clock.origin is None else float(clock.origin - start)
-    values, times = reading.values, clock.seconds + later
+    values, times = reading.values, clock.seconds + later if later else clock.seconds
     values.flags.writeable = times.flags.writeable = False
     source = ",".join(part.source for part in reading.wanted.parts)
     units = {part.unit or unit_in_name(part) or "" for part in reading.wanted.parts}

@@ -11,14 +11,13 @@ from tuner.data.logs.csv import open_csv
 from tuner.data.logs.error import LogError, quoted
 from tuner.data.logs.home import Home
 from tuner.data.logs.table import Loaded, Raw, Table, together
-from tuner.data.logs.zipped import DAMAGE, check_index, check_sizes
+from tuner.data.logs.zipped import DAMAGE, MOST, check_index, check_sizes
 from tuner.files import leads_out
 from tuner.limits import unpacked
 
 TEXTS = (".csv", ".txt", ".tsv", ".dat")
 _NESTED = (".zip", ".gz", ".7z", ".tar", ".tgz", ".bz2", ".xz")
 _BLOCK = 1 << 20
-_MOST = 1000
 
 
 def is_archive(path: Path) -> bool:
@@ -66,9 +65,9 @@ def open_folder(path: Path) -> Table:
     Raises:
         LogError: where it holds no text file with numbers.
     """
-    held = list(islice(path.rglob("*"), _MOST + 1))
-    if len(held) > _MOST:
-        raise LogError(f"{path.name}: the folder holds more than {_MOST} files; name one of them")
+    held = list(islice(path.rglob("*"), MOST + 1))
+    if len(held) > MOST:
+        raise LogError(f"{path.name}: the folder holds more than {MOST} files; name one of them")
     found = sorted(f for f in held if f.suffix.lower() in TEXTS and f.is_file())
     for file in found:
         if leads_out(file, path):
@@ -99,8 +98,8 @@ def _checked(path: Path, members: Sequence[zipfile.ZipInfo]) -> list[zipfile.Zip
         if name.suffix.lower() in TEXTS and not hidden and not member.is_dir():
             chosen.append(member)
     check_sizes(path, chosen, "the zip file")
-    if len(chosen) > _MOST:
-        raise LogError(f"{path.name}: the zip file holds more than {_MOST} text files; pack fewer")
+    if len(chosen) > MOST:
+        raise LogError(f"{path.name}: the zip file holds more than {MOST} text files; pack fewer")
     return chosen
 
 

@@ -60,7 +60,8 @@ class Clock:
         cls, samples: int, rate_hz: float, source: str = "", notes: tuple[str, ...] = ()
     ) -> "Clock":
         """A clock that only its rate tells."""
-        seconds, step = np.arange(samples) / rate_hz, 1.0 / rate_hz
+        seconds, step = np.arange(samples, dtype=np.float64), 1.0 / rate_hz
+        seconds /= rate_hz  # in place: a long record is large
         return cls(seconds, step, float(rate_hz), source=source, notes=notes)
 
 

@@ -34,7 +34,7 @@ def open_mat5(path: Path) -> Table:
     """
     try:
         check_amount("the MAT file", path.stat().st_size, "save fewer variables in it")
-        variables = mat.read(path.read_bytes())
+        variables = mat.read(np.memmap(path, np.uint8, "r").data)  # of which little may be used
         groups, columns, left = _sorted_out(variables)
     except _DAMAGE as error:
         reason = " ".join(str(error).split()) or type(error).__name__

@@ -11,7 +11,7 @@ from numpy.lib import format as npy
 
 from tuner.data.logs.error import LogError
 from tuner.data.logs.table import Raw, Table
-from tuner.data.logs.zipped import DAMAGE, check_index, check_sizes
+from tuner.data.logs.zipped import DAMAGE, MOST, check_index, check_sizes
 
 _BLOCK = 1 << 20
 _ENDING = ".npy"
@@ -40,6 +40,9 @@ def open_npz(path: Path) -> Table:
             f"{path.name}: the archive holds no numpy arrays; unpack it, or save them with np.savez"
         )
 
+    if len(arrays) > MOST:
+        raise LogError(f"{path.name}: the archive holds more than {MOST} arrays; save fewer")
+
     def load(names: Sequence[str]) -> dict[str, Raw]:
         chosen = {name: arrays[name] for name in names}
         check_sizes(path, list(chosen.values()), f"{', '.join(map(repr, names))[:60]}")
@@ -54,9 +57,9 @@ def _load(path: Path, name: str, member: zipfile.ZipInfo) -> Raw:
         with zipfile.ZipFile(path) as archive, archive.open(member) as stream:
             shape, in_columns, dtype = _header(path, name, stream)
             return _numbers(stream, shape, in_columns, dtype, member.file_size)
-    except DAMAGE as error:
-        if isinstance(error, LogError):
-            raise
+    except LogError:
+        raise
+    except Exception as error:  # numpy reads headers as Python, which fails in every way there is
         raise _damaged(path, error) from error
 
 

@@ -16,6 +16,9 @@ DAMAGE = (
 )  # fmt: skip
 """What readers of a damaged zip file raise."""
 
+MOST = 1000
+"""Files of an archive or a folder, and arrays of an NPZ file."""
+
 _END, _TAIL = b"PK\x05\x06", 65_557
 _INDEX = 1 << 24
 
