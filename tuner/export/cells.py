@@ -1,7 +1,12 @@
 """Cells of CSV that no spreadsheet takes for a formula."""
 
-_BEGINNINGS = tuple("=+-@\t\r'＝＋－＠")  # noqa: RUF001  # the wide ones do as well
+import re
+
 _MARK = "'"
+_BEGINNINGS = "[=+\\-@\t\r'\uff1d\uff0b\uff0d\uff20]"  # the wide ones do as well
+_PARTS = "(^|[;|\t\r\n])"  # where a cell may begin for who takes another delimiter
+_FORMULA = re.compile(f"{_PARTS}(?={_BEGINNINGS})")
+_MARKED = re.compile(f"{_PARTS}{_MARK}(?={_BEGINNINGS})")
 
 
 def inert(text: str) -> str:
@@ -12,9 +17,7 @@ def inert(text: str) -> str:
     >>> inert("=HYPERLINK(...)"), inert("-1.5"), inert("rad/s")
     ("'=HYPERLINK(...)", '-1.5', 'rad/s')
     """
-    if len(text) < 2 or not text.startswith(_BEGINNINGS) or _is_number(text):
-        return text
-    return f"{_MARK}{text}"
+    return text if len(text) < 2 or _is_number(text) else _FORMULA.sub(rf"\1{_MARK}", text)
 
 
 def as_written(cell: str) -> str:
@@ -23,7 +26,7 @@ def as_written(cell: str) -> str:
     >>> as_written("'=HYPERLINK(...)"), as_written("rad/s")
     ('=HYPERLINK(...)', 'rad/s')
     """
-    return cell[1:] if cell.startswith(_MARK) and cell[1:].startswith(_BEGINNINGS) else cell
+    return cell if len(cell) < 2 else _MARKED.sub(r"\1", cell)
 
 
 def _is_number(text: str) -> bool:
