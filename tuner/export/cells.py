@@ -12,7 +12,7 @@ _MARKED = re.compile(f"{_PARTS}{_MARK}(?={_BEGINNINGS})")
 def inert(text: str) -> str:
     """A text that is shown as it is, with the mark before it that spreadsheets have for this.
 
-    Numbers, and a dash alone, stay what they are.
+    Numbers, percentages and a dash alone stay what they are.
 
     >>> inert("=HYPERLINK(...)"), inert("-1.5"), inert("rad/s")
     ("'=HYPERLINK(...)", '-1.5', 'rad/s')
@@ -30,6 +30,7 @@ def as_written(cell: str) -> str:
 
 
 def _is_number(text: str) -> bool:
+    text = text.removesuffix(" %")
     try:
         float(text)
     except ValueError:
