@@ -356,7 +356,9 @@ def doctor(json: Json = False) -> None:
 def main() -> None:
     """Run the command line, with one line on stderr and exit code 2 for what a user can mend."""
     from tuner.cli.leaving import leave
+    from tuner.stop import heed, interrupt
 
+    heed(interrupt)
     leave(invoke(sys.argv[1:], alone=True))
 
 
