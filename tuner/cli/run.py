@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from tuner.certificate.solution import Solution
 from tuner.cli.interrupt import interruptible
 from tuner.cli.request import Request, from_toml, load_records, log_entries
 from tuner.cli.settings import parse_settings
@@ -16,9 +15,12 @@ from tuner.export import FORMATS
 from tuner.problem.problem import Problem
 from tuner.run.cache import use_cache
 from tuner.run.folder import RunFolder, open_folder
-from tuner.run.pipeline import Progress, Run, recorded, trusted, write_down
+from tuner.run.identity import identity_of_run
+from tuner.run.pipeline import Progress, Run, trusted, write_down
+from tuner.run.progress import going_on, read_progress
 from tuner.run.recipe import Recipe
-from tuner.run.study import Plan, Study, find_study
+from tuner.run.study import Plan, Solutions, Study, find_study
+from tuner.solvers.database import DatabaseError, use_database
 
 SHOWN = 3
 """How many of several recordings are described."""
@@ -54,16 +56,26 @@ def execute(request: Request) -> int:
         log=log_entries(request, records),
         claims=request.claims,
     )
-    finished = _finished(folder, recipe) if request.resume else {}
+    identity = identity_of_run(study, recipe, plan)
     with interruptible() as check, _progress(check) as progress:
-        run = Run(study.name, values, plan, seed, folder, progress, request.claims)
+        run = Run(study.name, values, plan, seed, folder, progress, request.claims, identity)
         try:
+            finished = _finished(folder, recipe, run) if request.resume else {}
+            run.check(request.jobs)
+            if request.storage:
+                use_database(request.storage)
+            if request.force and not request.resume:
+                folder.clear()
             write_down(folder, recipe, plan)
             solutions = run.solve(request.jobs, finished)
             result = run.finish(solutions, FORMATS, begun)
         except KeyboardInterrupt:
             print(f"tuner: {_how_to_go_on(request, folder)}", file=sys.stderr)
             return 130
+        except DatabaseError as error:
+            raise ValueError(f"{error}; {_how_to_go_on(request, folder)}") from None
+    for missing in result.not_drawn:
+        print(missing, file=sys.stderr)
     if request.json:
         print(result.to_json(), end="")
     else:
@@ -86,11 +98,11 @@ def _chosen(plan: Plan, request: Request) -> Plan:
     return plan.only(request.claims) if request.claims else plan
 
 
-def _finished(folder: RunFolder, recipe: Recipe) -> dict[tuple[str, str], Solution]:
+def _finished(folder: RunFolder, recipe: Recipe, run: Run) -> Solutions:
     """What an interrupted run of this very recipe had finished.
 
     Raises:
-        ValueError: where the folder holds another run.
+        ValueError: where the folder holds another run, or data or code have changed.
     """
     if (folder.path / "study.toml").read_bytes() != recipe.to_toml():
         raise ValueError(
@@ -99,7 +111,9 @@ def _finished(folder: RunFolder, recipe: Recipe) -> dict[tuple[str, str], Soluti
         )
     progress = folder.path / "progress.json"
     # A run that was interrupted as it began has written none.
-    return recorded(progress.read_bytes()) if progress.exists() else {}
+    if not progress.exists():
+        return {}
+    return going_on(read_progress(progress.read_bytes()), run.identity, run.plan.tasks)
 
 
 def _how_to_go_on(request: Request, folder: RunFolder) -> str:

@@ -8,7 +8,7 @@ from tuner.certificate.solution import Solution
 from tuner.problem.problem import Problem
 from tuner.solvers.gradient import minimise
 from tuner.solvers.minimum import Minimum
-from tuner.solvers.multistart import from_several
+from tuner.solvers.multistart import from_several, refuse
 from tuner.solvers.simplex import boxed
 
 
@@ -38,6 +38,10 @@ class Alternating:
     iterations: int = 200
 
     name: str = "alternating"
+
+    def check(self, problem: Problem) -> None:
+        """Refuse what cannot begin; see :func:`tuner.solvers.multistart.refuse`."""
+        refuse(problem, self.name, self.starts, "start")
 
     def __call__(self, problem: Problem) -> Solution:
         """Solve a problem."""

@@ -10,7 +10,7 @@ from tuner.certificate.solution import Solution
 from tuner.names import unknown
 from tuner.problem.problem import Problem
 from tuner.solvers.minimum import Minimum
-from tuner.solvers.multistart import from_several
+from tuner.solvers.multistart import from_several, refuse
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,10 @@ class Gradient:
     def __post_init__(self) -> None:
         if self.name not in _TOLERANCE:
             raise unknown("gradient method", self.name, _TOLERANCE)
+
+    def check(self, problem: Problem) -> None:
+        """Refuse what cannot begin; see :func:`tuner.solvers.multistart.refuse`."""
+        refuse(problem, self.name, self.starts, "start", smooth=True)
 
     def __call__(self, problem: Problem) -> Solution:
         """Solve a problem."""

@@ -41,15 +41,7 @@ def from_several(
         ValueError: for fewer than one start, where nothing is free, where there are constraints
             and the solver takes none, or thresholds and it follows gradients.
     """
-    refuse(problem, solver, starts, "start", constrained=constrained)
-    steps = problem.space.thresholds()
-    if smooth and steps.any():
-        names = np.array(problem.space.coordinates)[steps]
-        raise ValueError(
-            f"{solver} follows gradients, and {problem.name} is piecewise constant in "
-            f"{', '.join(name.removeprefix('ln ') for name in names)}, whose gradient is 0 and "
-            "says nothing; fix it, or solve by alternating, nelder-mead, cma-es or tpe"
-        )
+    refuse(problem, solver, starts, "start", constrained=constrained, smooth=smooth)
     begun = time.perf_counter()
     ends = _descents(problem, descend, starts, seed)
     return conclude(
@@ -73,12 +65,19 @@ def _descents(problem: Problem, descend: Descent, count: int, seed: int) -> list
 
 
 def refuse(
-    problem: Problem, solver: str, count: int, what: str, *, constrained: bool = False
+    problem: Problem,
+    solver: str,
+    count: int,
+    what: str,
+    *,
+    constrained: bool = False,
+    smooth: bool = False,
 ) -> None:
-    """Refuse what cannot begin: no start or trial, nothing free, constraints nobody would keep.
+    """Refuse what cannot begin.
 
     Raises:
-        ValueError: says which of the three.
+        ValueError: for no start or trial, nothing free, constraints that nobody would keep, and
+            thresholds where gradients are followed; says which.
     """
     if count < 1:
         raise ValueError(f"{solver} needs at least one {what}, got {count}")
@@ -88,4 +87,12 @@ def refuse(
         names = ", ".join(constraint.name for constraint in problem.constraints)
         raise ValueError(
             f"{solver} keeps no constraints, and {problem.name} has {names}: solve it by ipopt"
+        )
+    steps = problem.space.thresholds()
+    if smooth and steps.any():
+        names = np.array(problem.space.coordinates)[steps]
+        raise ValueError(
+            f"{solver} follows gradients, and {problem.name} is piecewise constant in "
+            f"{', '.join(name.removeprefix('ln ') for name in names)}, whose gradient is 0 and "
+            "says nothing; fix it, or solve by alternating, nelder-mead, cma-es or tpe"
         )

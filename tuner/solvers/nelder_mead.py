@@ -7,7 +7,7 @@ import numpy as np
 from tuner.certificate.solution import Solution
 from tuner.problem.problem import Problem
 from tuner.solvers.minimum import Minimum
-from tuner.solvers.multistart import from_several
+from tuner.solvers.multistart import from_several, refuse
 from tuner.solvers.simplex import boxed
 
 
@@ -33,6 +33,10 @@ class NelderMead:
     evaluations: int = 400
 
     name: str = "nelder-mead"
+
+    def check(self, problem: Problem) -> None:
+        """Refuse what cannot begin; see :func:`tuner.solvers.multistart.refuse`."""
+        refuse(problem, self.name, self.starts, "start")
 
     def __call__(self, problem: Problem) -> Solution:
         """Solve a problem."""
