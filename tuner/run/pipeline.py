@@ -23,7 +23,7 @@ from tuner.run.drawing import picture, table
 from tuner.run.environment import environment
 from tuner.run.fit_record import FitRecord
 from tuner.run.folder import RunFolder
-from tuner.run.progress import SCHEMA, Finished, digest_of, key_of
+from tuner.run.progress import SCHEMA, Finished, check_again, digest_of, key_of
 from tuner.run.progress import Progress as Kept
 from tuner.run.recipe import Recipe
 from tuner.run.result import (
@@ -35,6 +35,7 @@ from tuner.run.result import (
     pretty,
 )
 from tuner.run.study import Plan, Solutions, Task, best
+from tuner.run.together import Together
 
 Progress: TypeAlias = Callable[[str, int, int], None]
 """Called with what is being done, and how many of how many parts are finished."""
@@ -109,6 +110,27 @@ class Run:
                 pool.shutdown(wait=False, cancel_futures=True)
                 raise
         return _agreement({key_of(task): solutions[key_of(task)] for task in self.plan.tasks})
+
+    def solve_together(self, together: Together, finished: Solutions) -> Solutions:
+        """Solve all tasks beside other processes; what they found is scored again here.
+
+        Raises:
+            ValueError: for a solution of another process that is none of the problem, or a refusal.
+        """
+        checked, digests = dict(finished), dict[tuple[str, str], str]()
+        problems = {key_of(task): task.problem for task in self.plan.tasks}
+        self._save(checked, digests)
+
+        def news(solutions: Solutions) -> None:
+            for key, solution in solutions.items():
+                if key not in checked:
+                    check_again(problems[key], solution)
+                    checked[key] = solution
+                    self._save(checked, digests)
+            self.progress("solving", len(checked), len(self.plan.tasks))
+
+        together.work(news)
+        return _agreement({key_of(task): checked[key_of(task)] for task in self.plan.tasks})
 
     def _save(self, solutions: Solutions, digests: dict[tuple[str, str], str]) -> None:
         for task in self.plan.tasks:

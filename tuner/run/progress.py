@@ -86,8 +86,13 @@ def going_on(progress: Progress, identity: Mapping[str, str], tasks: tuple[Task,
     return found
 
 
-def check_again(problem: Any, solution: Solution, identity: str) -> None:
+def check_again(problem: Any, solution: Solution, identity: str | None = None) -> None:
     """Refuse a solution that is none of a problem; convex programs are proved by their duals.
+
+    Args:
+        problem: what it should solve.
+        solution: found before, or by another process.
+        identity: of the problem that it solves, where that is known.
 
     Raises:
         ValueError: where the problem is another one, or its value at the solution.
@@ -96,7 +101,7 @@ def check_again(problem: Any, solution: Solution, identity: str) -> None:
         return
     value = problem.value(solution.z) if solution.z.shape == (problem.space.size,) else np.nan
     same = bool(np.isclose(value, solution.value, rtol=AGAIN, atol=0.0))
-    if identity != problem.identity() or not same:
+    if not same or identity not in (None, problem.identity()):
         raise ValueError(
             f"{solution.problem} is not the problem that {solution.solver} solved before: its data "
             "or what it computes has changed; start anew with --force or in another folder"

@@ -3,6 +3,7 @@
 import time
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 import numpy as np
@@ -62,7 +63,7 @@ class Sampler:
         self.check(problem)
         begun = time.perf_counter()
         with self.search(problem) as trials:
-            trials.work(lambda trial: evaluated(problem, trial))
+            trials.work(partial(evaluated, problem))
             found = trials.complete()
         best = min(found, key=_kept)
         end = Minimum(
@@ -73,6 +74,12 @@ class Sampler:
             message=f"best of {len(found)} trials, Optuna {optuna.__version__}",
         )
         return conclude(problem, self.name, [end], begun)
+
+    def help(self, problem: Problem) -> int:
+        """Make those trials of a search that nobody has begun; returns how many."""
+        self.check(problem)
+        with self.search(problem) as trials:
+            return trials.work(partial(evaluated, problem), to_the_end=False)
 
     def check(self, problem: Problem) -> None:
         """Refuse what cannot begin.
@@ -94,8 +101,8 @@ class Sampler:
             f"{problem.name[:80]}/{self.name}/{self.seed}/{identity[:16]}{code[:16]}",
             self.trials,
             Numbered(self._sampler, self.seed),
-            start,
             facts,
+            first=start,
         )
 
     def _sampler(self, seed: int) -> "optuna.samplers.BaseSampler":

@@ -8,7 +8,7 @@ fewer than the total, of those with lower numbers, are finished, worked on or wa
 import contextlib
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -47,6 +47,7 @@ class Trials:
         study: Optuna's own, in it.
         total: how many trials are to be complete.
         watch: the same study as Optuna watches over lost processes; None in memory.
+        marked: whether trials are told apart by marks; one without is nobody's.
     """
 
     url: str
@@ -54,24 +55,37 @@ class Trials:
     study: "optuna.Study"
     total: int
     watch: "optuna.Study | None"
+    marked: bool
 
     def complete(self) -> "list[optuna.trial.FrozenTrial]":
         """The trials that are finished and have a value, in the order of their numbers."""
         with told(self.url):
-            return [t for t in self._known() if t.state.name == "COMPLETE"]
+            return [t for t in self.known() if t.state.name == "COMPLETE"]
 
-    def work(self, evaluate: Evaluate) -> None:
-        """Make trials until all are complete, beside whoever else does.
+    def known(self) -> "list[optuna.trial.FrozenTrial]":
+        """All trials, in the order of their numbers."""
+        return self.study.get_trials(deepcopy=False)
+
+    def work(self, evaluate: Evaluate, *, to_the_end: bool = True) -> int:
+        """Make trials beside whoever else does, and return how many.
+
+        Args:
+            evaluate: gives the value of a trial.
+            to_the_end: whether to wait for those that others make.
 
         Raises:
             DatabaseError: where the database is lost.
         """
-        looked = -math.inf
-        while len(self.complete()) < self.total:
+        made, looked = 0, -math.inf
+        while True:
             if time.monotonic() - looked > HEARTBEAT:
                 self.look_after_the_lost()
                 looked = time.monotonic()
-            if not self.make_one(evaluate):
+            if self.make_one(evaluate):
+                made += 1
+            elif not to_the_end or len(self.complete()) >= self.total:
+                return made
+            else:
                 time.sleep(POLL)  # the last ones are being made by others
 
     def make_one(self, evaluate: Evaluate) -> bool:
@@ -101,22 +115,27 @@ class Trials:
             with quiet():
                 optuna.storages.fail_stale_trials(self.watch)
 
-    def _known(self) -> "list[optuna.trial.FrozenTrial]":
-        return self.study.get_trials(deepcopy=False)
+    def add(self, marks: Mapping[str, Any]) -> None:
+        """Let somebody make one more trial, which is marked."""
+        with told(self.url):
+            _queue(self.study, marks)
 
     def _asked(self) -> "optuna.Trial | None":
         """A trial of the total; None where all are finished or worked on."""
         with told(self.url):
-            states = [t.state.name for t in self._known() if t.state.name != "FAIL"]
+            states = [t.state.name for t in self.known() if t.state.name != "FAIL"]
             if len(states) >= self.total and "WAITING" not in states:
                 return None
             trial = self.study.ask()
-            # Others may have asked at this moment.
-            lower = [t for t in self._known() if t.number < trial.number]
-        if sum(t.state.name != "FAIL" for t in lower) < self.total:
+            counts = trial.number < self.total or self._lower(trial.number) < self.total
+        if counts and (trial.user_attrs or not self.marked):
             return trial
         self._give_back(trial, again=False)
         return None
+
+    def _lower(self, number: int) -> int:
+        """How many trials of lower numbers count; others may have asked at the same moment."""
+        return sum(t.state.name != "FAIL" for t in self.known() if t.number < number)
 
     def _tell(self, trial: "optuna.Trial", value: float) -> None:
         """Tell a value; one that comes after the trial was given to another process is left."""
@@ -138,7 +157,7 @@ class Trials:
                     optuna.storages.RetryHeartbeatStaleTrialCallback()(self.study, given_back)
 
     def _unheard(self) -> list[int]:
-        """Trials whose process was lost before it said anything: Optuna overlooks them."""
+        """Trials whose process has not said anything: lost before, Optuna would overlook it."""
         from sqlalchemy import text
 
         query = text(
@@ -151,13 +170,14 @@ class Trials:
 
     @contextmanager
     def _alive(self, trial: "optuna.Trial") -> Iterator[None]:
-        """Say from a thread that a trial is worked on; Optuna does so in ``optimize`` alone."""
+        """Say from a thread that a trial is worked on; Optuna does so in ``optimize`` alone.
+
+        Short ones say nothing: who looks after the lost gives them time.
+        """
         if self.watch is None:
             yield
             return
         say = partial(self.storage.record_heartbeat, trial._trial_id)
-        with told(self.url):
-            say()
         over = Event()
         thread = Thread(target=self._say, args=(say, over), daemon=True)
         thread.start()
@@ -172,7 +192,7 @@ class Trials:
             # Where the database is lost, the trial's end will tell.
             with contextlib.suppress(DatabaseError), told(self.url):
                 say()
-        self.storage.remove_session()
+                self.storage.remove_session()
 
 
 @contextmanager
@@ -181,8 +201,10 @@ def opened(
     name: str,
     total: int,
     sampler: "optuna.samplers.BaseSampler",
-    first: Mapping[str, float] | None,
     facts: Mapping[str, Any],
+    *,
+    first: Mapping[str, float] | None = None,
+    marks: Sequence[Mapping[str, Any]] = (),
 ) -> Iterator[Trials]:
     """The trials of a search, which is entered into the database where it is not there yet.
 
@@ -191,8 +213,9 @@ def opened(
         name: what is searched: equal for equal searches alone.
         total: how many trials are to be complete.
         sampler: draws the points.
-        first: the point of the first trial.
         facts: what people who look into the database should know.
+        first: the point of the first trial.
+        marks: of trials that are told apart: one trial for each.
 
     Raises:
         DatabaseError: where the database cannot be used.
@@ -201,15 +224,17 @@ def opened(
 
     storage = open_storage(url)
     with told(url):
-        study = _entered(storage, name, sampler, first, facts)
+        study = _entered(storage, name, sampler)
+        if _READY not in study.user_attrs:
+            _furnish(study, facts, first, marks)
     if not isinstance(storage, optuna.storages.RDBStorage):
-        yield Trials(url, storage, study, total, None)
+        yield Trials(url, storage, study, total, None, bool(marks))
         return
     over_it = watched(url)
     try:
         with told(url):
             watch = optuna.load_study(study_name=name, storage=over_it)
-        yield Trials(url, storage, study, total, watch)
+        yield Trials(url, storage, study, total, watch, bool(marks))
     finally:
         for each in (storage, over_it):
             close(each)
@@ -219,13 +244,12 @@ def _entered(
     storage: "optuna.storages.BaseStorage",
     name: str,
     sampler: "optuna.samplers.BaseSampler",
-    first: Mapping[str, float] | None,
-    facts: Mapping[str, Any],
 ) -> "optuna.Study":
+    """The study of a name; one that another process has just made is furnished by that process."""
     import optuna
 
     try:
-        study = optuna.create_study(
+        return optuna.create_study(
             storage=storage, study_name=name, sampler=sampler, direction="minimize"
         )
     except optuna.exceptions.DuplicatedStudyError:
@@ -233,11 +257,28 @@ def _entered(
         until = time.monotonic() + UNFURNISHED
         while _READY not in study.user_attrs and time.monotonic() < until:
             time.sleep(POLL / 4)
-        if _READY in study.user_attrs:
-            return study
+        return study
+
+
+def _furnish(
+    study: "optuna.Study",
+    facts: Mapping[str, Any],
+    first: Mapping[str, float] | None,
+    marks: Sequence[Mapping[str, Any]],
+) -> None:
     if first is not None:
         study.enqueue_trial(dict(first), skip_if_exists=True)
+    there = [trial.user_attrs for trial in study.get_trials(deepcopy=False)]
+    for each in marks:
+        if dict(each) not in there:
+            _queue(study, each)
     for fact, value in facts.items():
         study.set_user_attr(fact, value)
     study.set_user_attr(_READY, True)
-    return study
+
+
+def _queue(study: "optuna.Study", marks: Mapping[str, Any]) -> None:
+    import optuna
+
+    waiting = optuna.trial.TrialState.WAITING
+    study.add_trial(optuna.trial.create_trial(state=waiting, user_attrs=dict(marks)))
