@@ -289,7 +289,7 @@ def test_samplers_of_one_run_share_its_database(cli, here, offer):
     code, _, err = cli("run", "toy", *words)
     assert (code, err) == (1, "")
     assert (here / "out" / "trials.sqlite3").is_file()
-    assert [s.evaluations for s in read_result(here / "out").solutions] == [2] * 4
+    assert [s.evaluations for s in read_result(here / "out").solutions] == [3] * 4
 
 
 def test_a_database_that_cannot_be_used(cli, here, toy):

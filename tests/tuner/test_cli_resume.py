@@ -242,7 +242,7 @@ def test_ctrl_c(cache, here):
         env={**os.environ, "TUNER_CACHE": str(cache)},
     )
     progress, until = Path("out/progress.json"), time.monotonic() + 120
-    while not (progress.exists() and json.loads(progress.read_text())):
+    while not (progress.exists() and json.loads(progress.read_text())["finished"]):
         assert process.poll() is None
         assert time.monotonic() < until
         time.sleep(0.02)

@@ -23,7 +23,8 @@ from tuner.problem.parameters import Positive
 from tuner.problem.problem import Problem
 from tuner.problem.space import Space
 from tuner.run.folder import RunFolder
-from tuner.run.pipeline import Run, recorded, score_export, trusted
+from tuner.run.pipeline import Run, score_export, trusted
+from tuner.run.progress import going_on, read_progress
 from tuner.run.result import read_result
 from tuner.run.study import best
 from tuner.solvers import make_solver
@@ -34,6 +35,12 @@ def begin(folder, *, solver=make_solver, progress=lambda *_: None, **settings):
     chosen = ToySettings(**settings)
     plan = toy_plan(chosen, (), 0, "", solver=solver)
     return Run("toy", chosen.model_dump(mode="json"), plan, 0, RunFolder(folder, False), progress)
+
+
+def gone_on(folder):
+    """What a run of the toy study would go on from."""
+    progress = read_progress((folder / "progress.json").read_bytes())
+    return going_on(progress, {}, begin(folder).plan.tasks)
 
 
 def finish(run, solutions):
@@ -79,7 +86,8 @@ def test_every_solution_is_saved_at_once(tmp_path):
 
     def look(words, done, total):
         file = tmp_path / "progress.json"
-        saved.append((words, done, total, len(json.loads(file.read_text())) if done else None))
+        there = len(json.loads(file.read_text())["finished"]) if done else None
+        saved.append((words, done, total, there))
 
     begin(tmp_path, progress=look).solve(1, {})
     assert saved[0] == ("solving", 0, 4, None)
@@ -118,7 +126,7 @@ def test_interruption_leaves_what_is_finished(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         begin(tmp_path, solver=interrupting("side")).solve(1, {})
     assert set(snapshot(tmp_path)) == {"progress.json"}
-    finished = recorded((tmp_path / "progress.json").read_bytes())
+    finished = gone_on(tmp_path)
     assert set(finished) == {("toy", "nelder-mead"), ("toy", "l-bfgs-b")}
     expected = begin(tmp_path / "other").solve(1, {})
     for key, solution in finished.items():
@@ -129,7 +137,7 @@ def test_interruption_leaves_what_is_finished(tmp_path):
 def test_interruption_before_anything_is_finished(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         begin(tmp_path, solver=interrupting("toy")).solve(1, {})
-    assert recorded((tmp_path / "progress.json").read_bytes()) == {}
+    assert gone_on(tmp_path) == {}
 
 
 def test_going_on_skips_what_is_finished(tmp_path):
@@ -157,9 +165,9 @@ def test_going_on_skips_what_is_finished(tmp_path):
 
 
 def test_a_foreign_progress_file_is_refused():
-    for data in (b"", b"{}", b"[1]", b'[{"problem": "toy"}]'):
+    for data in (b"", b"{}", b"[1]", b'[{"problem": "toy"}]', b'{"schema": "tuner.progress/2"}'):
         with pytest.raises(ValueError, match=r"^progress.json is not that of a run"):
-            recorded(data)
+            read_progress(data)
 
 
 def test_an_error_in_a_solver_comes_through(tmp_path):

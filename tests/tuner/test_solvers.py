@@ -115,7 +115,9 @@ def test_solution_is_consistent(case, solver):
 def test_what_is_trusted_is_as_low_as_the_known_optimum(case, solver):
     solution = solved(case.objective, solver)
     if solution.status.trusted:
-        assert solution.value <= 1.001 * case.value
+        # Within the step of differences, 1e-3 in each coordinate, a kink looks smooth.
+        near = 2e-3 if case.objective is kink and solver in SAMPLERS else 1e-3
+        assert solution.value <= (1 + near) * case.value
     elif case.objective is not slope and solver in DESCENTS:
         assert solution.value > 1.001 * case.value
     if solution.status is Status.AT_BOUND:
@@ -319,14 +321,15 @@ def database(tmp_path):
     return f"sqlite:///{tmp_path / 'trials.sqlite3'}"
 
 
-def finished(url, name):
+def finished(url):
+    (name,) = optuna.get_all_study_names(url)
     study = optuna.load_study(study_name=name, storage=url)
     return [t for t in study.get_trials() if t.state == optuna.trial.TrialState.COMPLETE]
 
 
 @pytest.mark.parametrize("solver", SAMPLERS)
 def test_a_sampler_goes_on_where_it_was_interrupted(solver, tmp_path, monkeypatch):
-    url, name = database(tmp_path), f"bowl/{solver}/3"
+    url = database(tmp_path)
     value, calls = Problem.value, []
 
     def interrupted(self, z):
@@ -338,38 +341,34 @@ def test_a_sampler_goes_on_where_it_was_interrupted(solver, tmp_path, monkeypatc
     monkeypatch.setattr(Problem, "value", interrupted)
     with pytest.raises(KeyboardInterrupt):
         Sampler(solver, seed=3, storage=url, trials=12)(problem(bowl))
-    first = finished(url, name)
+    first = finished(url)
     assert len(first) == 6
     solution = Sampler(solver, seed=3, storage=url, trials=12)(problem(bowl))
-    both = finished(url, name)
+    both = finished(url)
     assert len(both) == 12
     assert [t.params for t in both[:6]] == [t.params for t in first]
     # The first trial is the initial point, and none is drawn twice.
     assert both[0].params == {"z0": 0.0, "z1": 0.0}
     assert len({tuple(t.params.values()) for t in both}) == 12
     assert solution.value == min(t.value for t in both)
-    assert solution.evaluations == 13  # the interrupted one as well
+    assert solution.evaluations == 13  # the best one once more
     # A finished search is only read again.
     monkeypatch.undo()
     again = Sampler(solver, seed=3, storage=url, trials=12)(problem(bowl))
-    assert len(finished(url, name)) == 12
+    assert len(finished(url)) == 12
     assert again.z.tobytes() == solution.z.tobytes()
 
 
-def test_samplers_in_several_threads_share_a_new_database(tmp_path, monkeypatch):
+def test_samplers_in_several_threads_share_a_new_database(tmp_path):
     """Two threads that find no tables must not both create them."""
-    together = threading.Barrier(3)
-    open_ = tuner.solvers.sampling.Sampler._study
+    url, together = database(tmp_path), threading.Barrier(3)
 
-    def at_once(self, problem):
+    def at_once(seed):
         together.wait(timeout=60)
-        return open_(self, problem)
+        return Sampler("tpe", seed=seed, storage=url, trials=1)(problem(bowl))
 
-    monkeypatch.setattr(Sampler, "_study", at_once)
-    url = database(tmp_path)
     with ThreadPoolExecutor(3) as pool:
-        solve = [Sampler("tpe", seed=seed, storage=url, trials=1) for seed in range(3)]
-        solutions = list(pool.map(lambda sampler: sampler(problem(bowl)), solve))
+        solutions = list(pool.map(at_once, range(3)))
     assert [s.value for s in solutions] == [problem(bowl).value(np.zeros(2))] * 3
 
 

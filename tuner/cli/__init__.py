@@ -58,10 +58,16 @@ Seed = Annotated[
     int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all random numbers; 0.")
 ]
 Storage = Annotated[
-    str | None, typer.Option(metavar="URL", help="Database for samplers; SQLite in the folder.")
+    str | None,
+    typer.Option(
+        metavar="URL",
+        envvar="TUNER_STORAGE",
+        help="Database by which machines work together; else SQLite in the folder.",
+    ),
 ]
 Jobs = Annotated[
-    int | None, typer.Option(min=1, help="Problems solved at once; one per processor.")
+    int | None,
+    typer.Option(min=1, help="Processes that work on it; unset: threads."),
 ]
 Resume = Annotated[bool, typer.Option(help="Go on with an interrupted run in --out.")]
 DryRun = Annotated[bool, typer.Option(help="Say what would be done, and stop.")]
@@ -199,6 +205,30 @@ def fit(
     from tuner.cli.run import execute
 
     raise typer.Exit(execute(asked("fit", ctx.params, wishes(ctx.params))))
+
+
+@app.command()
+def worker(
+    study: Annotated[str, typer.Option(metavar="NAME", help="The run, as tuner run names it.")],
+    storage: Annotated[
+        str,
+        typer.Option(metavar="URL", envvar="TUNER_STORAGE", help="Database of the run."),
+    ],
+    logs: Annotated[
+        list[Path] | None, typer.Option("--log", help="Its recordings, if not in this folder.")
+    ] = None,
+    filter: Annotated[
+        str | None, typer.Option(metavar="FILE.py:CLASS", help="Its filter, if it is a file.")
+    ] = None,
+    jobs: Annotated[int, typer.Option(min=1, help="Processes on this machine.")] = 1,
+    leashed: Annotated[bool, typer.Option("--leashed", hidden=True)] = False,
+) -> None:
+    """Work on a run of another machine, until it is solved."""
+    from tuner.cli.which import Which
+    from tuner.cli.worker import Worker, execute
+
+    asked = Worker(storage, study, tuple(logs or ()), Which(filter), jobs, leashed)
+    raise typer.Exit(execute(asked))
 
 
 @app.command()

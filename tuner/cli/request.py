@@ -42,7 +42,7 @@ class Request:
     out: Path | None = None
     seed: int | None = None
     storage: str | None = None
-    jobs: int = 1
+    jobs: int | None = None
     resume: bool = False
     dry_run: bool = False
     force: bool = False
@@ -68,7 +68,7 @@ def asked(
         sets=tuple(options.get("sets") or ()),
         values=values,
         claims=tuple(options.get("claims") or ()),
-        jobs=options.get("jobs") or os.cpu_count() or 1,
+        jobs=options.get("jobs"),
         **{name: options[name] for name in how if name in options},
     )
 
@@ -100,6 +100,11 @@ def from_toml(request: Request) -> tuple[Request, dict[str, Any]]:
             reading=request.reading.over(recipe.log),
         )
     return filled, recipe.settings
+
+
+def threads(request: Request) -> int:
+    """How many problems one process solves at once."""
+    return request.jobs or os.cpu_count() or 1
 
 
 def load_records(study: "Study", settings: Any, request: Request) -> "tuple[Record, ...]":

@@ -6,9 +6,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from tuner.certificate.solution import Solution
 from tuner.cli.interrupt import interruptible
-from tuner.cli.request import Request, from_toml, load_records, log_entries
+from tuner.cli.request import Request, from_toml, load_records, log_entries, threads
 from tuner.cli.settings import parse_settings
 from tuner.cli.which import changed
 from tuner.data.record import Record
@@ -16,10 +15,14 @@ from tuner.export import FORMATS
 from tuner.problem.problem import Problem
 from tuner.run.cache import use_cache
 from tuner.run.folder import RunFolder, open_folder
-from tuner.run.pipeline import Progress, Run, recorded, trusted, write_down
+from tuner.run.identity import identity_of_run
+from tuner.run.pipeline import Progress, Run, trusted, write_down
+from tuner.run.progress import going_on, read_progress
 from tuner.run.recipe import Recipe
-from tuner.run.study import Plan, Study, find_study
+from tuner.run.study import Plan, Solutions, Study, find_study
+from tuner.run.together import Together, workers
 from tuner.shown import plain, shown
+from tuner.solvers.database import DatabaseError, use_database, without_password
 
 SHOWN = 3
 """How many of several recordings are described."""
@@ -44,7 +47,7 @@ def execute(request: Request) -> int:
         _say_plan(study, plan)
         return 0
     folder = open_folder(request.out, study.name, force=request.force, resume=request.resume)
-    storage = request.storage or f"sqlite:///{folder.path / 'trials.sqlite3'}"
+    storage = request.storage or _own_database(folder)
     plan = _chosen(study.plan(settings, records, seed, storage), request)
     _say_notes(plan)
     values = settings.model_dump(mode="json")
@@ -55,16 +58,26 @@ def execute(request: Request) -> int:
         log=log_entries(request, records),
         claims=request.claims,
     )
-    finished = _finished(folder, recipe) if request.resume else {}
+    identity = identity_of_run(study, recipe, plan)
     with interruptible() as check, _progress(check) as progress:
-        run = Run(study.name, values, plan, seed, folder, progress, request.claims)
+        run = Run(study.name, values, plan, seed, folder, progress, request.claims, identity)
         try:
+            finished = _finished(folder, recipe, run) if request.resume else {}
+            run.check(threads(request))
+            if request.storage:
+                use_database(request.storage)
+            if request.force and not request.resume:
+                folder.clear()
             write_down(folder, recipe, plan)
-            solutions = run.solve(request.jobs, finished)
+            solutions = _solve(run, request, recipe, finished)
             result = run.finish(solutions, FORMATS, begun)
         except KeyboardInterrupt:
             print(f"tuner: {_how_to_go_on(request, folder)}", file=sys.stderr)
             return 130
+        except DatabaseError as error:
+            raise ValueError(f"{error}; {_how_to_go_on(request, folder)}") from None
+    for missing in result.not_drawn:
+        print(missing, file=sys.stderr)
     if request.json:
         print(result.to_json(), end="")
     else:
@@ -87,11 +100,11 @@ def _chosen(plan: Plan, request: Request) -> Plan:
     return plan.only(request.claims) if request.claims else plan
 
 
-def _finished(folder: RunFolder, recipe: Recipe) -> dict[tuple[str, str], Solution]:
+def _finished(folder: RunFolder, recipe: Recipe, run: Run) -> Solutions:
     """What an interrupted run of this very recipe had finished.
 
     Raises:
-        ValueError: where the folder holds another run.
+        ValueError: where the folder holds another run, or data or code have changed.
     """
     if (folder.path / "study.toml").read_bytes() != recipe.to_toml():
         raise ValueError(
@@ -100,7 +113,32 @@ def _finished(folder: RunFolder, recipe: Recipe) -> dict[tuple[str, str], Soluti
         )
     progress = folder.path / "progress.json"
     # A run that was interrupted as it began has written none.
-    return recorded(progress.read_bytes()) if progress.exists() else {}
+    if not progress.exists():
+        return {}
+    return going_on(read_progress(progress.read_bytes()), run.identity, run.plan.tasks)
+
+
+def _solve(run: Run, request: Request, recipe: Recipe, finished: Solutions) -> Solutions:
+    """In threads of this process, or together with others by a database."""
+    if (request.storage is None and (request.jobs or 1) == 1) or not run.plan.tasks:
+        return run.solve(threads(request), finished)
+    url = request.storage or _own_database(run.folder)
+    together = Together.of(url, run.study, recipe.to_toml(), run.identity, run.plan)
+    if request.storage is not None:
+        print(
+            f"other machines join with: tuner worker --storage {shlex.quote(without_password(url))} "
+            f"--study {together.name}",
+            file=sys.stderr,
+        )
+    words = [word for log in request.logs for word in ("--log", str(log))]
+    if request.which.file is not None:
+        words += ["--filter", str(request.which.filter)]
+    with workers((request.jobs or 1) - 1, url, together.name, words):
+        return run.solve_together(together, finished)
+
+
+def _own_database(folder: RunFolder) -> str:
+    return f"sqlite:///{folder.path / 'trials.sqlite3'}"
 
 
 def _how_to_go_on(request: Request, folder: RunFolder) -> str:

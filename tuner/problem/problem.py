@@ -17,6 +17,7 @@ from tuner.data.source import Source
 from tuner.export.tuned import Quantity
 from tuner.problem.constraint import Constraint
 from tuner.problem.exported import Exported, Trial, exported_of, held_of, once, quantities_of
+from tuner.problem.identity import identity_of
 from tuner.problem.physics import check_leaf, check_present, check_start
 from tuner.problem.space import Space
 from tuner.problem.steady_form import steady_form_of
@@ -97,6 +98,17 @@ class Problem:
         """Where to begin, ``(count, size)``: the initial values, known starts, random points."""
         random = self.space.starts(max(count - len(self.known_starts), 1), seed)
         return np.vstack([random[:1], *self.known_starts, random[1:]])[:count]
+
+    def identity(self) -> str:
+        """A digest of what is minimised, over what and on which data, equal for equal ones alone.
+
+        It knows nothing of names, and nothing of solvers and their starts.
+        """
+        at = jnp.asarray(self.space.start())
+        programs = [_value.lower(self.static, at, self.data).as_text()]
+        if self.constraints:
+            programs.append(_excesses.lower(self.static, at, self.data).as_text())
+        return identity_of(programs, self.space, self.data)
 
     def value(self, z: np.ndarray) -> float:
         """The objective at z ``(space.size,)``; infinite where it is not a number."""

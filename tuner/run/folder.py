@@ -1,11 +1,28 @@
 """A run's folder: files written whole or not at all, and nothing overwritten unasked."""
 
 import contextlib
+import json
 import os
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
 from tuner.atomic import WriteError, write_bytes
+
+OWN = (
+    "study.toml",
+    "environment.json",
+    "progress.json",
+    "result.json",
+    "outputs.npz",
+    "report.html",
+    "trials.sqlite3",
+    "trials.sqlite3-journal",
+    "trials.sqlite3-wal",
+    "trials.sqlite3-shm",
+)
+"""What runs write under the same names."""
+_BELOW = re.compile(r"(exports|figures)/[^/\\\0]+")
 
 
 @dataclass(frozen=True)
@@ -41,9 +58,27 @@ class RunFolder:
         write_bytes(file, data, overwrite=self.overwrite or replace)
         return name
 
+    def clear(self) -> None:
+        """Remove what a run wrote here before, and nothing else."""
+        for name in (*self._artifacts(), *OWN):
+            file = self.path / name
+            if not file.parent.is_symlink():
+                self.remove(name)
+        for name in ("exports", "figures", "."):
+            with contextlib.suppress(OSError):  # it holds files of others, or is not there
+                (self.path / name).rmdir()
+
+    def _artifacts(self) -> list[str]:
+        """The files below folders that a finished run here says it wrote."""
+        try:
+            said = json.loads((self.path / "result.json").read_bytes())["artifacts"]
+            return [name for name in said if _BELOW.fullmatch(name)]
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):
+            return []
+
     def remove(self, name: str) -> None:
         """Remove a file if it is there."""
-        with contextlib.suppress(FileNotFoundError):
+        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
             (self.path / name).unlink()
 
 

@@ -5,15 +5,15 @@ import json
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from importlib.metadata import version
 from typing import Any, TypeAlias
 
 import numpy as np
-from pydantic import TypeAdapter, ValidationError
 
 from objectives import kind_of
 from tuner import export
+from tuner.atomic import WriteError
 from tuner.certificate.single_precision import SinglePrecision
 from tuner.certificate.solution import Solution
 from tuner.data.source import Source
@@ -23,6 +23,8 @@ from tuner.run.drawing import picture, table
 from tuner.run.environment import environment
 from tuner.run.fit_record import FitRecord
 from tuner.run.folder import RunFolder
+from tuner.run.progress import SCHEMA, Finished, check_again, digest_of, key_of
+from tuner.run.progress import Progress as Kept
 from tuner.run.recipe import Recipe
 from tuner.run.result import (
     CodeRecord,
@@ -33,6 +35,7 @@ from tuner.run.result import (
     pretty,
 )
 from tuner.run.study import Plan, Solutions, Task, best
+from tuner.run.together import Together
 
 Progress: TypeAlias = Callable[[str, int, int], None]
 """Called with what is being done, and how many of how many parts are finished."""
@@ -52,6 +55,7 @@ class Run:
         folder: where its files go.
         progress: told of every part.
         claims: names of the claims that are asked for; all if empty.
+        identity: of the run; see :mod:`tuner.run.identity`.
     """
 
     study: str
@@ -61,6 +65,27 @@ class Run:
     folder: RunFolder
     progress: Progress
     claims: tuple[str, ...] = ()
+    identity: Mapping[str, str] = field(default_factory=dict)
+
+    def check(self, jobs: int) -> None:
+        """Find what would be refused before anything is written: score where each search begins.
+
+        Raises:
+            ValueError: for a solver that cannot take its problem, and for a problem that cannot be
+                scored.
+        """
+        self.progress("scoring", 0, 1)
+        for task in self.plan.tasks:
+            if hasattr(task.solver, "check"):
+                task.solver.check(task.problem)
+        problems = {id(task.problem): task.problem for task in self.plan.tasks}
+        with ThreadPoolExecutor(jobs) as pool:
+            try:
+                for _ in pool.map(_begun, problems.values()):
+                    self.progress("scoring", 0, 1)
+            except BaseException:
+                pool.shutdown(wait=False, cancel_futures=True)
+                raise
 
     def solve(self, jobs: int, finished: Mapping[tuple[str, str], Solution]) -> Solutions:
         """Solve all tasks that are not finished yet, in several threads.
@@ -68,28 +93,55 @@ class Run:
         Every solution is written to ``progress.json`` at once, so that an interrupted run can go
         on. Threads suffice: the time is spent in compiled code, which frees the interpreter.
         """
-        solutions = dict(finished)
-        open_tasks = [task for task in self.plan.tasks if _key(task) not in solutions]
+        solutions, digests = dict(finished), dict[tuple[str, str], str]()
+        open_tasks = [task for task in self.plan.tasks if key_of(task) not in solutions]
         self.progress("solving", len(solutions), len(self.plan.tasks))
-        self._save(solutions)  # a run that is interrupted at once can go on as well
+        self._save(solutions, digests)  # a run that is interrupted at once can go on as well
         with ThreadPoolExecutor(jobs) as pool:
-            futures = {pool.submit(task.solver, task.problem): task for task in open_tasks}
+            futures = {pool.submit(_solved, task): task for task in open_tasks}
             try:
                 for future in as_completed(futures):
                     task = futures[future]
-                    solutions[_key(task)] = future.result()
-                    self._save(solutions)
+                    solutions[key_of(task)], digests[key_of(task)] = future.result()
+                    self._save(solutions, digests)
                     words = f"{task.problem.name}: {task.solver.name}"
                     self.progress(words, len(solutions), len(self.plan.tasks))
             except BaseException:
                 pool.shutdown(wait=False, cancel_futures=True)
                 raise
-        return _agreement({_key(task): solutions[_key(task)] for task in self.plan.tasks})
+        return _agreement({key_of(task): solutions[key_of(task)] for task in self.plan.tasks})
 
-    def _save(self, solutions: Solutions) -> None:
-        records = [SolutionRecord.of(s).model_dump_json() for s in solutions.values()]
-        text = f"[{','.join(records)}]\n"
-        self.folder.write("progress.json", text.encode(), replace=True)
+    def solve_together(self, together: Together, finished: Solutions) -> Solutions:
+        """Solve all tasks beside other processes; what they found is scored again here.
+
+        Raises:
+            ValueError: for a solution of another process that is none of the problem, or a refusal.
+        """
+        checked, digests = dict(finished), dict[tuple[str, str], str]()
+        problems = {key_of(task): task.problem for task in self.plan.tasks}
+        self._save(checked, digests)
+
+        def news(solutions: Solutions) -> None:
+            for key, solution in solutions.items():
+                if key not in checked:
+                    check_again(problems[key], solution)
+                    checked[key] = solution
+                    self._save(checked, digests)
+            self.progress("solving", len(checked), len(self.plan.tasks))
+
+        together.work(news)
+        return _agreement({key_of(task): checked[key_of(task)] for task in self.plan.tasks})
+
+    def _save(self, solutions: Solutions, digests: dict[tuple[str, str], str]) -> None:
+        for task in self.plan.tasks:
+            if key_of(task) in solutions and key_of(task) not in digests:
+                digests[key_of(task)] = digest_of(task)
+        finished = [
+            Finished(identity=digests[key], solution=SolutionRecord.of(solution))
+            for key, solution in solutions.items()
+        ]
+        kept = Kept(schema=SCHEMA, identity=dict(self.identity), finished=finished)
+        self.folder.write("progress.json", kept.to_json().encode(), replace=True)
 
     def finish(self, solutions: Solutions, formats: tuple[str, ...], begun: float) -> Result:
         """Compare, export, check in single precision and draw; write the result."""
@@ -113,11 +165,8 @@ class Run:
         artifacts += [record.file for record in exports]
         if self.plan.report is not None:
             artifacts += [self._outputs(problem, solution) for problem, solution in found]
-        for figure in self.plan.figures(self.plan.case, solutions):
-            self.progress(f"drawing {figure.name}", 3, 4)
-            stem = f"figures/{figure.name}"
-            artifacts.append(self.folder.write(f"{stem}.csv", table(figure)))
-            artifacts.append(self.folder.write(f"{stem}.png", picture(figure)))
+        drawn, not_drawn = self._draw(solutions)
+        artifacts += drawn
         result = Result(
             schema="tuner.result/1",
             study=self.study,
@@ -134,11 +183,33 @@ class Run:
             fit=self._report(solutions),
             findings=list(self.plan.findings(self.plan.case, solutions)),
             code=codes,
+            identity=dict(self.identity),
+            not_drawn=not_drawn,
         )
         self.folder.write("result.json", result.to_json().encode())
         self.folder.remove("progress.json")
         self.progress("done", 4, 4)
         return result
+
+    def _draw(self, solutions: Solutions) -> tuple[list[str], list[str]]:
+        """The files of figures, and why others are missing: one that fails ends no run."""
+        drawn: list[str] = []
+        failed: list[str] = []
+        try:
+            for figure in self.plan.figures(self.plan.case, solutions):
+                self.progress(f"drawing {figure.name}", 3, 4)
+                try:
+                    made = {"csv": table(figure), "png": picture(figure)}
+                except Exception as error:
+                    failed.append(f"{figure.name} could not be drawn: {_said(error)}")
+                    continue
+                stem = f"figures/{figure.name}"
+                drawn += [self.folder.write(f"{stem}.{end}", made[end]) for end in made]
+        except WriteError:
+            raise
+        except Exception as error:
+            failed.append(f"a figure could not be drawn: {_said(error)}")
+        return drawn, failed
 
     def _code(
         self, problem: Problem, solution: Solution, tuned: Tuned, formats: tuple[str, ...]
@@ -246,20 +317,6 @@ def score_export(
     )
 
 
-def recorded(progress: bytes) -> dict[tuple[str, str], Solution]:
-    """The solutions of an interrupted run, by problem and solver, from its ``progress.json``.
-
-    Raises:
-        ValueError: where it is none.
-    """
-    try:
-        records = TypeAdapter(list[SolutionRecord]).validate_json(progress)
-    except ValidationError:
-        raise ValueError("progress.json is not that of a run; start anew with --force") from None
-    solutions = [record.solution() for record in records]
-    return {(s.problem, s.solver): s for s in solutions}
-
-
 def exported(plan: Plan) -> list[Problem]:
     """The problems of a plan whose solutions are exported, in the order it names them."""
     problems = {task.problem.name: task.problem for task in plan.tasks}
@@ -274,8 +331,19 @@ def trusted(plan: Plan, solutions: Solutions) -> bool:
     return all(best(name, solutions).status.trusted for name in plan.exports)
 
 
-def _key(task: Task) -> tuple[str, str]:
-    return task.problem.name, task.solver.name
+def _begun(problem: Any) -> None:
+    """Score a problem where searches begin; convex programs have no such place."""
+    if isinstance(problem, Problem) and problem.space.size:
+        problem.value(problem.space.start())
+
+
+def _said(error: Exception) -> str:
+    return " ".join(f"{type(error).__name__}: {error}".split())
+
+
+def _solved(task: Task) -> tuple[Solution, str]:
+    """The solution of a task, and the identity of its problem."""
+    return task.solver(task.problem), digest_of(task)
 
 
 def _agreement(solutions: Solutions) -> dict[tuple[str, str], Solution]:

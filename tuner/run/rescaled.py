@@ -91,6 +91,11 @@ class ThenRescaled:
         """That of the solver."""
         return self.solver.name
 
+    def check(self, problem: Problem) -> None:
+        """Refuse what the solver cannot begin."""
+        if hasattr(self.solver, "check"):
+            self.solver.check(problem)
+
     def __call__(self, problem: Problem) -> Solution:
         """Solve, and rescale where the estimates stay."""
         return rescaled(problem, self.solver(problem))[0]

@@ -201,6 +201,8 @@ class Result(Recorded):
     fit: FitRecord | None = Field(None, description="of a fit: what it is worth")
     findings: list[Finding] = Field([], description="numbers that people take from the run")
     code: list[CodeRecord] = Field([], description="what is exported as C")
+    identity: dict[str, str] = Field({}, description="digests of settings, data and code")
+    not_drawn: list[str] = Field([], description="figures that could not be drawn, and why")
 
     def to_json(self) -> str:
         """JSON text; infinite numbers become null."""

@@ -18,6 +18,7 @@ from tuner.data.signal import Signal
 from tuner.export import FORMATS
 from tuner.run.fit_study import STUDY, FitSettings
 from tuner.run.folder import RunFolder
+from tuner.run.identity import identity_of_run
 from tuner.run.pipeline import Run, write_down
 from tuner.run.recipe import LogEntries, Recipe
 from tuner.run.study import Plan, Solutions
@@ -93,7 +94,8 @@ def _write(made: Made, folder: RunFolder) -> None:
     for name, data in files.items():
         folder.write(name, data)
     values = settings.model_dump(mode="json")
-    run = Run(STUDY.name, values, made.plan, made.seed, folder, lambda *_: None)
+    identity = identity_of_run(STUDY, recipe, made.plan)
+    run = Run(STUDY.name, values, made.plan, made.seed, folder, lambda *_: None, (), identity)
     run.finish(made.solutions, FORMATS, begun)
 
 

@@ -1,6 +1,6 @@
 """Gradients for what is smooth and a simplex search for thresholds, in turn."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -8,8 +8,9 @@ from tuner.certificate.solution import Solution
 from tuner.problem.problem import Problem
 from tuner.solvers.gradient import minimise
 from tuner.solvers.minimum import Minimum
-from tuner.solvers.multistart import from_several
+from tuner.solvers.multistart import from_several, refuse
 from tuner.solvers.simplex import boxed
+from tuner.solvers.starts import SharedStarts
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,7 @@ class Alternating:
         step: edge of the first simplex in z; 0.5 is a factor of 1.65.
         gradient: largest component of the gradient of ln value at the end of a descent.
         iterations: limit of each descent.
+        shared: where other processes make some of the descents; None: all are made here.
     """
 
     seed: int
@@ -36,12 +38,30 @@ class Alternating:
     step: float = 0.5
     gradient: float = 1e-8
     iterations: int = 200
+    shared: SharedStarts | None = field(default=None, repr=False)
 
     name: str = "alternating"
 
+    def help(self, problem: Problem) -> int:
+        """Make those descents of a shared search that nobody has begun; returns how many."""
+        if self.shared is None:
+            return 0
+        return self.shared.help(problem, self._descend, self.starts, self.seed)
+
+    def check(self, problem: Problem) -> None:
+        """Refuse what cannot begin; see :func:`tuner.solvers.multistart.refuse`."""
+        refuse(problem, self.name, self.starts, "start")
+
     def __call__(self, problem: Problem) -> Solution:
         """Solve a problem."""
-        return from_several(problem, self.name, self._descend, starts=self.starts, seed=self.seed)
+        return from_several(
+            problem,
+            self.name,
+            self._descend,
+            starts=self.starts,
+            seed=self.seed,
+            shared=self.shared,
+        )
 
     def _descend(self, problem: Problem, z: np.ndarray) -> Minimum:
         found = self._smooth(problem, z)

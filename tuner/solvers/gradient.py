@@ -1,6 +1,6 @@
 """Gradient methods of scipy on exact JAX gradients: L-BFGS-B and trust-constr."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -10,7 +10,8 @@ from tuner.certificate.solution import Solution
 from tuner.names import unknown
 from tuner.problem.problem import Problem
 from tuner.solvers.minimum import Minimum
-from tuner.solvers.multistart import from_several
+from tuner.solvers.multistart import from_several, refuse
+from tuner.solvers.starts import SharedStarts
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,7 @@ class Gradient:
         curvature: whether the certificate looks at second derivatives, at the cost of two
             gradients for each parameter; without them nothing is called flat, and no parameter
             has an interval.
+        shared: where other processes make some of the descents; None: all are made here.
     """
 
     name: Literal["l-bfgs-b", "trust-constr"]
@@ -37,10 +39,21 @@ class Gradient:
     gradient: float = 1e-8
     iterations: int = 200
     curvature: bool = True
+    shared: SharedStarts | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         if self.name not in _TOLERANCE:
             raise unknown("gradient method", self.name, _TOLERANCE)
+
+    def help(self, problem: Problem) -> int:
+        """Make those descents of a shared search that nobody has begun; returns how many."""
+        if self.shared is None:
+            return 0
+        return self.shared.help(problem, self._descend, self.starts, self.seed)
+
+    def check(self, problem: Problem) -> None:
+        """Refuse what cannot begin; see :func:`tuner.solvers.multistart.refuse`."""
+        refuse(problem, self.name, self.starts, "start", smooth=True)
 
     def __call__(self, problem: Problem) -> Solution:
         """Solve a problem."""
@@ -52,6 +65,7 @@ class Gradient:
             seed=self.seed,
             smooth=True,
             curvature=self.curvature,
+            shared=self.shared,
         )
 
     def _descend(self, problem: Problem, z: np.ndarray) -> Minimum:

@@ -15,7 +15,7 @@ from tuner.names import unknown
 from tuner.problem.problem import Problem
 from tuner.solvers.foreign import python_function
 from tuner.solvers.minimum import Minimum, best_of
-from tuner.solvers.multistart import from_several
+from tuner.solvers.multistart import from_several, refuse
 from tuner.solvers.widening import widen
 
 if TYPE_CHECKING:
@@ -52,6 +52,10 @@ class Ipopt:
     def __post_init__(self) -> None:
         if self.model not in get_args(Model):
             raise unknown("model", self.model, get_args(Model))
+
+    def check(self, problem: Problem) -> None:
+        """Refuse what cannot begin; see :func:`tuner.solvers.multistart.refuse`."""
+        refuse(problem, self.name, self.starts, "start", constrained=True, smooth=True)
 
     def __call__(self, problem: Problem) -> Solution:
         """Solve a problem."""

@@ -9,9 +9,7 @@ from tuner.certificate.solution import Solution
 from tuner.problem.problem import Problem
 from tuner.solvers.conclude import conclude
 from tuner.solvers.minimum import Descent, Minimum
-
-REDRAWN = 20
-"""So many starts that lead to no number are drawn again."""
+from tuner.solvers.starts import REDRAWN, SharedStarts
 
 
 def from_several(
@@ -24,6 +22,7 @@ def from_several(
     constrained: bool = False,
     smooth: bool = False,
     curvature: bool = True,
+    shared: SharedStarts | None = None,
 ) -> Solution:
     """Descend from the initial point and from the problem's others; certify the best end.
 
@@ -36,33 +35,28 @@ def from_several(
         constrained: whether the method keeps constraints.
         smooth: whether the method follows gradients alone.
         curvature: whether the certificate looks at second derivatives.
+        shared: where other processes make some of the descents; None: all are made here.
 
     Raises:
         ValueError: for fewer than one start, where nothing is free, where there are constraints
             and the solver takes none, or thresholds and it follows gradients.
     """
-    refuse(problem, solver, starts, "start", constrained=constrained)
-    steps = problem.space.thresholds()
-    if smooth and steps.any():
-        names = np.array(problem.space.coordinates)[steps]
-        raise ValueError(
-            f"{solver} follows gradients, and {problem.name} is piecewise constant in "
-            f"{', '.join(name.removeprefix('ln ') for name in names)}, whose gradient is 0 and "
-            "says nothing; fix it, or solve by alternating, nelder-mead, cma-es or tpe"
-        )
+    refuse(problem, solver, starts, "start", constrained=constrained, smooth=smooth)
     begun = time.perf_counter()
-    ends = _descents(problem, descend, starts, seed)
+    ends = _descents(problem, descend, starts, seed, shared)
     return conclude(
         problem, solver, ends, begun, curvature=curvature, descend=descend, smooth=smooth
     )
 
 
-def _descents(problem: Problem, descend: Descent, count: int, seed: int) -> list[Minimum]:
+def _descents(
+    problem: Problem, descend: Descent, count: int, seed: int, shared: SharedStarts | None
+) -> list[Minimum]:
     """So many ends; those that are not a number are lost, and others are drawn in their place."""
     ends: list[Minimum] = []
     lost: list[Minimum] = []
-    for z in problem.starts(count + REDRAWN, seed):
-        end = descend(problem, z)
+    made = (descend(problem, z) for z in problem.starts(count + REDRAWN, seed))
+    for end in made if shared is None else shared.ends(problem, descend, count, seed):
         (ends if np.isfinite(end.value) else lost).append(end)
         if len(ends) == count:
             break
@@ -73,12 +67,19 @@ def _descents(problem: Problem, descend: Descent, count: int, seed: int) -> list
 
 
 def refuse(
-    problem: Problem, solver: str, count: int, what: str, *, constrained: bool = False
+    problem: Problem,
+    solver: str,
+    count: int,
+    what: str,
+    *,
+    constrained: bool = False,
+    smooth: bool = False,
 ) -> None:
-    """Refuse what cannot begin: no start or trial, nothing free, constraints nobody would keep.
+    """Refuse what cannot begin.
 
     Raises:
-        ValueError: says which of the three.
+        ValueError: for no start or trial, nothing free, constraints that nobody would keep, and
+            thresholds where gradients are followed; says which.
     """
     if count < 1:
         raise ValueError(f"{solver} needs at least one {what}, got {count}")
@@ -88,4 +89,12 @@ def refuse(
         names = ", ".join(constraint.name for constraint in problem.constraints)
         raise ValueError(
             f"{solver} keeps no constraints, and {problem.name} has {names}: solve it by ipopt"
+        )
+    steps = problem.space.thresholds()
+    if smooth and steps.any():
+        names = np.array(problem.space.coordinates)[steps]
+        raise ValueError(
+            f"{solver} follows gradients, and {problem.name} is piecewise constant in "
+            f"{', '.join(name.removeprefix('ln ') for name in names)}, whose gradient is 0 and "
+            "says nothing; fix it, or solve by alternating, nelder-mead, cma-es or tpe"
         )

@@ -1,0 +1,112 @@
+"""tuner worker: work on a run of another process, here or on another machine."""
+
+import _thread
+import sys
+import threading
+import tomllib
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from tuner.cli.interrupt import interruptible
+from tuner.cli.request import Request, load_records
+from tuner.cli.settings import parse_settings
+from tuner.cli.which import Which, refuse_code
+from tuner.run.cache import use_cache
+from tuner.run.identity import WHAT, identity_of_run
+from tuner.run.recipe import LogEntries, Recipe, logs_beside
+from tuner.run.study import find_study
+from tuner.run.together import Together, facts_of, workers
+
+
+@dataclass(frozen=True)
+class Worker:
+    """What a worker was asked for.
+
+    Attributes:
+        storage: URL of the database.
+        study: name of the run in it.
+        logs: the recordings, where they are not in this folder.
+        which: the filter's file, where the run is of one.
+        jobs: processes on this machine.
+        leashed: whether it ends with the process that started it.
+    """
+
+    storage: str
+    study: str
+    logs: tuple[Path, ...] = ()
+    which: Which = field(default_factory=Which)
+    jobs: int = 1
+    leashed: bool = False
+
+
+def execute(worker: Worker) -> int:
+    """Work until the run is solved; 0 then, 130 after Ctrl-C."""
+    use_cache()
+    run = joined(worker)
+    words = [word for log in worker.logs for word in ("--log", str(log))]
+    if worker.which.filter is not None:
+        words += ["--filter", worker.which.filter]
+    try:
+        with ExitStack() as stack:
+            check = stack.enter_context(interruptible())
+            if worker.leashed:
+                stack.enter_context(_leash())
+            else:
+                print(f"working on {run.name}, {len(run.tasks)} problems", file=sys.stderr)
+            stack.enter_context(workers(worker.jobs - 1, run.url, run.name, words))
+            run.work(lambda _: check())
+    except KeyboardInterrupt:
+        if not worker.leashed:
+            print("tuner: interrupted; others may go on with what was begun here", file=sys.stderr)
+        return 130
+    return 0
+
+
+def joined(worker: Worker) -> Together:
+    """The run of a name, planned on this machine's data.
+
+    Raises:
+        ValueError: where there is no such run, it names code that nobody allowed, and where data
+            or code of this machine differ from those of the run.
+    """
+    text, identity = facts_of(worker.storage, worker.study)
+    document = tomllib.loads(text)
+    command = f"tuner worker --study {worker.study}"
+    refuse_code(document, worker.which, Path(worker.study), command)
+    recipe = Recipe.model_validate(document)
+    study = find_study(recipe.study)
+    settings = parse_settings(study.settings, (), recipe.settings | _allowed(worker.which))
+    logs = worker.logs
+    if recipe.log is not None and not logs:
+        logs = logs_beside(Path("study.toml"), recipe.log)
+    request = Request(recipe.study, logs=logs, reading=recipe.log or LogEntries())
+    records = load_records(study, settings, request)
+    plan = study.plan(settings, records, recipe.seed, worker.storage)
+    plan = plan.only(recipe.claims) if recipe.claims else plan
+    own = identity_of_run(study, recipe, plan)
+    # Settings are the run's own, by definition.
+    if differing := [words for part, words in WHAT.items() if own[part] != identity.get(part)]:
+        raise ValueError(
+            f"this machine has {', '.join(differing)} than the run {worker.study}, and cannot "
+            "work on it; bring the same here"
+        )
+    return Together.of(worker.storage, study.name, text.encode(), identity, plan)
+
+
+def _allowed(which: Which) -> dict[str, object]:
+    """The filter's file that a person named."""
+    return {name: value for name, value in which.settings().items() if name == "filter"}
+
+
+@contextmanager
+def _leash() -> Iterator[None]:
+    """End with the process that started this one: it holds the other end of stdin."""
+
+    def wait() -> None:
+        sys.stdin.buffer.read()
+        _thread.interrupt_main()
+
+    threading.Thread(target=wait, daemon=True).start()
+    yield

@@ -1,0 +1,34 @@
+"""What a problem is: a digest that differs wherever the numbers would."""
+
+import hashlib
+from collections.abc import Iterable
+
+import jax
+import numpy as np
+
+from objectives import Data
+from tuner.problem.space import Space
+
+
+def identity_of(programs: Iterable[str], space: Space, data: Data) -> str:
+    """The SHA-256 of what is computed, over what and on which data.
+
+    Args:
+        programs: what is compiled, as text with all constants: whatever a filter, an objective or
+            a function of the user's own reads as it is traced is in there.
+        space: the coordinates.
+        data: the arrays, to the bit.
+    """
+    digest = hashlib.sha256()
+    for text in programs:
+        digest.update(_sized(text.encode()))
+    low, high = space.box()
+    for array in (space.start(), low, high, *jax.tree.leaves(data)):
+        bits = np.asarray(array)
+        digest.update(_sized(f"{bits.dtype.str}{bits.shape}".encode()) + _sized(bits.tobytes()))
+    digest.update(_sized(repr((space.coordinates, jax.tree.structure(data))).encode()))
+    return digest.hexdigest()
+
+
+def _sized(part: bytes) -> bytes:
+    return f"{len(part)}:".encode() + part
