@@ -13,7 +13,16 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-FLAGS = ("-std=gnu11", "-O2", "-march=native", "-fno-math-errno", "-w", "-shared", "-fPIC")
+FLAGS = (
+    "-std=gnu11",
+    "-O2",
+    "-march=native",
+    "-fno-math-errno",
+    "-ffp-contract=fast",
+    "-w",
+    "-shared",
+    "-fPIC",
+)
 """Strict where numbers are concerned: NaN is a missing sample."""
 SECONDS = 30
 """A compiler that takes longer is stopped."""

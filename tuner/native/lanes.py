@@ -50,14 +50,17 @@ class Lanes:
     Args:
         graph: of the nodes.
         wide: those that differ.
+        expected: conditions that a processor guesses well, such as missing samples.
         name: of a node, as an operand.
 
     Attributes:
         functions: of math.h that were asked for, with how many numbers each takes.
     """
 
-    def __init__(self, graph: Graph, wide: set[int], name: Callable[[int], str]) -> None:
-        self.graph, self.wide, self.name = graph, wide, name
+    def __init__(
+        self, graph: Graph, wide: set[int], expected: set[int], name: Callable[[int], str]
+    ) -> None:
+        self.graph, self.wide, self.expected, self.name = graph, wide, expected, name
         self.functions: dict[str, int] = {}
 
     def broad(self, k: int) -> str:
@@ -80,7 +83,7 @@ class Lanes:
             raise NoCounterpartError("a quotient of whole numbers that differs between points")
         if op == "convert":
             return self._converted(node.kind, args[0])
-        if op == "choose" and args[0] not in self.wide:
+        if op == "choose" and args[0] in self.expected:
             return f"{self.name(args[0])} ? {self.broad(args[1])} : {self.broad(args[2])}"
         if op in ("max", "min"):
             return self._limited(op, *args)

@@ -35,7 +35,9 @@ class _Source:
         self.loop, self.graph, self.count, self.points = loop, loop.graph, lanes, points
         self.wide = _wide(loop, {"p", "dp"} if points else {"dp"})
         self.names: dict[int, str] = {}
-        self.lanes = Lanes(loop.graph, self.wide, self.name)
+        self.steady = _of(loop.graph, {"p", "dp"})
+        expected = _of(loop.graph, {"u", "p"}) - self.wide
+        self.lanes = Lanes(loop.graph, self.wide, expected, self.name)
         self.lines: list[str] = []
         self._inverse: set[int] = set()
 
@@ -122,10 +124,9 @@ class _Source:
 
     def _statements(self, roots: Iterable[int], *, steady: bool) -> None:
         """Statements for what is needed; of it what no sample changes, or the rest."""
-        fixed = _steady(self.graph)
         for k in self.graph.reached(roots):
             known = k in self.names or self.graph.nodes[k].op in ("constant", "input")
-            if known or (k in fixed) != steady:
+            if known or (k in self.steady) != steady:
                 continue
             text = self._wide_text(k) if k in self.wide else self._text(k)
             self.names[k] = f"t{k}"
@@ -213,11 +214,10 @@ def _wide(loop: Loop, seeds: set[str]) -> set[int]:
             return wide
 
 
-def _steady(graph: Graph) -> set[int]:
-    """Nodes that no sample changes."""
+def _of(graph: Graph, groups: set[str]) -> set[int]:
+    """Nodes that depend on inputs of these groups alone."""
     found: set[int] = set()
     for k, node in enumerate(graph.nodes):
-        own = node.op != "input" or node.value[0] in ("p", "dp")
-        if own and found.issuperset(node.args):
+        if (node.op != "input" or node.value[0] in groups) and found.issuperset(node.args):
             found.add(k)
     return found
