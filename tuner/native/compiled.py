@@ -24,7 +24,6 @@ from tuner.native.turn import turn
 
 LANES = 8
 """Directions or points at once: what the widest vectors of today's processors hold."""
-_ARRAY = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
 
 
 class Native:
@@ -90,19 +89,19 @@ class Native:
         Raises:
             NoCodeError: where there is no compiler that works.
         """
-        run = self._directions
+        run, lanes = self._directions, self._lanes
         numbers, slopes = (np.asarray(part) for part in self._slopes(z))
-        padded = np.zeros((len(numbers), -(-self.size // LANES) * self._lanes))
-        padded[:, : self.size] = slopes
-        blocks = np.split(padded, padded.shape[1] // self._lanes, axis=1)
-        width = 1 + self._lanes
-        ends = np.empty((len(blocks), len(self._turn.total), width))
-        kept = np.empty(
-            (len(blocks), len(rows) if self._turn.kept else 0, len(self._turn.kept), width)
-        )
-        for block, end, keep in zip(blocks, ends, kept, strict=True):
-            run(*rows.shape, numbers, np.ascontiguousarray(block), rows, end, keep)
-        value, gradient = self._judge(ends, kept, data.truth)
+        blocks = -(-self.size // lanes)
+        padded = np.zeros((blocks, len(numbers), lanes))
+        for block, part in enumerate(padded):
+            own = slopes[:, block * lanes : (block + 1) * lanes]
+            part[:, : own.shape[1]] = own
+        ends = np.empty((blocks, len(self._turn.total), 1 + lanes))
+        count = len(self._turn.kept)
+        kept = np.empty((blocks, len(rows) if count else 0, count, 1 + lanes))
+        for directions, end, keep in zip(padded, ends, kept, strict=True):
+            run(*rows.shape, *map(_address, (numbers, directions, rows, end, keep)))
+        value, gradient = self._judge(ends, kept, None if self._folds else data.truth)
         return float(value), np.asarray(gradient)
 
     def values_and_gradients(
@@ -127,13 +126,13 @@ class Native:
 
         def group(k: int) -> None:
             given = np.ascontiguousarray(p[k]), np.ascontiguousarray(dp[k])
-            run(*rows.shape, *given, rows, ends[k], none)
+            run(*rows.shape, *map(_address, (*given, rows, ends[k], none)))
 
         with ThreadPoolExecutor() as pool:
             list(pool.map(group, range(count)))
         by_point = ends.transpose(0, 3, 1, 2).reshape(len(padded), 1, -1, 1 + self.size)
         keep = np.empty((len(padded), 1, 0, 0, 1 + self.size))
-        values, gradients = self._judge_all(by_point, keep, data.truth)
+        values, gradients = self._judge_all(by_point, keep, None)
         return np.asarray(values)[: len(Z)], np.asarray(gradients)[: len(Z)]
 
     @property
@@ -151,7 +150,7 @@ class Native:
 
     def _loaded(self, text: str) -> Any:
         function = library(text, self.folder).run
-        function.argtypes = [ctypes.c_size_t, ctypes.c_size_t, *[_ARRAY] * 5]
+        function.argtypes = [ctypes.c_size_t, ctypes.c_size_t, *[ctypes.c_void_p] * 5]
         function.restype = None
         return function
 
@@ -202,3 +201,9 @@ def _filled(
         out.append(part.reshape(*before, *leaf.shape).astype(leaf.dtype))
         at += prod(leaf.shape)
     return jax.tree.unflatten(tree, out)
+
+
+def _address(array: np.ndarray) -> int:
+    """Where an array of rows without gaps begins."""
+    assert array.flags.c_contiguous
+    return array.ctypes.data
