@@ -174,8 +174,18 @@ def refused(problem):
     return problem.route.told
 
 
-def test_a_short_record_goes_by_xla():
+def test_a_short_record_goes_by_xla(monkeypatch):
+    monkeypatch.setenv("TUNER_NATIVE", "auto")
     assert refused(posed()) == "XLA: the record is too short for compiling C to pay"
+
+
+def test_a_long_record_goes_by_c(monkeypatch):
+    needed("cc")
+    monkeypatch.delenv("TUNER_NATIVE")
+    z = np.tile(measured(), (40, 1))
+    long = posed(data=Data(Sample(z), np.zeros(len(z))))
+    long.value_and_gradient(np.zeros(3))
+    assert long.route.told.startswith("C, compiled by ")
 
 
 def test_without_a_compiler_nothing_changes(monkeypatch):
