@@ -288,10 +288,10 @@ def test_a_folder_that_others_may_write_to_is_not_used(tmp_path):
     (tmp_path / "target").mkdir()
     linked.symlink_to(tmp_path / "target")
     missing.touch()
-    for folder in (shared, linked, missing / "code"):
+    for folder in (shared, shared / "code", linked, missing / "code"):
         assert not own(folder)
         assert library(ONE, folder).one() == 1
-    assert not list(shared.iterdir())
+    assert not list((shared / "code").iterdir())
     assert not list((tmp_path / "target").iterdir())
 
 
@@ -300,6 +300,13 @@ def test_a_folder_of_another_is_not_used(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "getuid", lambda: owner + 1)
     (tmp_path / "code").mkdir(mode=0o700)
     assert not own(tmp_path / "code")
+
+
+def test_a_compiler_with_arguments_that_does_not_know_this_processor(tmp_path, monkeypatch):
+    needed("cc")
+    monkeypatch.setenv("CC", "cc -DNUMBER=7")
+    monkeypatch.setattr(compiler, "HERE", ("-march=of-tomorrow",))
+    assert library("int one(void) { return NUMBER; }\n", tmp_path / "code").one() == 7
 
 
 def test_a_compiler_that_says_no_is_quoted(tmp_path):

@@ -3,6 +3,7 @@
 import ctypes
 import hashlib
 import os
+import shlex
 import shutil
 import signal
 import stat
@@ -13,17 +14,10 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-FLAGS = (
-    "-std=gnu11",
-    "-O2",
-    "-march=native",
-    "-fno-math-errno",
-    "-ffp-contract=fast",
-    "-w",
-    "-shared",
-    "-fPIC",
-)
+FLAGS = ("-std=gnu11", "-O2", "-fno-math-errno", "-ffp-contract=fast", "-w", "-fPIC")
 """Strict where numbers are concerned: NaN is a missing sample."""
+HERE = ("-march=native",)
+"""For this very processor, where a compiler knows how."""
 SECONDS = 30
 """A compiler that takes longer is stopped."""
 
@@ -36,42 +30,50 @@ class Compiler(NamedTuple):
     """A compiler that works.
 
     Attributes:
-        path: of the program.
+        command: the program with what it is always given.
         name: its name and version, in words.
-        key: what its code depends on: the version and the processor it compiles for.
+        key: what its code depends on: itself, and the processor that it compiles for.
     """
 
-    path: str
+    command: tuple[str, ...]
     name: str
     key: str
 
 
 def compiler() -> Compiler:
-    """The system's compiler: what ``CC`` names, or ``cc``.
+    """The system's compiler: what ``CC`` names, with its arguments, or ``cc``.
 
     Raises:
         NoCodeError: where there is none, or it does not work.
     """
-    wanted = os.environ.get("CC") or "cc"
+    wanted, *more = shlex.split(os.environ.get("CC", "")) or ["cc"]
     path = shutil.which(wanted)
     if path is None:
         raise NoCodeError(f"there is no C compiler ({wanted})")
-    found = _asked(path)
+    found = _asked((path, *more))
     if isinstance(found, NoCodeError):
         raise NoCodeError(*found.args)
     return found
 
 
 @cache
-def _asked(path: str) -> Compiler | NoCodeError:
+def _asked(program: tuple[str, ...]) -> Compiler | NoCodeError:
     """What a compiler says of itself; it is asked once."""
     try:
-        told = _ran([path, "--version"]).decode(errors="replace").splitlines()
-        macros = _ran([path, *FLAGS[:-2], "-dM", "-E", "-x", "c", os.devnull])
+        told = _ran([*program, "--version"]).decode(errors="replace").splitlines()
     except NoCodeError as error:
         return error
-    name = told[0].strip() if told else Path(path).name
-    return Compiler(path, name, f"{name}\n{hashlib.sha256(macros).hexdigest()}")
+    name = told[0].strip() if told else Path(program[0]).name
+    refused = NoCodeError("")
+    for here in (HERE, ()):
+        command = (*program, *FLAGS, *here)
+        try:
+            macros = _ran([*command, "-dM", "-E", "-x", "c", os.devnull])
+        except NoCodeError as error:
+            refused = error
+        else:
+            return Compiler(command, name, "\0".join([*command, name, _digest(macros)]))
+    return refused
 
 
 def _ran(command: list[str], cwd: Path | None = None) -> bytes:
@@ -113,7 +115,7 @@ def library(source: str, folder: Path) -> ctypes.CDLL:
         NoCodeError: where there is no compiler that works.
     """
     found = compiler()
-    key = _digest("\0".join([source, *FLAGS, found.key]).encode())
+    key = _digest("\0".join([source, found.key]).encode())
     if own(folder):
         for kept in folder.glob(f"{key}-*.so"):
             loaded = _loaded(kept)
@@ -128,7 +130,7 @@ def library(source: str, folder: Path) -> ctypes.CDLL:
     with tempfile.TemporaryDirectory() as name:
         loaded = _compiled(found, source, Path(name), key)
     if loaded is None:
-        raise NoCodeError(f"what {Path(found.path).name} made cannot be loaded")
+        raise NoCodeError(f"what {Path(found.command[0]).name} made cannot be loaded")
     return loaded
 
 
@@ -136,7 +138,7 @@ def _compiled(found: Compiler, source: str, folder: Path, key: str) -> ctypes.CD
     with tempfile.TemporaryDirectory(dir=folder) as name:
         inside = Path(name)
         (inside / "loop.c").write_text(source, "ascii")
-        _ran([found.path, *FLAGS, "loop.c", "-o", "loop.so", "-lm"], inside)
+        _ran([*found.command, "-shared", "loop.c", "-o", "loop.so", "-lm"], inside)
         made = inside / "loop.so"
         made.chmod(0o700)
         to = folder / f"{key}-{_digest(made.read_bytes())}.so"
@@ -160,15 +162,22 @@ def _loaded(file: Path) -> ctypes.CDLL | None:
 
 
 def own(folder: Path) -> bool:
-    """Whether a folder is there, or could be made, that this user alone may write to."""
+    """Whether a folder is there, or could be made, that this user alone may write to or replace."""
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         folder.mkdir(mode=0o700, exist_ok=True)
-        return _ours(folder.lstat(), stat.S_ISDIR) and os.access(folder, os.W_OK)
+        above = folder.parent.resolve()
+        safe = all(_safe(one.stat()) for one in (above, *above.parents))
+        return safe and _ours(folder.lstat(), stat.S_ISDIR) and os.access(folder, os.W_OK)
     except OSError:
         return False
 
 
 def _ours(found: os.stat_result, kind: Callable[[int], bool]) -> bool:
-    mine = found.st_uid == os.getuid() and not stat.S_IMODE(found.st_mode) & 0o022
-    return mine and kind(found.st_mode)
+    return kind(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o022
+
+
+def _safe(found: os.stat_result) -> bool:
+    """Whether no other user may replace what lies in a folder."""
+    trusted, sticky = found.st_uid in (0, os.getuid()), found.st_mode & stat.S_ISVTX
+    return trusted and (not found.st_mode & 0o022 or bool(sticky))
