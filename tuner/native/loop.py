@@ -1,13 +1,13 @@
 """A time loop with derivatives in several directions, without what never changes."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from tuner.code.graph import Graph
-from tuner.native.rebuilt import divisors, rebuilt
+from tuner.native.rebuilt import Rebuilt
 from tuner.native.turn import MOST, Pair, Turn
 
 Key: TypeAlias = tuple[int, int]
@@ -70,57 +70,64 @@ class _Attempt:
     def __init__(self, turn: Turn, moves: Sequence[np.ndarray], assumed: set[Key] | None) -> None:
         self.old, self.new, self.turn, self.assumed = turn.graph, Graph(most=MOST), turn, assumed
         self.cells: dict[Key, Carried] = {}
-        self._divisors, self._zero = divisors(self.old), self.new.constant(0.0)
+        self._zero = self.new.constant(0.0)
         starts = [k for cell in turn.cells for k in cell.start if k is not None]
         ends = [pair for cell in turn.cells for pair in (cell.input, cell.after)]
         then = [k for pair in (*ends, *turn.kept) for k in pair if k is not None]
-        self._first, self._then = self.old.reached(starts), self.old.reached(then)
         self._sloped = _sloped(self.old)
-        values = self._values()
-        slopes = [self._slopes(values, move, part) for part, move in enumerate(moves, 1)]
+        self._rebuilt = Rebuilt(self.old, self.new)
+        self._moves = moves
+        known: list[dict[int, int]] = [{} for _ in range(1 + len(moves))]
+        self._write(self.old.reached(starts), known)
+        self._fix(known)
+        self._write(self.old.reached(then), known)
+        for (k, part), cell in self._parts():
+            self.cells[k, part] = Carried(*(known[part][node] for node in cell))
         wanted = [turn.cells[k].input for k in turn.total]
-        self.total = [self._row(pair, values, slopes) for pair in wanted]
-        self.kept = [self._row(pair, values, slopes) for pair in turn.kept]
+        self.total = [self._row(pair, known) for pair in wanted]
+        self.kept = [self._row(pair, known) for pair in turn.kept]
 
-    def _values(self) -> dict[int, int]:
-        """Write what depends on no direction."""
-        known: dict[int, int] = {}
-        first = [k for k in self._first if k not in self._sloped]
-        then = [k for k in self._then if k not in self._sloped]
-        self._write(known, first, then, 0)
-        return known
+    def _write(self, order: list[int], known: list[dict[int, int]]) -> None:
+        """Write values once and derivatives in each direction, side by side as they were traced.
 
-    def _slopes(self, values: dict[int, int], move: np.ndarray, part: int) -> dict[int, int]:
-        """Write derivatives in a direction."""
-        known = dict(values)
-        for k in self._sloped:
-            node = self.old.nodes[k]
-            if node.op == "input":
-                moving = node.value[0] == "ds" or move[node.value[1]]
-                known[k] = self.new.input((*node.value, part - 1)) if moving else self._zero
-        self._write(known, self._first, self._then, part)
-        return known
-
-    def _write(self, known: dict[int, int], first: list[int], then: list[int], part: int) -> None:
-        """The start, what never changes, and the rest."""
-        rebuilt(self.old, self.new, first, known, self._divisors)
-        mine: dict[int, Carried] = {}
-        for k, cell in enumerate(self.turn.cells):
-            at, start, after = (pair[min(part, 1)] for pair in cell)
-            if at is None or start is None or after is None:
+        So a processor has derivatives to work on while it waits for a value.
+        """
+        for entry in order:
+            if entry not in self._sloped:
+                self._rebuilt.write(entry, known[0])
+                for one in known[1:]:
+                    one[entry] = known[0][entry]
                 continue
-            mine[k] = Carried(at, start, after)
-            fixed = self.assumed is None or (k, part) in self.assumed
-            if fixed and self.new.is_constant(known[start]):
-                known[at] = known[start]
-        rebuilt(self.old, self.new, then, known, self._divisors)
-        for k, old in mine.items():
-            self.cells[k, part] = Carried(*(known[node] for node in old))
+            node = self.old.nodes[entry]
+            for direction, one in enumerate(known[1:]):
+                if node.op == "input" and entry not in one:
+                    group, number = node.value[:2]
+                    moving = group == "ds" or self._moves[direction][number]
+                    name = (*node.value, direction)
+                    one[entry] = self.new.input(name) if moving else self._zero
+                self._rebuilt.write(entry, one)
 
-    def _row(self, pair: Pair, values: dict[int, int], slopes: list[dict[int, int]]) -> list[int]:
+    def _fix(self, known: list[dict[int, int]]) -> None:
+        """Put numbers in place of what is taken to stay what it is at the start."""
+        for key, cell in self._parts():
+            one = known[key[1]]
+            fixed = self.assumed is None or key in self.assumed
+            if fixed and self.new.is_constant(one[cell.start]):
+                for each in known if key[1] == 0 else [one]:
+                    each[cell.input] = one[cell.start]
+
+    def _parts(self) -> Iterator[tuple[Key, Carried]]:
+        """The state's numbers and their derivatives, by nodes of the turn."""
+        for k, cell in enumerate(self.turn.cells):
+            for part in range(1 + len(self._moves)):
+                at, start, after = (pair[min(part, 1)] for pair in cell)
+                if at is not None and start is not None and after is not None:
+                    yield (k, part), Carried(at, start, after)
+
+    def _row(self, pair: Pair, known: list[dict[int, int]]) -> list[int]:
         """A number and its derivatives."""
-        at = pair.slope
-        return [values[pair.value], *(self._zero if at is None else known[at] for known in slopes)]
+        at, (values, *slopes) = pair.slope, known
+        return [values[pair.value], *(self._zero if at is None else one[at] for one in slopes)]
 
     def stays(self, cell: Carried) -> bool:
         """Whether a number that is known at the start was taken to stay, and does."""

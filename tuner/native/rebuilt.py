@@ -1,7 +1,7 @@
-"""A graph written anew, with other nodes in place of some, and with few divisions."""
+"""A graph written anew: other nodes in place of some, and few divisions."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -15,52 +15,54 @@ _TYPES: Mapping[Kind, np.dtype] = {
 }
 
 
-def rebuilt(
-    old: Graph, new: Graph, order: Iterable[int], known: dict[int, int], divisors: Mapping[int, int]
-) -> None:
-    """Write nodes of a graph into another one, as simply as they can be put there.
+class Rebuilt:
+    """Writes nodes of a graph into another one, as simply as they can be put there.
+
+    A number that several are divided by is inverted once.
 
     Args:
         old: the graph.
         new: the other one.
-        order: which nodes, each after those it is made of.
-        known: what stands for nodes of the old graph; grows.
-        divisors: by how many numbers each node divides.
     """
-    for entry in order:
-        if entry in known:
-            continue
-        node = old.nodes[entry]
+
+    def __init__(self, old: Graph, new: Graph) -> None:
+        self.old, self.new = old, new
+        self._divided = Counter(node.args[1] for node in old.nodes if node.op == "div")
+
+    def write(self, entry: int, known: dict[int, int]) -> None:
+        """Write a node.
+
+        Args:
+            entry: which; those it is made of are known.
+            known: what stands for nodes of the old graph; grows.
+        """
+        if entry not in known:
+            known[entry] = self._written(entry, known)
+
+    def _written(self, entry: int, known: Mapping[int, int]) -> int:
+        node, new = self.old.nodes[entry], self.new
         if node.op == "constant":
-            known[entry] = new.constant(node.value)
-        elif node.op == "input":
-            known[entry] = new.input(node.value, node.kind)
-        elif node.op == "choose":
-            condition, yes, no = (known[k] for k in node.args)
-            known[entry] = new.choose(condition, no, yes)
-        elif node.op == "convert":
-            known[entry] = new.convert(known[node.args[0]], _TYPES[node.kind])
-        elif node.op == "div" and node.kind == "real":
-            x, y = (known[k] for k in node.args)
-            known[entry] = _over(new, x, y, shared=divisors[node.args[1]] > 1)
-        else:
-            known[entry] = new.apply(node.op, *(known[k] for k in node.args))
+            return new.constant(node.value)
+        if node.op == "input":
+            return new.input(node.value, node.kind)
+        given = [known[k] for k in node.args]
+        if node.op == "choose":
+            return new.choose(given[0], given[2], given[1])
+        if node.op == "convert":
+            return new.convert(given[0], _TYPES[node.kind])
+        if node.op == "div" and node.kind == "real":
+            return self._over(given[0], given[1], shared=self._divided[node.args[1]] > 1)
+        return new.apply(node.op, *given)
 
-
-def divisors(graph: Graph) -> Counter[int]:
-    """By how many numbers each node divides."""
-    return Counter(node.args[1] for node in graph.nodes if node.op == "div")
-
-
-def _over(graph: Graph, x: int, y: int, *, shared: bool) -> int:
-    """A quotient; a product with the inverse, where others may have that as well."""
-    node, one = graph.nodes[y], graph.constant(1.0)
-    if node.op == "mul" and node.args[0] == node.args[1]:
-        inverse = _over(graph, one, node.args[0], shared=False)
-        return graph.apply("mul", x, graph.apply("mul", inverse, inverse))
-    if node.op == "choose" and all(graph.is_constant(k) for k in node.args[1:]):
-        yes, no = (graph.apply("div", one, k) for k in node.args[1:])
-        return graph.apply("mul", x, graph.choose(node.args[0], no, yes))
-    if shared and not graph.is_constant(y):
-        return graph.apply("mul", x, graph.apply("div", one, y))
-    return graph.apply("div", x, y)
+    def _over(self, x: int, y: int, *, shared: bool) -> int:
+        """A quotient; a product with the inverse, where others may have that as well."""
+        graph, node, one = self.new, self.new.nodes[y], self.new.constant(1.0)
+        if node.op == "mul" and node.args[0] == node.args[1]:
+            inverse = self._over(one, node.args[0], shared=False)
+            return graph.apply("mul", x, graph.apply("mul", inverse, inverse))
+        if node.op == "choose" and all(graph.is_constant(k) for k in node.args[1:]):
+            yes, no = (graph.apply("div", one, k) for k in node.args[1:])
+            return graph.apply("mul", x, graph.choose(node.args[0], no, yes))
+        if shared and not graph.is_constant(y):
+            return graph.apply("mul", x, graph.apply("div", one, y))
+        return graph.apply("div", x, y)
