@@ -47,12 +47,22 @@ class Rebuilt:
             return new.input(node.value, node.kind)
         given = [known[k] for k in node.args]
         if node.op == "choose":
-            return new.choose(given[0], given[2], given[1])
+            return self._chosen(*given)
         if node.op == "convert":
             return new.convert(given[0], _TYPES[node.kind])
         if node.op == "div" and node.kind == "real":
             return self._over(given[0], given[1], shared=self._divided[node.args[1]] > 1)
         return new.apply(node.op, *given)
+
+    def _chosen(self, condition: int, yes: int, no: int) -> int:
+        """One of two; a sign goes outwards, where a sum takes it."""
+        nodes, zero = self.new.nodes, self.new.constant(0.0)
+        both = [(k, nodes[k].args[0] if nodes[k].op == "neg" else k) for k in (yes, no)]
+        signed = [k != plain for k, plain in both]
+        if any(signed) and all(s or k == zero for s, (k, _) in zip(signed, both, strict=True)):
+            chosen = self.new.choose(condition, both[1][1], both[0][1])
+            return self.new.apply("neg", chosen)
+        return self.new.choose(condition, no, yes)
 
     def _over(self, x: int, y: int, *, shared: bool) -> int:
         """A quotient; a product with the inverse, where others may have that as well."""
