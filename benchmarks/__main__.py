@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import os
 import sys
 from collections.abc import Callable
 from dataclasses import asdict
@@ -15,6 +16,7 @@ from benchmarks import (
     cliff,
     equations,
     extended,
+    native,
     others,
     single,
     startup,
@@ -35,6 +37,7 @@ FULL, QUICK = Work(100_000, 15), Work(20_000, 5)
 def main(arguments: list[str] | None = None) -> int:
     """Measure, print the table, and write what was asked for."""
     asked = _parser().parse_args(arguments)
+    os.environ["TUNER_NATIVE"] = "off"  # but for the part about it
     work, said = QUICK if asked.quick else FULL, Console(stderr=True)
     limit = _limit(said)
     before = _noise(work, limit)
@@ -75,6 +78,7 @@ def _measure(work: Work, limit: Baseline | None, said: Console) -> list[Row]:
         "accuracy": lambda: accuracy.rows(work, limit),
         "compilation and start": lambda: startup.rows(work),
         "the extended filter": lambda: extended.rows(limit),
+        "compiled C": native.rows,
         "the unscented filter": unscented.rows,
         "equations": equations.rows,
         "Tanaka's regression": tanaka.rows,

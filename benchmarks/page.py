@@ -36,6 +36,36 @@ sample to the next; C spends its time waiting for that chain.
   is held against C's pass plus `numpy.fft.rfft` of the same segments.
 - Every output was compared with C's or, for the small R, with a loop that carries 40 digits.
 
+## Two ways to a gradient
+
+A search spends its time in `Problem.value_and_gradient`. XLA works it out, and wherever the
+record is long enough C is compiled for it instead, by the compiler that `CC` names or `cc`: the
+time loop is traced to a graph of scalars with its derivatives, what never changes over time
+(structural zeros above all) is left out, symmetric matrices are kept by halves, and the
+derivatives by up to eight parameters lie in one vector of the processor. What comes before the
+loop (from a point to the filter's parameters) and after it (spectra, means) stays JAX. In
+`tuner.values_and_gradients` eight points share a vector, where the objective keeps no samples for
+after the loop.
+
+- **XLA is the judge.** At the first point both work out value and gradient; where they differ by
+  more than 1e-9 of the largest of these numbers, XLA goes on alone. Values without gradient,
+  Hessians and the certificate are XLA's anyway.
+- **When.** C pays where a search would spend more time in XLA's loop than the compiler takes: (N
+  (1 + n) - 20 000) times the operations of a step above 8 million, for N samples and n
+  parameters; with six parameters and 500 operations from about 5000 samples on. `TUNER_NATIVE=on`
+  asks for it whatever the length, `off` never. `gradient_by` of a `Solution`, in `result.json`
+  too, says which way it was and why, as in `XLA: the record is too short for compiling C to pay`.
+- **What has no C.** A loop with an operation that scalars do not have (a while loop, a
+  decomposition), or of more than 12 000 operations with its derivatives, is XLA's. Without a
+  compiler, or with one that fails or takes more than 30 s, nothing changes.
+- **What is kept.** Libraries lie in `~/.cache/filter-tuner/native` (`TUNER_CACHE/native`), under
+  a hash of source, flags, compiler and processor and a hash of what is in them. Nothing is loaded
+  that another user owns or may write to, nor through a link: then, and where the folder cannot be
+  written, the code is compiled for the process alone.
+
+`python -m benchmarks.native` measures both ways in turns (the part *Gradients by compiled C*
+below).
+
 ## Results
 
 {table}

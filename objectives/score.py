@@ -102,6 +102,24 @@ def score_and_gradient(
     back), what follows it backwards: one transform of the outputs serves all n parameters.
     """
     collected, tangents = _forwards(lambda at: _collect(filter, objective, build(at), data), z)
+    return judged(objective, data, collected, tangents)
+
+
+def judged(
+    objective: Objective, data: Data, collected: tuple[Any, Any], tangents: tuple[Any, Any]
+) -> tuple[Array, Array]:
+    """The score of what a time loop collected, and its gradient.
+
+    Args:
+        objective: the objective.
+        data: inputs and truth.
+        collected: the sum of an objective that takes part in the loop, and what it kept; of another
+            one None, and the filter's outputs, time first.
+        tangents: their derivatives by each of n coordinates, stacked first.
+
+    Returns:
+        The score ``()`` and its gradient ``(n,)``.
+    """
     value, pull = jax.vjp(lambda seen: _judge(objective, data, seen), collected)
     (weights,) = pull(jnp.ones_like(value))
     return value, _chain(weights, tangents)

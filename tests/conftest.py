@@ -24,6 +24,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # 700 new ones takes a tenth of the time.
 gc.set_threshold(50_000, 20, 20)
 
+# The gradients of long records are XLA's in tests; those of tests/tuner/test_native.py are not.
+os.environ.setdefault("TUNER_NATIVE", "off")
+
 # No deadline: the first example compiles. The same examples in every run: a failure in CI is one
 # at home; the number of examples is what half a minute on two cores allows.
 settings.register_profile("tests", deadline=None, derandomize=True, max_examples=10)

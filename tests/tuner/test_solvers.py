@@ -192,7 +192,7 @@ def counted(monkeypatch):
 
     looked = tuner.solvers.pursuit.yardstick
     monkeypatch.setattr(Problem, "value", noted(Problem.value))
-    monkeypatch.setattr(Problem, "value_and_gradient", noted(Problem.value_and_gradient))
+    monkeypatch.setattr(Problem, "by_xla", noted(Problem.by_xla))
     monkeypatch.setattr(tuner.solvers.pursuit, "yardstick", yardstick)
     monkeypatch.setattr(tuner.solvers.conclude, "gone_on", ended)
     monkeypatch.setattr(tuner.solvers.conclude, "sharpened", ended)

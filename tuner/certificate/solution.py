@@ -156,6 +156,8 @@ class Solution:
         evaluations: how often the objective was evaluated, over all starts.
         seconds: how long it took, compilation included.
         certificate: what speaks for it.
+        gradient_by: which way gradients went: "C, compiled by ...", or "XLA: " and why; "" where
+            none was asked for.
     """
 
     problem: str
@@ -169,6 +171,7 @@ class Solution:
     evaluations: int
     seconds: float
     certificate: Certificate
+    gradient_by: str = ""
 
     def __repr__(self) -> str:
         return as_text(self)

@@ -42,6 +42,8 @@ def _ended(solution: Solved) -> Iterator[str]:
         f"value {solution.value:.6g} after {solution.evaluations} evaluations in "
         f"{solution.seconds:.2g} s{agree}"
     )
+    if solution.gradient_by.startswith("C, "):
+        yield f"gradients by {solution.gradient_by}"
     yield from solution.certificate.flat_directions
 
 

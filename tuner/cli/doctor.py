@@ -13,7 +13,7 @@ _OPTIONAL = {
     "pyarrow": "Parquet and Feather: pip install 'filter-tuner[arrow]'",
     "pyulog": "PX4 logs: pip install 'filter-tuner[ulog]'",
     "rosbags": "ROS bags and MCAP: pip install 'filter-tuner[ros]'",
-    "cc": "a C compiler, for the benchmark's speed limit",
+    "cc": "a C compiler: gradients over long recordings, the benchmark's speed limit",
     "octave": "Octave, for the comparison with its fminsearch",
 }
 

@@ -235,6 +235,7 @@ def _meaning(solution: SolutionRecord) -> list[str]:
     )
     multipliers = certificate.get("multipliers", {}).items()
     words += [f"{name} holds it ({m:.3g})" for name, m in multipliers if m and m > SLIGHT]
+    words += ["gradients by compiled C"] if solution.gradient_by.startswith("C, ") else []
     return [*words, *_starts(solution)]
 
 

@@ -15,6 +15,7 @@ from tuner.certificate.single_precision import SinglePrecision, single_precision
 from tuner.certificate.solution import Solution
 from tuner.data.source import Source
 from tuner.export.tuned import Quantity
+from tuner.native.route import Route
 from tuner.problem.constraint import Constraint
 from tuner.problem.exported import Exported, Trial, exported_of, held_of, once, quantities_of
 from tuner.problem.identity import identity_of
@@ -81,6 +82,7 @@ class Problem:
     source: Source | None = None
     exported: Exported | None = None
     _runs: dict[bytes, Any] = field(default_factory=dict, init=False, repr=False)
+    _routes: list[Route] = field(default_factory=list, init=False, repr=False)
 
     def __post_init__(self) -> None:
         for path, leaf in jax.tree_util.tree_leaves_with_path(self.data):
@@ -115,17 +117,30 @@ class Problem:
         return _finite(float(_value(self.static, jnp.asarray(z), self.data)))
 
     def value_and_gradient(self, z: np.ndarray) -> tuple[float, np.ndarray]:
-        """The objective and its gradient in z, ``(space.size,)``."""
+        """The objective and its gradient in z, ``(space.size,)``; see :attr:`route`."""
+        found = self.route.value_and_gradient(z)
+        value, gradient = self.by_xla(z) if found is None else found
+        return _finite(value), gradient
+
+    @property
+    def route(self) -> Route:
+        """Which way its gradient goes: by C compiled for it where that pays, else by XLA."""
+        if not self._routes:
+            self._routes.append(Route(self.static, self.data, self.space.size, self.by_xla))
+        return self._routes[0]
+
+    def by_xla(self, z: np.ndarray) -> tuple[float, np.ndarray]:
+        """The objective, which may not be a number, and its gradient in z, by XLA."""
         value, gradient = _value_and_gradient(self.static, jnp.asarray(z), self.data)
-        return _finite(float(value)), np.asarray(gradient)
+        return float(value), np.asarray(gradient)
 
     def hessian(self, z: np.ndarray, step: float = 1e-3) -> np.ndarray:
-        """The Hessian in z, ``(n, n)``: central differences of the exact gradient.
+        """The Hessian in z, ``(n, n)``: central differences of the exact gradient, of XLA.
 
         A step of 1e-3 (a thousandth of a logarithm) leaves an error of about 1e-6 and keeps
         clear of the rounding noise that a step of 1e-5 meets in filters with slow gains.
         """
-        return self._differences(lambda at: self.value_and_gradient(at)[1], z, step)
+        return self._differences(lambda at: self.by_xla(at)[1], z, step)
 
     def excesses(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """How far each constraint is exceeded at z, relative ``(m,)``, and its Jacobian ``(m, n)``.

@@ -32,6 +32,9 @@ def values(problem: Problem, Z: np.ndarray) -> np.ndarray:
 
 def values_and_gradients(problem: Problem, Z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The objective ``(B,)`` and its gradients ``(B, n)`` at each of the points ``(B, n)``."""
+    native = problem.route.values_and_gradients(Z)
+    if native is not None:
+        return np.where(np.isfinite(native[0]), native[0], np.inf), native[1]
     scores, gradients = zip(*_batches(problem, Z, _values_and_gradients), strict=True)
     found = np.concatenate(scores)
     return np.where(np.isfinite(found), found, np.inf), np.concatenate(gradients)

@@ -1,14 +1,8 @@
 """JAX's persistent compilation cache, so that a second run need not compile again."""
 
 import os
-from pathlib import Path
 
-
-def cache_folder() -> Path:
-    """Where compiled code is kept: ``TUNER_CACHE``, or the user's cache folder."""
-    given = os.environ.get("TUNER_CACHE")
-    root = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(given) if given else Path(root) / "filter-tuner" / "jax"
+from tuner.cached import cache_folder
 
 
 def use_cache() -> bool:

@@ -71,6 +71,7 @@ class SolutionRecord(Recorded):
     evaluations: int
     seconds: float
     certificate: dict[str, Any]
+    gradient_by: str = ""
 
     @classmethod
     def of(cls, solution: Solution) -> "SolutionRecord":
@@ -87,6 +88,7 @@ class SolutionRecord(Recorded):
             evaluations=solution.evaluations,
             seconds=solution.seconds,
             certificate=asdict(solution.certificate),
+            gradient_by=solution.gradient_by,
         )
 
     def solution(self) -> Solution:
@@ -120,6 +122,7 @@ class SolutionRecord(Recorded):
             evaluations=self.evaluations,
             seconds=self.seconds,
             certificate=Certificate(**{**fields, "starts": Starts(**fields["starts"])}),
+            gradient_by=self.gradient_by,
         )
 
 

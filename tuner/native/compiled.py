@@ -1,0 +1,209 @@
+"""A problem's value and gradient with the time loop in C; what comes before and after is JAX."""
+
+import ctypes
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
+from math import prod
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from filters import AnyFilter
+from objectives import Data, Objective, is_fold, judged
+from tuner.code.refused import NoCounterpartError
+from tuner.native.compiler import library
+from tuner.native.loop import loop
+from tuner.native.runner import runner_of
+from tuner.native.text import source
+from tuner.native.turn import turn
+
+LANES = 8
+"""Directions or points at once: what the widest vectors of today's processors hold."""
+
+
+class Native:
+    """Value and gradient of an objective, over any record of the same kind.
+
+    The time loop is C that is compiled for this machine, with derivatives by a point's coordinates
+    as vector lanes, or with several points. It is called without the interpreter's lock.
+
+    Args:
+        filter: the filter.
+        objective: what judges it.
+        build: from a point to the filter's parameters.
+        size: of a point, n.
+        data: a record, or its shapes and types.
+        folder: where compiled code is kept.
+
+    Raises:
+        NoCounterpartError: names the operation that has no counterpart among scalars.
+        TooLargeError: for a turn of the loop of too many operations.
+    """
+
+    def __init__(
+        self,
+        filter: AnyFilter,
+        objective: Objective,
+        build: Callable[[Array], Any],
+        size: int,
+        data: Data,
+        folder: Path,
+    ) -> None:
+        self.objective, self.build, self.size, self.folder = objective, build, size, folder
+        runner = runner_of(filter, objective, build, jnp.zeros(size), data)
+        self._turn = turn(runner)
+        moving = [leaf.any(-1) for leaf in runner.moved]
+        self._places = [np.flatnonzero(leaf) for leaf in moving]
+        self._moves = np.vstack([x[m] for x, m in zip(runner.moved, moving, strict=True)])
+        self._folds, self._keeps = is_fold(objective), runner.keeps
+        params = jax.eval_shape(build, jnp.zeros(size))
+        self._total = jax.eval_shape(objective.init) if is_fold(objective) else None
+        self._kept = _kept(filter, objective, params, data)
+        self._numbers = jax.jit(self._number)
+        self._slopes = jax.jit(lambda z: (self._number(z), jax.jacfwd(self._number)(z)))
+        self._all_numbers = jax.jit(jax.vmap(self._number))
+        self._all_slopes = jax.jit(
+            jax.vmap(lambda z: (self._number(z), jax.jacfwd(self._number)(z)))
+        )
+        self._judge = jax.jit(self._judged)
+        self._judge_all = jax.jit(jax.vmap(self._judged, in_axes=(0, 0, None)))
+
+    def rows(self, data: Data) -> np.ndarray:
+        """A record as the loop takes it, ``(N, k)``."""
+        leaves = [
+            np.asarray(x, float) for x in jax.tree.leaves(data if self._folds else data.inputs)
+        ]
+        whole = np.hstack([leaf.reshape(len(leaf), prod(leaf.shape[1:])) for leaf in leaves])
+        return np.ascontiguousarray(whole)
+
+    def value_and_gradient(
+        self, z: np.ndarray, rows: np.ndarray, data: Data
+    ) -> tuple[float, np.ndarray]:
+        """The objective and its gradient at z ``(n,)``.
+
+        Raises:
+            NoCodeError: where there is no compiler that works.
+        """
+        run, lanes = self._directions, self._lanes
+        numbers, slopes = (np.asarray(part) for part in self._slopes(z))
+        blocks = -(-self.size // lanes)
+        padded = np.zeros((blocks, len(numbers), lanes))
+        for block, part in enumerate(padded):
+            own = slopes[:, block * lanes : (block + 1) * lanes]
+            part[:, : own.shape[1]] = own
+        ends = np.empty((blocks, len(self._turn.total), 1 + lanes))
+        count = len(self._turn.kept)
+        kept = np.empty((blocks, len(rows) if count else 0, count, 1 + lanes))
+        for directions, end, keep in zip(padded, ends, kept, strict=True):
+            run(*rows.shape, *map(_address, (numbers, directions, rows, end, keep)))
+        value, gradient = self._judge(ends, kept, None if self._folds else data.truth)
+        return float(value), np.asarray(gradient)
+
+    def values_and_gradients(
+        self, Z: np.ndarray, rows: np.ndarray, data: Data
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The same at points Z ``(B, n)``, in as many threads as there are processors.
+
+        Raises:
+            NoCodeError: where there is no compiler that works.
+            NoCounterpartError: where points cannot go side by side.
+        """
+        if self._turn.kept:
+            raise NoCounterpartError("what is kept for after the loop, of points side by side,")
+        run = self._points
+        padded = np.vstack([Z, np.repeat(Z[-1:], -len(Z) % LANES, axis=0)])
+        numbers, slopes = (np.asarray(part) for part in self._all_slopes(padded))
+        count = len(padded) // LANES
+        p = numbers.reshape(count, LANES, -1).transpose(0, 2, 1)
+        dp = slopes.reshape(count, LANES, -1, self.size).transpose(0, 2, 3, 1)
+        ends = np.empty((count, len(self._turn.total), 1 + self.size, LANES))
+        none = np.empty(0)
+
+        def group(k: int) -> None:
+            given = np.ascontiguousarray(p[k]), np.ascontiguousarray(dp[k])
+            run(*rows.shape, *map(_address, (*given, rows, ends[k], none)))
+
+        with ThreadPoolExecutor() as pool:
+            list(pool.map(group, range(count)))
+        by_point = ends.transpose(0, 3, 1, 2).reshape(len(padded), 1, -1, 1 + self.size)
+        keep = np.empty((len(padded), 1, 0, 0, 1 + self.size))
+        values, gradients = self._judge_all(by_point, keep, None)
+        return np.asarray(values)[: len(Z)], np.asarray(gradients)[: len(Z)]
+
+    @property
+    def _lanes(self) -> int:
+        return min(LANES, max(2, 1 << (self.size - 1).bit_length()))
+
+    @cached_property
+    def _directions(self) -> Any:
+        every = np.ones(len(self._moves), bool)
+        return self._loaded(source(loop(self._turn, [every]), self._lanes, points=False))
+
+    @cached_property
+    def _points(self) -> Any:
+        return self._loaded(source(loop(self._turn, list(self._moves.T)), LANES, points=True))
+
+    def _loaded(self, text: str) -> Any:
+        function = library(text, self.folder).run
+        function.argtypes = [ctypes.c_size_t, ctypes.c_size_t, *[ctypes.c_void_p] * 5]
+        function.restype = None
+        return function
+
+    def _number(self, z: Array) -> Array:
+        """The numbers of the parameters that move with a point."""
+        pairs = zip(jax.tree.leaves(self.build(z)), self._places, strict=True)
+        return jnp.concatenate([jnp.ravel(leaf)[at].astype(float) for leaf, at in pairs])
+
+    def _judged(self, ends: Array, kept: Array, truth: Any) -> tuple[Array, Array]:
+        """The objective and its gradient, of what the loop gave."""
+        directions = ends.shape[0] * (ends.shape[2] - 1)
+        slopes = jnp.moveaxis(ends[..., 1:], 2, 1).reshape(directions, -1)[: self.size]
+        total = _filled(self._total, ends[0, :, 0], ()), _filled(self._total, slopes, (self.size,))
+        steps, count = kept.shape[1:3]
+        slopes = jnp.moveaxis(kept[..., 1:], 3, 1).reshape(directions, steps, count)[: self.size]
+        keep = [
+            _filled(self._kept, kept[0, ..., 0], (steps,), self._keeps),
+            _filled(self._kept, slopes, (self.size, steps), self._keeps),
+        ]
+        return judged(self.objective, Data(None, truth), (total[0], keep[0]), (total[1], keep[1]))
+
+
+def _kept(filter: AnyFilter, objective: Objective, params: Any, data: Data) -> Any:
+    """Shapes and types of what is kept of a sample."""
+    state = jax.eval_shape(filter.init, params)
+    one = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(leaf.shape[1:], leaf.dtype), data)
+    if not is_fold(objective):
+        return jax.eval_shape(filter.step, params, state, one.inputs)[1]
+
+    def kept(params: Any, state: Any, sample: Data) -> Any:
+        _, output = filter.step(params, state, sample.inputs)
+        return objective.update(objective.init(), output, sample.truth)[1]
+
+    return jax.eval_shape(kept, params, state, one)
+
+
+def _filled(
+    shapes: Any, numbers: Array, before: tuple[int, ...], keeps: list[bool] | None = None
+) -> Any:
+    """Numbers in their places in a tree; zeros in leaves that are not kept."""
+    leaves, tree = jax.tree.flatten(shapes)
+    out, at = [], 0
+    for k, leaf in enumerate(leaves):
+        if keeps is not None and not keeps[k]:
+            out.append(jnp.zeros((*before, *leaf.shape), leaf.dtype))
+            continue
+        part = numbers[..., at : at + prod(leaf.shape)]
+        out.append(part.reshape(*before, *leaf.shape).astype(leaf.dtype))
+        at += prod(leaf.shape)
+    return jax.tree.unflatten(tree, out)
+
+
+def _address(array: np.ndarray) -> int:
+    """Where an array of rows without gaps begins."""
+    assert array.flags.c_contiguous
+    return array.ctypes.data

@@ -1,0 +1,183 @@
+"""The system's C compiler, and the folder where what it made is kept."""
+
+import ctypes
+import hashlib
+import os
+import shlex
+import shutil
+import signal
+import stat
+import subprocess
+import tempfile
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+FLAGS = ("-std=gnu11", "-O2", "-fno-math-errno", "-ffp-contract=fast", "-w", "-fPIC")
+"""Strict where numbers are concerned: NaN is a missing sample."""
+HERE = ("-march=native",)
+"""For this very processor, where a compiler knows how."""
+SECONDS = 30
+"""A compiler that takes longer is stopped."""
+
+
+class NoCodeError(Exception):
+    """Why there is no compiled code, in words."""
+
+
+class Compiler(NamedTuple):
+    """A compiler that works.
+
+    Attributes:
+        command: the program with what it is always given.
+        name: its name and version, in words.
+        key: what its code depends on: itself, and the processor that it compiles for.
+    """
+
+    command: tuple[str, ...]
+    name: str
+    key: str
+
+
+def compiler() -> Compiler:
+    """The system's compiler: what ``CC`` names, with its arguments, or ``cc``.
+
+    Raises:
+        NoCodeError: where there is none, or it does not work.
+    """
+    wanted, *more = shlex.split(os.environ.get("CC", "")) or ["cc"]
+    path = shutil.which(wanted)
+    if path is None:
+        raise NoCodeError(f"there is no C compiler ({wanted})")
+    found = _asked((path, *more))
+    if isinstance(found, NoCodeError):
+        raise NoCodeError(*found.args)
+    return found
+
+
+@cache
+def _asked(program: tuple[str, ...]) -> Compiler | NoCodeError:
+    """What a compiler says of itself; it is asked once."""
+    try:
+        told = _ran([*program, "--version"]).decode(errors="replace").splitlines()
+    except NoCodeError as error:
+        return error
+    name = told[0].strip() if told else Path(program[0]).name
+    refused = NoCodeError("")
+    for here in (HERE, ()):
+        command = (*program, *FLAGS, *here)
+        try:
+            macros = _ran([*command, "-dM", "-E", "-x", "c", os.devnull])
+        except NoCodeError as error:
+            refused = error
+        else:
+            return Compiler(command, name, "\0".join([*command, name, _digest(macros)]))
+    return refused
+
+
+def _ran(command: list[str], cwd: Path | None = None) -> bytes:
+    """What a program prints; it is stopped with all that it started where it takes too long."""
+    name, pipe = Path(command[0]).name, subprocess.PIPE
+    try:
+        process = subprocess.Popen(
+            command,
+            cwd=cwd,
+            stdin=subprocess.DEVNULL,
+            stdout=pipe,
+            stderr=pipe,
+            start_new_session=True,
+        )
+    except OSError as error:
+        raise NoCodeError(f"{name} cannot be started: {error.strerror}") from None
+    try:
+        out, said = process.communicate(timeout=SECONDS)
+    except subprocess.TimeoutExpired:
+        raise NoCodeError(f"{name} did not end within {SECONDS} s") from None
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.communicate()
+    if process.returncode != 0:
+        lines = said.decode(errors="replace").split("\n")
+        first = next((line for line in lines if "error" in line), lines[0]).strip()[:200]
+        raise NoCodeError(f"{name} ended with status {process.returncode}: {first or 'no message'}")
+    return out
+
+
+def library(source: str, folder: Path) -> ctypes.CDLL:
+    """Compiled code, kept in a folder under a name that says what it was made of and what it is.
+
+    What is loaded was written by this user: a folder or a file that belongs to another, that others
+    may write to, or that is a link, is not used, and the code is compiled for this process alone.
+
+    Raises:
+        NoCodeError: where there is no compiler that works.
+    """
+    found = compiler()
+    key = _digest("\0".join([source, found.key]).encode())
+    if own(folder):
+        for kept in folder.glob(f"{key}-*.so"):
+            loaded = _loaded(kept)
+            if loaded is not None:
+                return loaded
+        try:
+            loaded = _compiled(found, source, folder, key)
+        except OSError:  # full, or read-only after all
+            loaded = None
+        if loaded is not None:
+            return loaded
+    with tempfile.TemporaryDirectory() as name:
+        loaded = _compiled(found, source, Path(name), key)
+    if loaded is None:
+        raise NoCodeError(f"what {Path(found.command[0]).name} made cannot be loaded")
+    return loaded
+
+
+def _compiled(found: Compiler, source: str, folder: Path, key: str) -> ctypes.CDLL | None:
+    with tempfile.TemporaryDirectory(dir=folder) as name:
+        inside = Path(name)
+        (inside / "loop.c").write_text(source, "ascii")
+        _ran([*found.command, "-shared", "loop.c", "-o", "loop.so", "-lm"], inside)
+        made = inside / "loop.so"
+        made.chmod(0o700)
+        to = folder / f"{key}-{_digest(made.read_bytes())}.so"
+        made.replace(to)
+    return _loaded(to)
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()[:32]
+
+
+def _loaded(file: Path) -> ctypes.CDLL | None:
+    """A library, if it is this user's and what its name says."""
+    try:
+        ours = _ours(file.lstat(), stat.S_ISREG)
+        if not ours or not file.stem.endswith(f"-{_digest(file.read_bytes())}"):
+            return None
+        return ctypes.CDLL(str(file))
+    except OSError:  # missing, or no library
+        return None
+
+
+def own(folder: Path) -> bool:
+    """Whether a folder is there, or could be made, that this user alone may write to or replace."""
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(mode=0o700, exist_ok=True)
+        above = folder.parent.resolve()
+        safe = all(_safe(one.stat()) for one in (above, *above.parents))
+        return safe and _ours(folder.lstat(), stat.S_ISDIR) and os.access(folder, os.W_OK)
+    except OSError:
+        return False
+
+
+def _ours(found: os.stat_result, kind: Callable[[int], bool]) -> bool:
+    return kind(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o022
+
+
+def _safe(found: os.stat_result) -> bool:
+    """Whether no other user may replace what lies in a folder."""
+    trusted, sticky = found.st_uid in (0, os.getuid()), found.st_mode & stat.S_ISVTX
+    return trusted and (not found.st_mode & 0o022 or bool(sticky))

@@ -1,0 +1,157 @@
+"""A time loop with derivatives in several directions, without what never changes."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from tuner.code.graph import Graph
+from tuner.native.rebuilt import Rebuilt
+from tuner.native.turn import MOST, Pair, Turn
+
+Key: TypeAlias = tuple[int, int]
+"""A number of the state: its cell, and 0 for its value or 1 and more for its derivatives."""
+
+
+class Carried(NamedTuple):
+    """Nodes of what is carried over time: before a sample, at the start, after a sample."""
+
+    input: int
+    start: int
+    after: int
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """A time loop.
+
+    Attributes:
+        graph: of what follows. Inputs are those of a turn; derivatives have their direction too.
+        carried: what is carried over time.
+        total: for each number that is asked for in the end, nodes of its value and derivatives,
+            which are read after the last sample.
+        kept: for each number that is kept of a sample the same.
+        directions: how many derivatives each number has.
+    """
+
+    graph: Graph
+    carried: list[Carried]
+    total: list[list[int]]
+    kept: list[list[int]]
+    directions: int
+
+
+def loop(turn: Turn, moves: Sequence[np.ndarray]) -> Loop:
+    """Write a turn in several directions.
+
+    What is a number at the start and the same number after a sample is one for good; most of these
+    are zeros, and what they are multiplied with goes with them.
+
+    Args:
+        turn: the turn.
+        moves: for each direction, which of the parameters' numbers that move do so in it.
+
+    Raises:
+        TooLargeError: for more operations than :data:`tuner.native.turn.MOST`.
+    """
+    assumed: set[Key] | None = None
+    while True:
+        attempt = _Attempt(turn, moves, assumed)
+        still = {key for key, cell in attempt.cells.items() if attempt.stays(cell)}
+        if assumed == still:
+            return attempt.loop(still)
+        assumed = still if assumed is None else still & assumed
+
+
+class _Attempt:
+    """The loop if some numbers of the state never change; None: all that are known at the start."""
+
+    def __init__(self, turn: Turn, moves: Sequence[np.ndarray], assumed: set[Key] | None) -> None:
+        self.old, self.new, self.turn, self.assumed = turn.graph, Graph(most=MOST), turn, assumed
+        self.cells: dict[Key, Carried] = {}
+        self._zero = self.new.constant(0.0)
+        starts = [k for cell in turn.cells for k in cell.start if k is not None]
+        ends = [pair for cell in turn.cells for pair in (cell.input, cell.after)]
+        then = [k for pair in (*ends, *turn.kept) for k in pair if k is not None]
+        self._sloped = _sloped(self.old)
+        self._rebuilt = Rebuilt(self.old, self.new)
+        self._moves = moves
+        known: list[dict[int, int]] = [{} for _ in range(1 + len(moves))]
+        self._write(self.old.reached(starts), known)
+        self._fix(known)
+        self._write(self.old.reached(then), known)
+        for (k, part), cell in self._parts():
+            self.cells[k, part] = Carried(*(known[part][node] for node in cell))
+        wanted = [turn.cells[k].input for k in turn.total]
+        self.total = [self._row(pair, known) for pair in wanted]
+        self.kept = [self._row(pair, known) for pair in turn.kept]
+
+    def _write(self, order: list[int], known: list[dict[int, int]]) -> None:
+        """Write values once and derivatives in each direction, side by side as they were traced.
+
+        So a processor has derivatives to work on while it waits for a value.
+        """
+        for entry in order:
+            if entry not in self._sloped:
+                self._rebuilt.write(entry, known[0])
+                for one in known[1:]:
+                    one[entry] = known[0][entry]
+                continue
+            node = self.old.nodes[entry]
+            for direction, one in enumerate(known[1:]):
+                if node.op == "input" and entry not in one:
+                    group, number = node.value[:2]
+                    moving = group == "ds" or self._moves[direction][number]
+                    name = (*node.value, direction)
+                    one[entry] = self.new.input(name) if moving else self._zero
+                self._rebuilt.write(entry, one)
+
+    def _fix(self, known: list[dict[int, int]]) -> None:
+        """Put numbers in place of what is taken to stay what it is at the start."""
+        for key, cell in self._parts():
+            one = known[key[1]]
+            fixed = self.assumed is None or key in self.assumed
+            if fixed and self.new.is_constant(one[cell.start]):
+                for each in known if key[1] == 0 else [one]:
+                    each[cell.input] = one[cell.start]
+
+    def _parts(self) -> Iterator[tuple[Key, Carried]]:
+        """The state's numbers and their derivatives, by nodes of the turn."""
+        for k, cell in enumerate(self.turn.cells):
+            for part in range(1 + len(self._moves)):
+                at, start, after = (pair[min(part, 1)] for pair in cell)
+                if at is not None and start is not None and after is not None:
+                    yield (k, part), Carried(at, start, after)
+
+    def _row(self, pair: Pair, known: list[dict[int, int]]) -> list[int]:
+        """A number and its derivatives."""
+        at, (values, *slopes) = pair.slope, known
+        return [values[pair.value], *(self._zero if at is None else one[at] for one in slopes)]
+
+    def stays(self, cell: Carried) -> bool:
+        """Whether a number that is known at the start was taken to stay, and does."""
+        return self.new.is_constant(cell.input) and cell.input == cell.after
+
+    def loop(self, still: set[Key]) -> Loop:
+        """The loop, without what nobody asks for."""
+        by_input = {cell.input: cell for key, cell in self.cells.items() if key not in still}
+        seen: dict[int, Carried] = {}
+        rows = [*self.kept, *self.total]
+        ahead = [k for row in rows for k in row]
+        while ahead:
+            new = [by_input[k] for k in self.new.reached(ahead) if k in by_input and k not in seen]
+            seen |= {cell.input: cell for cell in new}
+            ahead = [cell.after for cell in new]
+        carried = [cell for _, cell in sorted(seen.items())]
+        return Loop(self.new, carried, self.total, self.kept, len(rows[0]) - 1 if rows else 0)
+
+
+def _sloped(graph: Graph) -> set[int]:
+    """Nodes that depend on a derivative."""
+    found: set[int] = set()
+    for k, node in enumerate(graph.nodes):
+        own = node.op == "input" and node.value[0] in ("dp", "ds")
+        if own or not found.isdisjoint(node.args):
+            found.add(k)
+    return found

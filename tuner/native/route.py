@@ -1,0 +1,193 @@
+"""Which way a problem's gradient goes: by C that is compiled for it, or by XLA, and why."""
+
+import os
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias, cast
+
+import jax
+import numpy as np
+from jax import Array
+
+from filters import AnyFilter
+from objectives import Data, Objective, is_fold
+from tuner.cached import code_folder
+from tuner.native.compiler import NoCodeError, compiler
+
+if TYPE_CHECKING:
+    from tuner.native.compiled import Native
+
+Use: TypeAlias = Literal["auto", "on", "off"]
+"""C where it pays, wherever it can be made, or never."""
+PAYS, COMPILED = 8e6, 2e4
+"""Compiling pays over a search where one gradient takes so many operations, and so many more for
+each operation of a step, which has to be compiled."""
+AGREED = 1e-9
+"""How far value and gradient may be from XLA's, over the largest of these numbers."""
+_MOST = 4000
+"""Operations of a step beyond which there is no C for it."""
+_NO_WAY = (ValueError, TypeError, LookupError, AttributeError, NoCodeError)
+"""What keeps a loop from being written as C: nothing of it may end a search."""
+
+
+def use() -> Use:
+    """What ``TUNER_NATIVE`` says; ``auto`` where it says nothing.
+
+    Raises:
+        ValueError: for another word.
+    """
+    word = os.environ.get("TUNER_NATIVE") or "auto"
+    if word not in ("auto", "on", "off"):
+        raise ValueError(f"TUNER_NATIVE is {word!r}; set it to auto, on or off")
+    return cast("Use", word)
+
+
+class Static(Hashable, Protocol):
+    """What is compiled for; equal ones share one compilation."""
+
+    @property
+    def filter(self) -> AnyFilter | None:
+        """The filter; None where nothing is run."""
+
+    @property
+    def objective(self) -> Objective:
+        """What judges it."""
+
+    def built(self, z: Array) -> Any:
+        """The filter's parameters at a point."""
+
+
+Both: TypeAlias = tuple[float, np.ndarray]
+"""A value and its gradient."""
+
+
+@dataclass
+class Route:
+    """Which way a problem's gradient goes; decided as it is first asked for.
+
+    Attributes:
+        static: what is compiled for.
+        data: the record.
+        size: of a point.
+        exact: value and gradient by XLA, which C is held against once.
+        told: which way, in words; "" before it is decided.
+    """
+
+    static: Static
+    data: Data
+    size: int
+    exact: Callable[[np.ndarray], Both]
+    told: str = ""
+    _single: "Native | None" = None
+    _many: bool | None = None
+    _rows: np.ndarray = field(default_factory=lambda: np.empty((0, 0)))
+
+    def value_and_gradient(self, z: np.ndarray) -> Both | None:
+        """Both at z ``(n,)`` by C; None where XLA is to work them out."""
+        if self._single is not None:
+            return self._single.value_and_gradient(z, self._rows, self.data)
+        if self.told:
+            return None
+        try:
+            native = self._native(1)
+            found = native.value_and_gradient(z, self._rows, self.data)
+            if not self._agrees(found, z):
+                return None
+        except _NO_WAY as error:
+            self.told = f"XLA: {error}"
+            return None
+        self.told, self._single = f"C, compiled by {compiler().name}", native
+        return found
+
+    def values_and_gradients(self, Z: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        """The same at points ``(B, n)``."""
+        if self._many is False:
+            return None
+        try:
+            native = self._native(len(Z))
+            values, gradients = native.values_and_gradients(Z, self._rows, self.data)
+            if not self._many and not self._agrees((values[0], gradients[0]), Z[0]):
+                return None
+        except _NO_WAY:
+            self._many = False
+            return None
+        self._many = True
+        return values, gradients
+
+    def _native(self, points: int) -> "Native":
+        """C for the loop.
+
+        Raises:
+            NoCodeError: where there is none, or it does not pay.
+            ValueError: where an operation has no counterpart in it.
+        """
+        wish = use()
+        if wish == "off":
+            raise NoCodeError("TUNER_NATIVE is off")
+        if self.static.filter is None or self.size == 0:
+            raise NoCodeError("no loop over time is differentiated")
+        shapes = _shapes(self.data, is_fold(self.static.objective))
+        if wish == "auto" and not self._pays(shapes, points):
+            raise NoCodeError("the record is too short for compiling C to pay")
+        compiler()
+        native = _made(self.static, self.size, *shapes, code_folder())
+        if not self._rows.size:
+            self._rows = native.rows(self.data)
+        return native
+
+    def _pays(self, shapes: Any, points: int) -> bool:
+        samples = len(jax.tree.leaves(self.data.inputs)[0])
+        turns = samples * (1 + self.size) * points - COMPILED
+        if turns * _MOST < PAYS:
+            return False
+        return bool(turns * _operations(self.static, self.size, *shapes) >= PAYS)
+
+    def _agrees(self, found: Both, z: np.ndarray) -> bool:
+        """Whether they are XLA's; False as well where XLA has no number to compare with.
+
+        Raises:
+            NoCodeError: where they are not.
+        """
+        value, gradient = self.exact(z)
+        right = np.array([value, *gradient])
+        apart = np.abs(np.array([found[0], *found[1]]) - right).max()
+        if not np.isfinite(right).all():
+            return False
+        if not apart <= AGREED * np.abs(right).max():
+            raise NoCodeError(f"compiled C differs from it by {apart:.1g} at the first point")
+        return True
+
+
+def _shapes(data: Data, folds: bool) -> tuple[tuple[Any, ...], Any]:
+    """Shapes and types of a record; where all is summed up in the loop, of one of any length."""
+    leaves, tree = jax.tree.flatten(data)
+    arrays = [np.asarray(leaf) for leaf in leaves]
+    return tuple(((1, *x.shape[1:]) if folds else x.shape, x.dtype) for x in arrays), tree
+
+
+def _data(leaves: tuple[Any, ...], tree: Any) -> Data:
+    return cast("Data", jax.tree.unflatten(tree, [jax.ShapeDtypeStruct(*leaf) for leaf in leaves]))
+
+
+@lru_cache(maxsize=32)
+def _made(static: Static, size: int, leaves: tuple[Any, ...], tree: Any, folder: Path) -> "Native":
+    from tuner.native.compiled import Native
+
+    filter = cast("AnyFilter", static.filter)
+    return Native(filter, static.objective, static.built, size, _data(leaves, tree), folder)
+
+
+@lru_cache(maxsize=128)
+def _operations(static: Static, size: int, leaves: tuple[Any, ...], tree: Any) -> int:
+    """About how many operations a step takes."""
+    from tuner.code.straight import Slot, straight, work
+
+    filter, data = cast("AnyFilter", static.filter), _data(leaves, tree)
+    one = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(leaf.shape[1:], leaf.dtype), data.inputs)
+    params = jax.eval_shape(static.built, jax.ShapeDtypeStruct((size,), float))
+    given = params, jax.eval_shape(filter.init, params), one
+    closed = jax.make_jaxpr(filter.step)(*given)
+    slots = [Slot(leaf.shape, np.dtype(leaf.dtype)) for leaf in jax.tree.leaves(given)]
+    return work(straight(closed, slots).operations)

@@ -1,0 +1,132 @@
+"""What runs in a time loop, from leaves to leaves, and its functions with derivatives."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import jax
+import numpy as np
+from jax import Array
+
+from filters import AnyFilter, run
+from objectives import Data, Folded, Objective, is_fold
+from tuner.code.straight import Slot, straight
+from tuner.code.walk import Arrays
+from tuner.native.active import moved
+
+Leaves: TypeAlias = Sequence[Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Runner:
+    """What runs in a time loop.
+
+    Attributes:
+        start: from parameters to the state before the first sample.
+        step: from parameters, state and sample to the next state, then what is kept of the sample.
+        params: values of the parameters; those that move with a point may be any.
+        moved: which coordinates of a point each of their numbers depends on: each leaf's shape
+            and ``(size,)``.
+        state: before the first sample, for its shapes and types.
+        sample: one sample, for its shapes and types.
+        wanted: which leaves of the state are asked for in the end.
+        keeps: which leaves of what is kept are asked for.
+    """
+
+    start: Callable[[Leaves], Leaves]
+    step: Callable[[Leaves, Leaves, Leaves], Leaves]
+    params: Arrays
+    moved: Arrays
+    state: Arrays
+    sample: Arrays
+    wanted: list[bool]
+    keeps: list[bool]
+
+
+def is_real(leaf: Any) -> bool:
+    """Whether an array has derivatives."""
+    return bool(np.dtype(leaf.dtype).kind == "f")
+
+
+def with_slopes(
+    function: Callable[..., Leaves], moving: Sequence[Leaves], fixed: Sequence[Leaves] = ()
+) -> Any:
+    """A function of lists of leaves as JAX traced it, with derivatives along a direction.
+
+    It takes the leaves that move, the direction in those of them that are real, and the leaves that
+    are fixed; its results are followed by the derivatives of those that are real.
+    """
+    leaves, tree = jax.tree.flatten(list(moving))
+    real = [is_real(leaf) for leaf in leaves]
+
+    def both(leaves: Leaves, slopes: Leaves, fixed: Sequence[Leaves]) -> Any:
+        def of_real(numbers: Leaves) -> list[Any]:
+            rest = iter(numbers)
+            whole = [next(rest) if r else leaf for r, leaf in zip(real, leaves, strict=True)]
+            return list(function(*jax.tree.unflatten(tree, whole), *fixed))
+
+        at = [leaf for r, leaf in zip(real, leaves, strict=True) if r]
+        found, changes = jax.jvp(of_real, (at,), (slopes,))
+        return found, [d for x, d in zip(found, changes, strict=True) if is_real(x)]
+
+    directions = [leaf for r, leaf in zip(real, leaves, strict=True) if r]
+    return jax.make_jaxpr(both)(leaves, directions, list(fixed))
+
+
+def runner_of(
+    filter: AnyFilter, objective: Objective, build: Callable[[Array], Any], z: Array, data: Data
+) -> Runner:
+    """What runs in the loop of a filter that is judged by an objective.
+
+    An objective that takes part in the loop is asked for its sum in the end; for another one those
+    outputs are kept that it looks at.
+
+    Args:
+        filter: the filter.
+        objective: the objective.
+        build: from a point to the filter's parameters.
+        z: a point, ``(n,)``.
+        data: shapes and types of a record, or the record.
+    """
+    folds = is_fold(objective)
+    whole = Folded(filter, objective) if is_fold(objective) else filter
+    params, params_tree = jax.tree.flatten(jax.jit(build)(z))
+    record = data if folds else data.inputs
+    sample, sample_tree = jax.tree.flatten(record)
+    sample = [np.zeros(leaf.shape[1:], leaf.dtype) for leaf in sample]
+    state, state_tree = jax.tree.flatten(
+        jax.eval_shape(whole.init, jax.tree.unflatten(params_tree, params))
+    )
+    state = [np.zeros(leaf.shape, leaf.dtype) for leaf in state]
+
+    def start(params: Leaves) -> Leaves:
+        return jax.tree.leaves(whole.init(jax.tree.unflatten(params_tree, params)))
+
+    def step(params: Leaves, state: Leaves, sample: Leaves) -> Leaves:
+        after, kept = whole.step(
+            jax.tree.unflatten(params_tree, params),
+            jax.tree.unflatten(state_tree, state),
+            jax.tree.unflatten(sample_tree, sample),
+        )
+        return [*jax.tree.leaves(after), *jax.tree.leaves(kept)]
+
+    total = len(jax.tree.leaves(jax.eval_shape(objective.init))) if is_fold(objective) else 0
+    wanted = [k >= len(state) - total for k in range(len(state))]
+    kept = jax.eval_shape(step, params, state, sample)[len(state) :]
+    keeps = (
+        [True] * len(kept)
+        if folds
+        else _looked_at(objective, filter, jax.tree.unflatten(params_tree, params), data)
+    )
+    params = [np.asarray(leaf) for leaf in params]
+    return Runner(start, step, params, moved(build, z.size), state, sample, wanted, keeps)
+
+
+def _looked_at(objective: Any, filter: AnyFilter, params: Any, data: Data) -> list[bool]:
+    """Which outputs an objective takes part of."""
+    outputs = jax.eval_shape(lambda inputs: run(filter, params, inputs)[1], data.inputs)
+    leaves, tree = jax.tree.flatten(outputs)
+    judged = jax.make_jaxpr(lambda seen, truth: objective(jax.tree.unflatten(tree, seen), truth))
+    given = [Slot(leaf.shape, leaf.dtype) for leaf in (*leaves, *jax.tree.leaves(data.truth))]
+    uses = straight(judged(leaves, data.truth), given).uses
+    return [slot in uses for slot in given[: len(leaves)]]
