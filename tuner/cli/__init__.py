@@ -72,10 +72,10 @@ DryRun = Annotated[bool, typer.Option(help="Say what would be done, and stop.")]
 @app.command("list")
 def list_(
     what: Annotated[
-        str, typer.Argument(help="studies, filters, objectives, solvers or formats")
+        str, typer.Argument(help="studies, filters, objectives, solvers, formats or settings")
     ] = "studies",
     name: Annotated[
-        str | None, typer.Argument(help="A filter: its inputs, parameters, states and outputs.")
+        str | None, typer.Argument(help="A filter: its facts. With settings: a study.")
     ] = None,
     json: Json = False,
     md: Annotated[bool, typer.Option("--md", help="A Markdown page of filters.")] = False,
@@ -269,6 +269,35 @@ def compare(
     from tuner.cli.compare import show
 
     raise typer.Exit(show(runs, tol, json=json, md=md, csv=csv))
+
+
+@app.command()
+def show(
+    run: Annotated[Path, typer.Argument(help="Folder of a run, or its result.json.")],
+    json: Json = False,
+) -> None:
+    """Show what a finished run found, again."""
+    from tuner.cli.show import show
+
+    show(run, json=json)
+
+
+@app.command()
+def report(
+    run: Annotated[Path, typer.Argument(help="Folder of a run, or its result.json.")],
+    to: Annotated[
+        str | None, typer.Option(metavar="FORM", help="html, md, or pdf by a browser.")
+    ] = None,
+    output: Annotated[
+        str | None,
+        typer.Option("-o", "--output", metavar="FILE|-", help="In the run's folder; - is stdout."),
+    ] = None,
+    force: Force = False,
+) -> None:
+    """Write the report of a finished run again: one page that needs nothing else."""
+    from tuner.cli.report import write
+
+    write(run, to, output, force=force)
 
 
 @app.command()

@@ -14,6 +14,7 @@ from tuner.cli.which import changed
 from tuner.data.record import Record
 from tuner.export import FORMATS
 from tuner.problem.problem import Problem
+from tuner.report.kept import kept_facts
 from tuner.run.cache import use_cache
 from tuner.run.folder import RunFolder, open_folder
 from tuner.run.pipeline import Progress, Run, recorded, trusted, write_down
@@ -56,7 +57,8 @@ def execute(request: Request) -> int:
     )
     finished = _finished(folder, recipe) if request.resume else {}
     with interruptible() as check, _progress(check) as progress:
-        run = Run(study.name, values, plan, seed, folder, progress, request.claims)
+        kept = kept_facts(study.title, study.paper, plan.notes, records)
+        run = Run(study.name, values, plan, seed, folder, progress, request.claims, kept)
         try:
             write_down(folder, recipe, plan)
             solutions = run.solve(request.jobs, finished)

@@ -10,6 +10,7 @@ from rich.text import Text
 
 from tuner.certificate.solution import Status
 from tuner.certificate.table import range_in_words
+from tuner.report.lines import five_lines
 from tuner.run.finding import Finding
 from tuner.run.noise_told import COLUMNS
 from tuner.run.result import CodeRecord, ParameterRecord, Result, SolutionRecord
@@ -102,7 +103,7 @@ def show_result(result: Result, folder: Path) -> None:
             f"{check.problem}: {check.warning or told}", style="yellow" if check.warning else ""
         )
     out.print(f"{result.seconds:.1f} s; all files are in {folder}", soft_wrap=True, markup=False)
-    for line in () if result.fit is None else result.fit.lines:
+    for line in five_lines(result):
         told = line.replace(" RUN ", f" {folder} ")
         out.print(told, soft_wrap=True, highlight=False, markup=False)  # intervals are no markup
 

@@ -5,7 +5,7 @@ import json
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from importlib.metadata import version
 from typing import Any, TypeAlias
 
@@ -19,8 +19,11 @@ from tuner.certificate.solution import Solution
 from tuner.data.source import Source
 from tuner.export.tuned import Provenance, Tuned
 from tuner.problem.problem import Problem
+from tuner.report.kept import Kept, kept_pictures, nothing_kept
+from tuner.report.write import KEPT, PAGE, page_of
 from tuner.run.drawing import picture, table
 from tuner.run.environment import environment
+from tuner.run.figure import Figure
 from tuner.run.fit_record import FitRecord
 from tuner.run.folder import RunFolder
 from tuner.run.recipe import Recipe
@@ -32,6 +35,7 @@ from tuner.run.result import (
     SolutionRecord,
     pretty,
 )
+from tuner.run.shown import Shown
 from tuner.run.study import Plan, Solutions, Task, best
 
 Progress: TypeAlias = Callable[[str, int, int], None]
@@ -52,6 +56,7 @@ class Run:
         folder: where its files go.
         progress: told of every part.
         claims: names of the claims that are asked for; all if empty.
+        kept: what its report tells of the study and of the recordings.
     """
 
     study: str
@@ -61,6 +66,7 @@ class Run:
     folder: RunFolder
     progress: Progress
     claims: tuple[str, ...] = ()
+    kept: Kept = field(default_factory=nothing_kept)
 
     def solve(self, jobs: int, finished: Mapping[tuple[str, str], Solution]) -> Solutions:
         """Solve all tasks that are not finished yet, in several threads.
@@ -113,7 +119,8 @@ class Run:
         artifacts += [record.file for record in exports]
         if self.plan.report is not None:
             artifacts += [self._outputs(problem, solution) for problem, solution in found]
-        for figure in self.plan.figures(self.plan.case, solutions):
+        figures = [*self.plan.figures(self.plan.case, solutions)]
+        for figure in figures:
             self.progress(f"drawing {figure.name}", 3, 4)
             stem = f"figures/{figure.name}"
             artifacts.append(self.folder.write(f"{stem}.csv", table(figure)))
@@ -129,16 +136,27 @@ class Run:
             exports=exports,
             single_precision=singles,
             tuned=[json.loads(export.dump(one, "json")) for one in tuned],
-            artifacts=[*artifacts, "result.json"],
+            artifacts=[*artifacts, KEPT, PAGE, "result.json"],
             seconds=time.perf_counter() - begun,
             fit=self._report(solutions),
             findings=list(self.plan.findings(self.plan.case, solutions)),
             code=codes,
         )
         self.folder.write("result.json", result.to_json().encode())
+        self._write_report(result, solutions, figures)
         self.folder.remove("progress.json")
         self.progress("done", 4, 4)
         return result
+
+    def _write_report(self, result: Result, solutions: Solutions, figures: list[Figure]) -> None:
+        """The report, and what it takes to write it again."""
+        self.progress("writing the report", 3, 4)
+        shown = [Shown("figures", figure) for figure in figures]
+        if self.plan.shown is not None:
+            shown = [*self.plan.shown(self.plan.case, solutions)]
+        kept = self.kept.model_copy(update={"pictures": kept_pictures(shown)})
+        self.folder.write(KEPT, kept.to_json())
+        self.folder.write(PAGE, page_of(result, kept, self.folder.path))
 
     def _code(
         self, problem: Problem, solution: Solution, tuned: Tuned, formats: tuple[str, ...]

@@ -16,6 +16,7 @@ from pydantic_core import PydanticSerializationError
 from tuner.data.record import Record
 from tuner.data.signal import Signal
 from tuner.export import FORMATS
+from tuner.report.kept import kept_facts
 from tuner.run.fit_study import STUDY, FitSettings
 from tuner.run.folder import RunFolder
 from tuner.run.pipeline import Run, write_down
@@ -93,7 +94,8 @@ def _write(made: Made, folder: RunFolder) -> None:
     for name, data in files.items():
         folder.write(name, data)
     values = settings.model_dump(mode="json")
-    run = Run(STUDY.name, values, made.plan, made.seed, folder, lambda *_: None)
+    kept = kept_facts(STUDY.title, STUDY.paper, made.plan.notes, made.records)
+    run = Run(STUDY.name, values, made.plan, made.seed, folder, lambda *_: None, (), kept)
     run.finish(made.solutions, FORMATS, begun)
 
 

@@ -10,6 +10,7 @@ from tuner.names import unknown
 from tuner.run.comparison import Comparison
 from tuner.run.figure import Figure
 from tuner.run.finding import Finding
+from tuner.run.shown import Shown
 
 if TYPE_CHECKING:
     from jax import Array
@@ -101,6 +102,7 @@ class Plan:
         report: what a fit is worth; None for a published study.
         notes: what should be known before anything is solved, a sentence each.
         findings: numbers that people take from the run, given the case and all solutions.
+        shown: the report's figures, given the case and all solutions; None: all figures.
 
     Raises:
         ValueError: where a problem is to be exported that nobody solves.
@@ -115,6 +117,7 @@ class Plan:
     report: "Callable[[Any, Solutions], FitRecord] | None" = None
     notes: tuple[str, ...] = ()
     findings: Callable[[Any, Solutions], Iterable[Finding]] = no_findings
+    shown: Callable[[Any, Solutions], Iterable[Shown]] | None = None
 
     def __post_init__(self) -> None:
         solved = {task.problem.name for task in self.tasks}

@@ -1,0 +1,68 @@
+"""Progress on stderr: a bar in a terminal, elsewhere a line every ten seconds."""
+
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from tuner.run.pipeline import Progress
+
+EVERY = 10.0
+"""Seconds between two lines."""
+
+
+@contextmanager
+def progress(check: Callable[[], None]) -> Iterator[Progress]:
+    """Tell how far a run is, from the first second on.
+
+    Args:
+        check: called at every step.
+    """
+    with _bar(check) if sys.stderr.isatty() else _lines(check) as report:
+        yield report
+
+
+@contextmanager
+def _lines(check: Callable[[], None]) -> Iterator[Progress]:
+    """A line every ten seconds, also while one part takes long."""
+    begun, done = time.monotonic(), threading.Event()
+    now = ["reading and planning"]
+
+    def tell() -> None:
+        while not done.wait(EVERY):
+            print(f"{time.monotonic() - begun:.0f} s: {now[0]}", file=sys.stderr, flush=True)
+
+    def report(what: str, part: int, parts: int) -> None:
+        check()
+        now[0] = f"{what}, {part} of {parts}"
+
+    teller = threading.Thread(target=tell, daemon=True)
+    teller.start()
+    try:
+        yield report
+    finally:
+        done.set()
+        teller.join()
+
+
+@contextmanager
+def _bar(check: Callable[[], None]) -> Iterator[Progress]:
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bar
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
+    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
+        shown = bar.add_task("reading and planning", total=1)
+
+        def report(what: str, part: int, parts: int) -> None:
+            check()
+            bar.update(shown, description=what, completed=part, total=parts)
+
+        yield report
