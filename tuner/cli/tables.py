@@ -1,5 +1,6 @@
 """Tables for people, on stdout."""
 
+import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
@@ -102,9 +103,10 @@ def show_result(result: Result, folder: Path) -> None:
         out.print(
             f"{check.problem}: {check.warning or told}", style="yellow" if check.warning else ""
         )
-    out.print(f"{result.seconds:.1f} s; all files are in {folder}", soft_wrap=True, markup=False)
+    where = f"all files are in {folder}; the report is {folder / 'report.html'}"
+    out.print(f"{result.seconds:.1f} s; {where}", soft_wrap=True, markup=False)
     for line in five_lines(result):
-        told = line.replace(" RUN ", f" {folder} ")
+        told = re.sub(r"\bRUN\b", lambda _: str(folder), line)
         out.print(told, soft_wrap=True, highlight=False, markup=False)  # intervals are no markup
 
 

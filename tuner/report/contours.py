@@ -46,6 +46,7 @@ def contoured(kept: KeptMap) -> Drawing:
         y_ticks=y.ticks(5),
         shapes=[*filled, *marks],
         keys=keys,
+        ends=(number(levels[0], 3), number(levels[-1], 3)),
         cells=_cells(kept, x, y, z),
         z_label=z_label,
     )

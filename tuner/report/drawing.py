@@ -63,6 +63,7 @@ class Drawing:
         x_ticks, y_ticks: the numbers beside them.
         shapes: from the lowest to the uppermost.
         keys: legend entries of a map: an opacity with what it means.
+        ends: of a map, the lowest and the highest number.
         cells: of a map, its numbers, for those who hover.
         z_label: of a map.
         joined: charts of the same name zoom together.
@@ -81,6 +82,7 @@ class Drawing:
     y_ticks: list[Tick]
     shapes: list[Shape]
     keys: list[tuple[str, str]] = field(default_factory=list)
+    ends: tuple[str, str] = ("", "")
     cells: str = ""
     z_label: str = ""
     joined: str = ""

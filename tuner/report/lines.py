@@ -21,7 +21,7 @@ def five_lines(result: Result) -> list[str]:
         f"how good  {verdict(result).sentence.rstrip('.')}",
         f"trust     {'; '.join(_trust(result))}",
         f"open      {_some([*_open(result)], '; ') or 'nothing: all is determined'}",
-        "next      tuner report RUN, or all rows: tuner compare RUN",
+        "next      tuner compare RUN --md for all rows, or open RUN/report.html",
     ]
 
 

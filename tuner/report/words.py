@@ -52,9 +52,11 @@ def raised(text: str) -> str:
 def unit(text: str) -> str:
     """A unit with raised powers.
 
-    >>> unit("m^2/s^3"), unit("deg/sqrt(h)"), unit("(rad/s)^2")
-    ('m²/s³', '°/√h', '(rad/s)²')
+    >>> unit("m^2/s^3"), unit("deg/sqrt(h)"), unit("(rad/s)^2"), unit("1")
+    ('m²/s³', '°/√h', '(rad/s)²', '')
     """
+    if text == "1":
+        return ""
     told = re.sub(r"sqrt\(([^()]*)\)", r"√\1", label(text))
     return told.replace("*", "·")
 
@@ -77,7 +79,7 @@ def amount(value: float | None, of: str, digits: int = 4) -> str:
     """
     if of == "deg":
         return number(value, digits) + unit(of)
-    return f"{number(value, digits)}{HARD}{unit(of)}" if of else number(value, digits)
+    return f"{number(value, digits)}{HARD}{told}" if (told := unit(of)) else number(value, digits)
 
 
 def between(low: float, high: float) -> str:

@@ -87,5 +87,5 @@ def test_five_lines_of_a_study():
     )
     assert trust == "trust     1 of 1 search converged; all starts agree in 1 of 1"
     assert open_ == "open      R cannot be identified"
-    assert next_.startswith("next      tuner report RUN")
+    assert next_.startswith("next      tuner compare RUN --md")
     assert five_lines(made.result()) == made.fit().lines
