@@ -21,7 +21,8 @@ FINE = 120
 
 def contoured(kept: KeptMap) -> Drawing:
     """A map as shapes."""
-    x, y = _axis(kept.x), _axis(kept.y)
+    x = Axis.over(np.array(kept.x), log="x" in kept.log)
+    y = Axis.over(np.array(kept.y), log="y" in kept.log)
     z = np.array([[np.nan if v is None else v for v in row] for row in kept.z])
     levels = _levels(kept, z)
     fills = [_tint(i, len(levels) - 1) for i in range(len(levels) - 1)]
@@ -35,8 +36,8 @@ def contoured(kept: KeptMap) -> Drawing:
     z_label = label(kept.z_label)
     return Drawing(
         name=kept.name,
-        title=kept.title,
-        note=kept.note,
+        title=label(kept.title),
+        note=label(kept.note),
         told=f"Map of {z_label} over {label(kept.x_label)} and {label(kept.y_label)}.",
         x=x,
         y=y,
@@ -52,15 +53,6 @@ def contoured(kept: KeptMap) -> Drawing:
     )
 
 
-def _axis(values: list[float]) -> Axis:
-    """Logarithmic where its values are: as many per decade everywhere."""
-    found = np.array(values)
-    log = bool(len(found) > 2 and (found > 0).all() and found[-1] / found[0] > 3)
-    steps = np.diff(np.log(found)) if log else np.diff(found)
-    even = bool(len(steps) and np.ptp(steps) < 0.2 * np.abs(steps).mean())
-    return Axis.over(found, log=log and even)
-
-
 def _levels(kept: KeptMap, z: np.ndarray) -> list[float]:
     there = z[np.isfinite(z)]
     if not len(there):
@@ -71,7 +63,7 @@ def _levels(kept: KeptMap, z: np.ndarray) -> list[float]:
         return [min(low, kept.levels[0]), *inside, high]
     if low == high:
         return [low, low + 1.0]
-    if low > 0 and high / low > 300:
+    if low > 0 and "z" in kept.log:
         return [float(each) for each in np.geomspace(low, high, STEPS + 1)]
     return [float(each) for each in np.linspace(low, high, STEPS + 1)]
 

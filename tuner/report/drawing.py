@@ -67,6 +67,7 @@ class Drawing:
         cells: of a map, its numbers, for those who hover.
         z_label: of a map.
         joined: charts of the same name zoom together.
+        aspect: width over height where both axes have one scale; 0 where they have not.
         place: whether it stands beside another one: half first, half second, or "".
     """
 
@@ -86,6 +87,7 @@ class Drawing:
     cells: str = ""
     z_label: str = ""
     joined: str = ""
+    aspect: float = 0.0
     place: str = ""
 
     @property
@@ -107,11 +109,13 @@ def drawn(chart: KeptChart) -> Drawing:
     if numbers is not None:
         lines = [_placed(line, numbers) for line in lines]
     x, y = _x_axis(chart, lines), _y_axis(chart, lines)
+    if chart.equal:
+        x, y = _alike(x, y)
     x_ticks = x.ticks() if numbers is None else _named(x, numbers)
     return Drawing(
         name=chart.name,
-        title=chart.title,
-        note=chart.note,
+        title=label(chart.title),
+        note=label(chart.note),
         told=_told(chart),
         x=x,
         y=y,
@@ -120,6 +124,7 @@ def drawn(chart: KeptChart) -> Drawing:
         x_ticks=x_ticks,
         y_ticks=y.ticks(5),
         shapes=[*shapes(lines, x, y, dashed=chart.part == "figures")],
+        aspect=(x.high - x.low) / (y.high - y.low) if chart.equal else 0.0,
         place=PAIRED.get(chart.name, ""),
         joined="time" if chart.part in ("signal", "innovations") and _timed(chart) else "",
     )
@@ -136,7 +141,7 @@ def shapes(lines: Sequence[KeptLine], x: Axis, y: Axis, *, dashed: bool = False)
     told = list(zip(lines, looks, strict=True))
     for line, look in sorted(told, key=lambda each: order[each[0].drawn]):
         dash = curves.index(line) % DASHED if dashes and line in curves else 0
-        yield replace(_shape(line, look, x, y), dash=dash)
+        yield replace(_shape(line, look, x, y), label=label(line.label), dash=dash)
 
 
 def _look(line: KeptLine, free: Iterator[str], taken: Iterable[str]) -> str:
@@ -216,6 +221,17 @@ def _x_axis(chart: KeptChart, lines: Sequence[KeptLine]) -> Axis:
 
 def _y_axis(chart: KeptChart, lines: Sequence[KeptLine]) -> Axis:
     return Axis.over(_all(lines, "y", "upper"), log="y" in chart.log, room=ROOM)
+
+
+def _alike(x: Axis, y: Axis) -> tuple[Axis, Axis]:
+    """Both with one scale, the shorter one longer where a picture would be all too long."""
+    across, up = x.high - x.low, y.high - y.low
+    return _longer(x, 0.6 * up), _longer(y, 0.5 * across)
+
+
+def _longer(axis: Axis, least: float) -> Axis:
+    lacking = max(least - (axis.high - axis.low), 0.0) / 2
+    return Axis(axis.low - lacking, axis.high + lacking)
 
 
 def _timed(chart: KeptChart) -> bool:

@@ -52,6 +52,7 @@ class KeptChart(Recorded):
     y_label: str
     log: str
     numbered: bool
+    equal: bool
     lines: list[KeptLine]
 
 
@@ -69,6 +70,7 @@ class KeptMap(Recorded):
     x: list[float]
     y: list[float]
     z: list[list[float | None]]
+    log: str
     levels: list[float]
     outline: tuple[float, str] | None = None
     lines: list[KeptLine]
@@ -160,6 +162,7 @@ def _chart(shown: Shown, most: int) -> KeptChart:
         y_label=chart.y_label,
         log=chart.log,
         numbered=chart.numbered,
+        equal=chart.equal,
         lines=[*_thinned(chart.lines, most, chart.log)],
     )
 
@@ -179,6 +182,7 @@ def _map(shown: Shown, most: int) -> KeptMap:
         x=[float(each) for each in map_.x[i]],
         y=[float(each) for each in map_.y[j]],
         z=[rounded(row, log=True) for row in np.asarray(map_.z, float)[np.ix_(i, j)]],
+        log=map_.log,
         levels=list(shown.levels),
         outline=shown.outline,
         lines=[*_thinned(map_.marks, most, "xy")],

@@ -8,7 +8,7 @@ import numpy as np
 
 from tuner.certificate.solution import Solution
 from tuner.certificate.yardstick import NATS_95, SHARE, yardstick
-from tuner.problem.parameters import Fixed, Parameter
+from tuner.problem.parameters import Fixed, Parameter, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.surface import values
 from tuner.run.figure import Chart, Line, Map
@@ -35,6 +35,7 @@ class Side(NamedTuple):
         at: its place in z.
         z: points along it.
         values: the parameter there.
+        log: whether they are even in its logarithm.
         best: and at the solution.
         interval: its interval, where there is one.
     """
@@ -44,6 +45,7 @@ class Side(NamedTuple):
     at: int
     z: np.ndarray
     values: np.ndarray
+    log: bool
     best: float
     interval: tuple[float, float] | None
 
@@ -120,7 +122,8 @@ def _side(problem: Problem, solution: Solution, name: str, at: int, count: int) 
         reach = WIDE * max(known, default=UNKNOWN / WIDE) or UNKNOWN
     z = np.linspace(max(center - reach, low), min(center + reach, high), count)
     along = np.array([float(kind.constrain(jnp.asarray([each]))) for each in z])
-    return Side(name, tuned.unit, at, z, along, float(tuned.value), tuned.interval)
+    log = isinstance(kind, Positive)
+    return Side(name, tuned.unit, at, z, along, log, float(tuned.value), tuned.interval)
 
 
 def _z_of(kind: Parameter, value: float) -> float:
@@ -147,7 +150,6 @@ def _curve(side: Side, rise: np.ndarray, *, likelihood: bool) -> Shown:
         Line("objective", side.values, np.maximum(rise, 0.0)),
         Line("tuned", np.array([side.best]), np.zeros(1)),
     )
-    positive = bool((side.values > 0).all())
     determined = side.interval is not None
     chart = Chart(
         name="objective",
@@ -156,7 +158,7 @@ def _curve(side: Side, rise: np.ndarray, *, likelihood: bool) -> Shown:
         x_label=side.label,
         y_label="nats above the best" if likelihood else "per cent above the best",
         lines=lines,
-        log="x" if positive else "",
+        log="x" if side.log else "",
     )
     return Shown("certificate", chart, "The objective of the whole recording over this parameter.")
 
@@ -181,6 +183,7 @@ def _map(sides: list[Side], rise: np.ndarray, held: list[str], *, likelihood: bo
         y=other.values,
         z=np.maximum(rise, 0.0),
         marks=(spot,),
+        log="x" * one.log + "y" * other.log,
     )
     if likelihood:
         return Shown("certificate", figure, note, NATS, (NATS_95_OF_TWO, "95 % region of both"))

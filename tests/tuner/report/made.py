@@ -164,7 +164,7 @@ def pictures(label="tuned"):
     x = np.geomspace(0.01, 1.0, 12)
     z = np.log(x[:, None] / 0.1) ** 2 + np.log(x[None, :] / 0.1) ** 2
     spot = Line("tuned", np.array([0.1]), np.array([0.1]))
-    surface = Map("surface", "One place", "q", "R", "nats", x, x, z, (spot,))
+    surface = Map("surface", "One place", "q", "R", "nats", x, x, z, (spot,), "xy")
     return kept_pictures(
         [
             Shown("signal", chart, "A note."),
