@@ -8,6 +8,8 @@ from typing import Annotated
 import typer
 from typer.exceptions import TyperException
 
+from tuner.cli.help_of_study import add_settings
+
 app = typer.Typer(
     name="tuner",
     help="Tunes filters by optimisation: finds Q, R and gains, says how far they can be trusted, "
@@ -67,6 +69,24 @@ Jobs = Annotated[
 ]
 Resume = Annotated[bool, typer.Option(help="Go on with an interrupted run in --out.")]
 DryRun = Annotated[bool, typer.Option(help="Say what would be done, and stop.")]
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        print(f"filter-tuner {version('filter-tuner')}")
+        raise typer.Exit
+
+
+@app.callback()
+def everywhere(
+    version: Annotated[
+        bool,
+        typer.Option("--version", help="Say which one this is.", callback=_version, is_eager=True),
+    ] = False,
+) -> None:
+    """Options of every command."""
 
 
 @app.command("list")
@@ -379,7 +399,9 @@ def main() -> None:
 def invoke(arguments: list[str]) -> int:
     """Run the command line with given arguments and return its exit code."""
     try:
-        return int(app(arguments or ["--help"], prog_name="tuner", standalone_mode=False) or 0)
+        code = int(app(arguments or ["--help"], prog_name="tuner", standalone_mode=False) or 0)
+        add_settings(arguments)
+        return code
     except TyperException as error:
         words = error.format_message()
         return _refuse(f"{words.rstrip('.')}; see tuner --help")

@@ -1,7 +1,7 @@
 """What a study can be told: tuner list settings STUDY, and tuner run STUDY --help."""
 
 import json as json_
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any, get_args, get_origin
 
 from pydantic.fields import FieldInfo
@@ -33,13 +33,6 @@ def show_settings(name: str | None, *, json: bool = False, md: bool = False) -> 
         from tuner.cli.tables import show_grid
 
         show_grid(f"Settings of {study.name}, as --set NAME=VALUE", lines)
-
-
-def named_study(arguments: Sequence[str]) -> str | None:
-    """The study of ``run STUDY --help``; None where something else is asked for."""
-    if arguments[:1] != ["run"] or "--help" not in arguments:
-        return None
-    return next((word for word in arguments[1:] if word in study_names()), None)
 
 
 def _rows(study: Study) -> Iterator[list[str]]:

@@ -10,6 +10,7 @@ from tuner.run.pipeline import Progress
 
 EVERY = 10.0
 """Seconds between two lines."""
+_PLANNING = "reading and planning"
 
 
 @contextmanager
@@ -24,23 +25,42 @@ def progress(check: Callable[[], None]) -> Iterator[Progress]:
 
 
 @contextmanager
+def planning() -> Iterator[None]:
+    """Tell that a run is read and planned."""
+    if sys.stderr.isatty():
+        print("reading and planning ...", file=sys.stderr)
+        yield
+        return
+    with _every([_PLANNING]):
+        yield
+
+
+@contextmanager
 def _lines(check: Callable[[], None]) -> Iterator[Progress]:
     """A line every ten seconds, also while one part takes long."""
-    begun, done = time.monotonic(), threading.Event()
-    now = ["reading and planning"]
-
-    def tell() -> None:
-        while not done.wait(EVERY):
-            print(f"{time.monotonic() - begun:.0f} s: {now[0]}", file=sys.stderr, flush=True)
+    now = ["solving"]
 
     def report(what: str, part: int, parts: int) -> None:
         check()
         now[0] = f"{what}, {part} of {parts}"
 
+    with _every(now):
+        yield report
+
+
+@contextmanager
+def _every(now: list[str]) -> Iterator[None]:
+    """Print what is being done now, every ten seconds, by a thread of its own."""
+    begun, done = time.monotonic(), threading.Event()
+
+    def tell() -> None:
+        while not done.wait(EVERY):
+            print(f"{time.monotonic() - begun:.0f} s: {now[0]}", file=sys.stderr, flush=True)
+
     teller = threading.Thread(target=tell, daemon=True)
     teller.start()
     try:
-        yield report
+        yield
     finally:
         done.set()
         teller.join()
@@ -59,7 +79,7 @@ def _bar(check: Callable[[], None]) -> Iterator[Progress]:
         TimeElapsedColumn(),
     )
     with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
-        shown = bar.add_task("reading and planning", total=1)
+        shown = bar.add_task("starting", total=1)
 
         def report(what: str, part: int, parts: int) -> None:
             check()

@@ -3,11 +3,10 @@
 import shlex
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 
 from tuner.certificate.solution import Solution
 from tuner.cli.interrupt import interruptible
+from tuner.cli.progress import planning, progress
 from tuner.cli.request import Request, from_toml, load_records, log_entries
 from tuner.cli.settings import parse_settings
 from tuner.cli.which import changed
@@ -17,7 +16,7 @@ from tuner.problem.problem import Problem
 from tuner.report.kept import kept_facts
 from tuner.run.cache import use_cache
 from tuner.run.folder import RunFolder, open_folder
-from tuner.run.pipeline import Progress, Run, recorded, trusted, write_down
+from tuner.run.pipeline import Run, recorded, trusted, write_down
 from tuner.run.recipe import Recipe
 from tuner.run.study import Plan, Study, find_study
 
@@ -45,7 +44,8 @@ def execute(request: Request) -> int:
         return 0
     folder = open_folder(request.out, study.name, force=request.force, resume=request.resume)
     storage = request.storage or f"sqlite:///{folder.path / 'trials.sqlite3'}"
-    plan = _chosen(study.plan(settings, records, seed, storage), request)
+    with planning():
+        plan = _chosen(study.plan(settings, records, seed, storage), request)
     _say_notes(plan)
     values = settings.model_dump(mode="json")
     recipe = Recipe.of(
@@ -56,9 +56,9 @@ def execute(request: Request) -> int:
         claims=request.claims,
     )
     finished = _finished(folder, recipe) if request.resume else {}
-    with interruptible() as check, _progress(check) as progress:
+    with interruptible() as check, progress(check) as told:
         kept = kept_facts(study.title, study.paper, plan.notes, records)
-        run = Run(study.name, values, plan, seed, folder, progress, request.claims, kept)
+        run = Run(study.name, values, plan, seed, folder, told, request.claims, kept)
         try:
             write_down(folder, recipe, plan)
             solutions = run.solve(request.jobs, finished)
@@ -71,7 +71,7 @@ def execute(request: Request) -> int:
     else:
         from tuner.cli.tables import show_result
 
-        show_result(result, folder.path)
+        show_result(result, folder.path, whole=False)
     return 0 if trusted(plan, solutions) else 1
 
 
@@ -132,31 +132,3 @@ def _say_plan(study: Study, plan: Plan) -> None:
         print(f"would solve {task.problem.name}{free} by {task.solver.name}")
     if plan.claims:
         print(f"would try {', '.join(claim.name for claim in plan.claims)}")
-
-
-@contextmanager
-def _progress(check: Callable[[], None]) -> Iterator[Progress]:
-    """A bar on stderr, from the first second on; nothing where stderr is no terminal.
-
-    Args:
-        check: called at every step.
-    """
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
-    from rich.progress import Progress as Bar
-
-    console = Console(stderr=True)
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-    )
-    with Bar(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        shown = bar.add_task("starting", total=1)
-
-        def report(what: str, done: int, total: int) -> None:
-            check()
-            bar.update(shown, description=what, completed=done, total=total)
-
-        yield report
