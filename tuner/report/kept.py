@@ -52,7 +52,7 @@ class KeptChart(Recorded):
     y_label: str
     log: str
     numbered: bool
-    equal: bool
+    equal: bool = False
     lines: list[KeptLine]
 
 
@@ -70,7 +70,7 @@ class KeptMap(Recorded):
     x: list[float]
     y: list[float]
     z: list[list[float | None]]
-    log: str
+    log: str = ""
     levels: list[float]
     outline: tuple[float, str] | None = None
     lines: list[KeptLine]
