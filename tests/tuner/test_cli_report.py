@@ -1,7 +1,9 @@
 """What a finished run shows again; settings; how wide tables are; progress without a terminal."""
 
 import json
+import sys
 import time
+from types import SimpleNamespace
 
 import pytest
 
@@ -91,6 +93,7 @@ def test_settings_of_a_study(cli):
     code, out, err = cli("run", "suh2004", "--help")
     assert (code, err) == (0, "")
     assert out.endswith(table)
+    assert table.endswith("needs nothing: it makes its own data\n")
     assert "--resume" in out
 
 
@@ -137,3 +140,28 @@ def test_progress_without_a_terminal(monkeypatch, capsys):
     with progress.planning():
         time.sleep(0.05)
     assert "0 s: reading and planning\n" in capsys.readouterr().err
+
+
+def test_the_dashboard(cli, run, monkeypatch):
+    assert cli("dashboard")[2] == (
+        "tuner: a dashboard is of a run, tuner dashboard RUN, or of --storage URL\n"
+    )
+    assert cli("dashboard", "out")[2].startswith(
+        "tuner: out holds no trials.sqlite3: only samplers"
+    )
+    (run / "trials.sqlite3").touch()
+    monkeypatch.setattr("tuner.cli.dashboard.find_spec", lambda _: None)
+    code, out, err = cli("dashboard", "out")
+    assert (code, out) == (2, "")
+    assert err.endswith("pip install 'filter-tuner[dashboard]'\n")
+    served = []
+    there = SimpleNamespace(run_server=lambda url, **how: served.append((url, how)))
+    monkeypatch.setitem(sys.modules, "optuna_dashboard", there)
+    monkeypatch.setattr("tuner.cli.dashboard.find_spec", lambda _: there)
+    assert cli("dashboard", "out", "--port", 9000) == (0, "", "")
+    assert cli("dashboard", "--storage", "sqlite:///x.db")[0] == 0
+    here = {"host": "localhost"}
+    assert served == [
+        ("sqlite:///out/trials.sqlite3", {**here, "port": 9000}),
+        ("sqlite:///x.db", {**here, "port": 8080}),
+    ]

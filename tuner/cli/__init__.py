@@ -384,6 +384,18 @@ def export(
 
 
 @app.command()
+def dashboard(
+    run: Annotated[Path | None, typer.Argument(help="Folder of a run.")] = None,
+    storage: Storage = None,
+    port: Annotated[int, typer.Option(min=1024, max=65535, help="Of this machine.")] = 8080,
+) -> None:
+    """Show the trials of samplers in a browser, while they run and later."""
+    from tuner.cli.dashboard import serve
+
+    serve(run, storage, port)
+
+
+@app.command()
 def doctor(json: Json = False) -> None:
     """Check the installation."""
     from tuner.cli.doctor import show

@@ -33,6 +33,15 @@ def show_settings(name: str | None, *, json: bool = False, md: bool = False) -> 
         from tuner.cli.tables import show_grid
 
         show_grid(f"Settings of {study.name}, as --set NAME=VALUE", lines)
+        for words in facts(study):
+            print(words)
+
+
+def facts(study: Study) -> Iterator[str]:
+    """What a study needs, and how long it takes."""
+    yield f"needs {study.needs}" if study.needs else "needs nothing: it makes its own data"
+    if study.takes:
+        yield f"takes about {study.takes} on two processors"
 
 
 def _rows(study: Study) -> Iterator[list[str]]:

@@ -6,6 +6,7 @@ import time
 
 from tuner.certificate.solution import Solution
 from tuner.cli.interrupt import interruptible
+from tuner.cli.listed_settings import facts
 from tuner.cli.progress import planning, progress
 from tuner.cli.request import Request, from_toml, load_records, log_entries
 from tuner.cli.settings import parse_settings
@@ -47,6 +48,8 @@ def execute(request: Request) -> int:
     with planning():
         plan = _chosen(study.plan(settings, records, seed, storage), request)
     _say_notes(plan)
+    if study.takes:
+        print(f"{study.name} takes about {study.takes} on two processors", file=sys.stderr)
     values = settings.model_dump(mode="json")
     recipe = Recipe.of(
         study.name,
@@ -123,6 +126,8 @@ def _say_notes(plan: Plan) -> None:
 def _say_plan(study: Study, plan: Plan) -> None:
     source = plan.source
     print(f"{study.name}: {study.title}")
+    for words in facts(study):
+        print(words)
     amount = f", {source.samples} samples at {source.rate_hz:g} Hz" if source.samples else ""
     print(f"data: {source.name}{amount}")
     for task in plan.tasks:

@@ -22,8 +22,8 @@ def report_of(result: Result, kept: Kept, folder: Path) -> Report:
     return Report(
         title=_title(result, kept),
         about=_about(result, kept),
-        paper=kept.paper if result.fit is None else "",
-        verdict=verdict(result),
+        paper=kept.paper if result.fit is None and kept.published else "",
+        verdict=verdict(result, published=kept.published),
         values=values(result),
         follows=follows(result),
         worth="" if result.fit is None else worth(result.fit),

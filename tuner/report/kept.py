@@ -107,6 +107,11 @@ class Kept(Recorded):
     recordings: int = 0
     pictures: list[KeptChart | KeptMap] = Field(default_factory=list)
 
+    @property
+    def published(self) -> bool:
+        """Whether the study is that of a paper: others say that theirs is none."""
+        return not self.paper.startswith("none")
+
     def to_json(self) -> bytes:
         """JSON text as bytes."""
         return self.model_dump_json(by_alias=True).encode() + b"\n"

@@ -13,16 +13,16 @@ from tuner.run.result import Result
 
 def sections(result: Result, kept: Kept, folder: Path) -> Iterator[Section]:
     """Those that have anything to say, in their order."""
+    own = "Is the filter right about itself?"
+    claims = ("Comparison", "Against the paper") if kept.published else ("Claims", "Claims")
+    sure = (
+        ("Certainty", "What the data determine") if result.fit else ("Findings", "What was found")
+    )
     made = (
         ("signal", "Signal", "The signal", signal(result, kept)),
-        (
-            "innovations",
-            "Innovations",
-            "Is the filter right about itself?",
-            innovations(result, kept),
-        ),
-        ("paper", "Comparison", "Against the paper", rows(result)),
-        ("determined", "Certainty", "What the data determine", determined(result, kept)),
+        ("innovations", "Innovations", own, innovations(result, kept)),
+        ("paper", *claims, rows(result)),
+        ("determined", *sure, determined(result, kept)),
         ("figures", "Figures", "Figures", pictures(kept, "figures")),
         ("search", "Search", "How it was found", search(result, kept)),
         ("data", "Data", "The data", data(result, kept)),

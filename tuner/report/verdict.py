@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Literal, NamedTuple, TypeAlias
 
-from tuner.report.words import amount, between, counted, joined, listed, sentence
+from tuner.report.words import amount, between, joined, listed, sentence
 from tuner.run.comparison import Verdict as Row
 from tuner.run.fit_record import FitRecord, GainRecord, HeldOutRecord
 from tuner.run.result import Result, SolutionRecord
@@ -40,11 +40,16 @@ class Verdict(NamedTuple):
     sentence: str
 
 
-def verdict(result: Result) -> Verdict:
-    """The verdict on a run."""
+def verdict(result: Result, *, published: bool = True) -> Verdict:
+    """The verdict on a run.
+
+    Args:
+        result: what it found.
+        published: whether its claims are those of a paper.
+    """
     if result.fit is not None:
         return _of_fit(result, result.fit)
-    return _of_rows(result) if result.comparisons else _of_solutions(result)
+    return _of_rows(result, published) if result.comparisons else _of_solutions(result)
 
 
 def main_solution(result: Result) -> SolutionRecord | None:
@@ -127,7 +132,7 @@ def _lower(held: HeldOutRecord) -> bool:
     return held.start is None or (held.tuned is not None and held.tuned < held.start)
 
 
-def _of_rows(result: Result) -> Verdict:
+def _of_rows(result: Result, published: bool) -> Verdict:
     """How many of a paper's numbers and claims are met."""
     rows = [row.verdict for row in result.comparisons]
     met = sum(row in (Row.MATCH, Row.HOLDS) for row in rows)
@@ -142,11 +147,15 @@ def _of_rows(result: Result) -> Verdict:
     ]
     rest = len(rows) - met - sum(int(text.split()[0]) for text in others)
     others += [f"{rest} contradict{'s' if rest == 1 else ''} the paper itself"] if rest else []
-    words = f"{met} of {counted(len(rows), 'number')} and claims are met"
+    all_ = (
+        "its one claim is met" if len(rows) == 1 else f"all {len(rows)} numbers and claims are met"
+    )
+    words = all_ if met == len(rows) else f"{met} of {len(rows)} numbers and claims are met"
     words += f"; {listed(others)}" if others else ""
     if met == len(rows):
-        return Verdict("use", "Reproduced", sentence(words))
-    return Verdict("care", "Reproduced in part", sentence(words))
+        return Verdict("use", "Reproduced" if published else "All claims hold", sentence(words))
+    head = "Reproduced in part" if published else "Not all claims hold"
+    return Verdict("care", head, sentence(words))
 
 
 def _of_solutions(result: Result) -> Verdict:
@@ -154,8 +163,9 @@ def _of_solutions(result: Result) -> Verdict:
     if not result.solutions:
         return Verdict("use", "Done", "Nothing had to be searched.")
     if not bad:
-        words = f"all {counted(len(result.solutions), 'search')} converged"
-        return Verdict("use", "Done", sentence(words.replace("searchs", "searches")))
+        count = len(result.solutions)
+        words = "its one search converged" if count == 1 else f"all {count} searches converged"
+        return Verdict("use", "Done", sentence(words))
     told = [f"{s.problem} ended {s.status.value!r}" for s in bad[:3]]
     return Verdict("care", "Done in part", sentence(joined(told)))
 

@@ -191,6 +191,8 @@ class Study:
         truths: what ``--truth`` may name.
         at_rate: from settings, what is exported, another rate and the parameters that are densities
             times the rate to the same filter at that rate; None where there is no other rate.
+        needs: what it needs to be given, "" for nothing: it makes its own data.
+        takes: about how long it takes on two processors, "" where that depends on what is given.
         faults: what is wrong with settings that are well formed, and with mappings of channels and
             of truths, a sentence each; None: that shows as it is planned.
     """
@@ -204,6 +206,8 @@ class Study:
     truths: "Callable[[Any], Mapping[str, Channel]] | None" = None
     at_rate: "Callable[[Any, Tuned, float, Collection[str]], AtRate] | None" = None
     faults: "Callable[[Any, Iterable[str], Iterable[str]], Iterable[str]] | None" = None
+    needs: str = ""
+    takes: str = ""
 
 
 def study_names() -> list[str]:

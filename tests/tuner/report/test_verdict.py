@@ -63,10 +63,10 @@ def test_what_did_not_converge_is_not_used(status):
 
 
 def test_of_studies():
-    assert told(made.study(all_met=True)) == ("use", "2 of 2 numbers and claims are met.")
+    assert told(made.study(all_met=True)) == ("use", "All 2 numbers and claims are met.")
     assert told(made.study())[0] == "care"
     nothing = made.result(fit=None, study="x")
-    assert told(nothing) == ("use", "All 1 search converged.")
+    assert told(nothing) == ("use", "Its one search converged.")
 
 
 def test_before_and_after_in_words():
