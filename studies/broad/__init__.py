@@ -32,4 +32,5 @@ STUDY = Study(
     "Orientation Estimation, Data 6(7):72, 2021",
     settings=Settings,
     plan=plan,
+    needs="the folder of the benchmark's .mat files: --set folder=PATH",
 )

@@ -40,5 +40,6 @@ STUDY = Study(
     paper="none: a study.toml with A, C, Q, R",
     settings=Settings,
     plan=plan,
+    needs="a study.toml with A, C, Q, R and error",
     at_rate=at_rate,
 )

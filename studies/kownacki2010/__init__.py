@@ -50,5 +50,6 @@ STUDY = Study(
     "Digital Signal Processing, 2010",
     settings=Settings,
     plan=plan,
+    takes="a minute",
     channels=channels,
 )

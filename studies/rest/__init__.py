@@ -90,5 +90,6 @@ STUDY = Study(
     paper="none: a record of your own; IEEE Std 952 and NIST SP 1065",
     settings=Settings,
     plan=plan,
+    needs="a record of a sensor at rest: --log FILE --map NAME=COLUMN",
     channels=channels,
 )

@@ -86,4 +86,5 @@ STUDY = Study(
     "for sensor fusion, Proc. IMechE Part G: J. Aerospace Engineering 223, 2009",
     settings=Settings,
     plan=plan,
+    needs="the folder of the flights' zips: --set folder=PATH",
 )

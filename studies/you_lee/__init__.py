@@ -42,4 +42,5 @@ STUDY = Study(
     "Attitude (Roll, Pitch) Reference System (in Korean)",
     settings=Settings,
     plan=plan,
+    takes="two to three minutes",
 )

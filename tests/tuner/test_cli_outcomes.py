@@ -124,7 +124,8 @@ def test_a_claim_alone(cli, here, toy):
     # Only what it needs is solved; nothing is exported, checked or drawn.
     assert {s.problem for s in result.solutions} == {"toy"}
     assert (result.exports, result.single_precision, result.tuned) == ([], [], [])
-    assert set(snapshot(here / "out")) == {"result.json", "study.toml", "environment.json"}
+    report = {"report.json", "report.html"}
+    assert set(snapshot(here / "out")) == report | {"result.json", "study.toml", "environment.json"}
     code, out, err = cli("export", "out", "--to", "c")
     assert (code, out) == (2, "")
     assert err == (

@@ -10,6 +10,7 @@ import pytest
 from tests.tuner import fit_cases as cases
 from tests.tuner.helpers import snapshot
 from tuner.cli import invoke
+from tuner.report.write import page_again, read_kept
 from tuner.run.result import read_result
 
 WORDS = ("--filter", "local-level", "--map", "z=z:m")
@@ -197,7 +198,7 @@ def test_json_holds_the_fit_section(run):
     fit = result["fit"]
     assert set(fit) == {
         *("filter", "objective", "unit", "start", "tuned", "held_out", "diagnostics", "lines"),
-        *("rescaled", "trade", "refused", "left_out"),
+        *("rescaled", "trade", "refused", "left_out", "in_doubt"),
     }
     assert (fit["filter"], fit["objective"], fit["unit"]) == ("LocalLevel", "likelihood", "m")
     assert set(fit["held_out"]) == {
@@ -210,6 +211,21 @@ def test_json_holds_the_fit_section(run):
         *("local_level", "local_level_part", "local_level_alone"),
     ]
     assert set(result["artifacts"]) == {n for n, data in snapshot(run).items() if data is not None}
+
+
+def test_its_report_shows_the_signal(run):
+    kept = read_kept(run)
+    names = ["signal_0", "innovations", "nis", "whiteness", "spread", "objective"]
+    assert [picture.name for picture in kept.pictures] == names
+    band, measured, before, tuned = kept.pictures[0].lines
+    assert [line.label for line in (measured, before, tuned)] == ["measured", "before", "tuned"]
+    assert all(low < high for low, high in zip(band.y, band.upper, strict=True))
+    assert page_again(run) == (run / "report.html").read_bytes()
+    surface = kept.pictures[-1]  # as low as it gets where it was tuned
+    (spot,) = surface.lines
+    i = np.argmin(np.abs(np.log(np.array(surface.x) / spot.x[0])))
+    j = np.argmin(np.abs(np.log(np.array(surface.y) / spot.y[0])))
+    assert surface.z[i][j] == np.min(surface.z) < 0.1
 
 
 def test_its_recipe_runs_again(cli, here, run):

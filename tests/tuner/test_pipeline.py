@@ -192,7 +192,8 @@ def test_a_finished_run(tmp_path):
     code = {f"toy{end}" for end in (".h", ".c", "_selftest.c")}
     places = ("exports", "exports/float", "exports/tunable", "exports/float-tunable")
     exports |= {f"{place}/{name}" for place in places for name in code}
-    assert files == {"result.json", "figures/curve.csv", "figures/curve.png"} | exports
+    figures = {"figures/curve.csv", "figures/curve.png"}
+    assert files == {"result.json", "report.json", "report.html"} | figures | exports
     # study.toml and environment.json are written before a run begins, by the command line.
     assert set(result.artifacts) == files | {"study.toml", "environment.json"}
     assert read_result(tmp_path).to_json() == result.to_json()
@@ -333,7 +334,8 @@ def test_a_run_of_claims(tmp_path):
     assert {name for name, _ in solutions} == {"toy"}
     result = finish(run, solutions)
     assert [row.quantity for row in result.comparisons] == ["toy.lowest"]
-    assert result.artifacts == ["study.toml", "environment.json", "result.json"]
+    own = ["study.toml", "environment.json", "report.json", "report.html", "result.json"]
+    assert result.artifacts == own
     assert trusted(run.plan, solutions)
 
 
@@ -398,7 +400,7 @@ def test_equal_runs_give_equal_files(tmp_path):
         run = begin(tmp_path / name)
         finish(run, run.solve(2, {}))
     one, other = snapshot(tmp_path / "a"), snapshot(tmp_path / "b")
-    for name in one.keys() - {"result.json"}:
+    for name in one.keys() - {"result.json", "report.html"}:  # they tell how long it took
         assert one[name] == other[name]
     results = [read_result(tmp_path / name) for name in "ab"]
     plain = [result.model_copy(update={"seconds": 0.0, "solutions": []}) for result in results]

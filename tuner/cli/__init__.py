@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from tuner.cli.help_of_study import add_settings
+
 app = typer.Typer(
     name="tuner",
     help="Tunes filters by optimisation: finds Q, R and gains, says how far they can be trusted, "
@@ -73,8 +75,20 @@ Resume = Annotated[bool, typer.Option(help="Go on with an interrupted run in --o
 DryRun = Annotated[bool, typer.Option(help="Say what would be done, and stop.")]
 
 
+def _version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        print(f"filter-tuner {version('filter-tuner')}")
+        raise typer.Exit
+
+
 @app.callback()
 def everywhere(
+    version: Annotated[
+        bool,
+        typer.Option("--version", help="Say which one this is.", callback=_version, is_eager=True),
+    ] = False,
     memory: Annotated[
         str | None,
         typer.Option(metavar="SIZE", help="Take no more than that, such as 4GB; anywhere."),
@@ -83,16 +97,16 @@ def everywhere(
         bool, typer.Option("--traceback", help="Show where an error came from; anywhere.")
     ] = False,
 ) -> None:
-    """Options of every command, which are taken out of the line before it is read."""
+    """Options of every command; of the last two the line is freed before it is read."""
 
 
 @app.command("list")
 def list_(
     what: Annotated[
-        str, typer.Argument(help="studies, filters, objectives, solvers or formats")
+        str, typer.Argument(help="studies, filters, objectives, solvers, formats or settings")
     ] = "studies",
     name: Annotated[
-        str | None, typer.Argument(help="A filter: its inputs, parameters, states and outputs.")
+        str | None, typer.Argument(help="A filter: its facts. With settings: a study.")
     ] = None,
     json: Json = False,
     md: Annotated[bool, typer.Option("--md", help="A Markdown page of filters.")] = False,
@@ -313,6 +327,35 @@ def compare(
 
 
 @app.command()
+def show(
+    run: Annotated[Path, typer.Argument(help="Folder of a run, or its result.json.")],
+    json: Json = False,
+) -> None:
+    """Show what a finished run found, again."""
+    from tuner.cli.show import show
+
+    show(run, json=json)
+
+
+@app.command()
+def report(
+    run: Annotated[Path, typer.Argument(help="Folder of a run, or its result.json.")],
+    to: Annotated[
+        str | None, typer.Option(metavar="FORM", help="html, md, or pdf by a browser.")
+    ] = None,
+    output: Annotated[
+        str | None,
+        typer.Option("-o", "--output", metavar="FILE|-", help="In the run's folder; - is stdout."),
+    ] = None,
+    force: Force = False,
+) -> None:
+    """Write the report of a finished run again: one page that needs nothing else."""
+    from tuner.cli.report import write
+
+    write(run, to, output, force=force)
+
+
+@app.command()
 def export(
     run: Annotated[Path, typer.Argument(help="Folder of a run, or its result.json.")],
     to: Annotated[str | None, typer.Option(metavar="FORMAT", help="Of tuner list formats.")] = None,
@@ -376,6 +419,18 @@ def export(
 
 
 @app.command()
+def dashboard(
+    run: Annotated[Path | None, typer.Argument(help="Folder of a run.")] = None,
+    storage: Storage = None,
+    port: Annotated[int, typer.Option(min=1024, max=65535, help="Of this machine.")] = 8080,
+) -> None:
+    """Show the trials of samplers in a browser, while they run and later."""
+    from tuner.cli.dashboard import serve
+
+    serve(run, storage, port)
+
+
+@app.command()
 def doctor(json: Json = False) -> None:
     """Check the installation."""
     from tuner.cli.doctor import show
@@ -418,6 +473,7 @@ def _commanded(arguments: list[str]) -> int:
         with command.make_context("tuner", arguments) as context:
             return int(command.invoke(context) or 0)
     except typer.Exit as ended:
+        add_settings(arguments)
         return ended.exit_code
     except typer.Abort:
         raise KeyboardInterrupt from None

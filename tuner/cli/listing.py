@@ -12,7 +12,7 @@ def show(what: str, name: str | None = None, *, json: bool = False, md: bool = F
 
     Args:
         what: which list.
-        name: of one filter.
+        name: of one filter; of a study, whose settings are listed.
         json: one JSON object.
         md: a Markdown page of the filter, or of all filters.
 
@@ -20,8 +20,13 @@ def show(what: str, name: str | None = None, *, json: bool = False, md: bool = F
         ValueError: for anything that there is no list of, and for a name or a page of anything
             but filters.
     """
-    if what not in _LISTS:
-        raise unknown("list", what, _LISTS)
+    if what not in _LISTS and what != "settings":
+        raise unknown("list", what, [*_LISTS, "settings"])
+    if what == "settings":
+        from tuner.cli.listed_settings import show_settings
+
+        show_settings(name, json=json, md=md)
+        return
     if what != "filters" and (name is not None or md):
         asked = "--md" if name is None else repr(name)
         raise ValueError(f"only filters have a page of facts; leave out {asked}")

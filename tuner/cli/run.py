@@ -3,25 +3,25 @@
 import shlex
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 
 from tuner.cli.interrupt import interruptible
+from tuner.cli.listed_settings import facts
+from tuner.cli.progress import planning, progress
 from tuner.cli.request import Request, from_toml, load_records, log_entries, threads
 from tuner.cli.settings import parse_settings
 from tuner.cli.which import changed
 from tuner.data.record import Record
 from tuner.export import FORMATS
 from tuner.problem.problem import Problem
+from tuner.report.kept import kept_facts
 from tuner.run.cache import use_cache
 from tuner.run.folder import RunFolder, open_folder
 from tuner.run.identity import identity_of_run
-from tuner.run.pipeline import Progress, Run, trusted, write_down
+from tuner.run.pipeline import Run, trusted, write_down
 from tuner.run.progress import going_on, read_progress
 from tuner.run.recipe import Recipe
 from tuner.run.study import Plan, Solutions, Study, find_study
 from tuner.run.together import Together, workers
-from tuner.shown import plain, shown
 from tuner.solvers.database import DatabaseError, use_database, without_password
 
 SHOWN = 3
@@ -48,8 +48,11 @@ def execute(request: Request) -> int:
         return 0
     folder = open_folder(request.out, study.name, force=request.force, resume=request.resume)
     storage = request.storage or _own_database(folder)
-    plan = _chosen(study.plan(settings, records, seed, storage), request)
+    with planning():
+        plan = _chosen(study.plan(settings, records, seed, storage), request)
     _say_notes(plan)
+    if study.takes:
+        print(f"{study.name} takes about {study.takes} on two processors", file=sys.stderr)
     values = settings.model_dump(mode="json")
     recipe = Recipe.of(
         study.name,
@@ -59,8 +62,9 @@ def execute(request: Request) -> int:
         claims=request.claims,
     )
     identity = identity_of_run(study, recipe, plan)
-    with interruptible() as check, _progress(check) as progress:
-        run = Run(study.name, values, plan, seed, folder, progress, request.claims, identity)
+    kept = kept_facts(study.title, study.paper, plan.notes, records)
+    with interruptible() as check, progress(check) as told:
+        run = Run(study.name, values, plan, seed, folder, told, request.claims, identity, kept)
         try:
             finished = _finished(folder, recipe, run) if request.resume else {}
             run.check(threads(request))
@@ -83,7 +87,7 @@ def execute(request: Request) -> int:
     else:
         from tuner.cli.tables import show_result
 
-        show_result(result, folder.path)
+        show_result(result, folder.path, whole=False)
     return 0 if trusted(plan, solutions) else 1
 
 
@@ -125,9 +129,9 @@ def _solve(run: Run, request: Request, recipe: Recipe, finished: Solutions) -> S
     url = request.storage or _own_database(run.folder)
     together = Together.of(url, run.study, recipe.to_toml(), run.identity, run.plan)
     if request.storage is not None:
+        where = shlex.quote(without_password(url))
         print(
-            f"other machines join with: tuner worker --storage {shlex.quote(without_password(url))} "
-            f"--study {together.name}",
+            f"other machines join with: tuner worker --storage {where} --study {together.name}",
             file=sys.stderr,
         )
     words = [word for log in request.logs for word in ("--log", str(log))]
@@ -160,6 +164,8 @@ def _say_notes(plan: Plan) -> None:
 def _say_plan(study: Study, plan: Plan) -> None:
     source = plan.source
     print(f"{study.name}: {study.title}")
+    for words in facts(study):
+        print(words)
     amount = f", {source.samples} samples at {source.rate_hz:g} Hz" if source.samples else ""
     print(f"data: {source.name}{amount}")
     for task in plan.tasks:
@@ -169,38 +175,3 @@ def _say_plan(study: Study, plan: Plan) -> None:
         print(f"would solve {task.problem.name}{free} by {task.solver.name}")
     if plan.claims:
         print(f"would try {', '.join(claim.name for claim in plan.claims)}")
-
-
-@contextmanager
-def _progress(check: Callable[[], None]) -> Iterator[Progress]:
-    """A bar on stderr, from the first second on; nothing where stderr is no terminal.
-
-    Args:
-        check: called at every step.
-    """
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
-    from rich.progress import Progress as Bar
-
-    console = Console(file=plain(sys.stderr))  # a bar is drawn by what others may not write
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-    )
-    with Bar(
-        *columns,
-        console=console,
-        transient=True,
-        redirect_stdout=False,
-        redirect_stderr=False,
-        disable=not console.is_terminal,
-    ) as bar:
-        task = bar.add_task("starting", total=1)
-
-        def report(what: str, done: int, total: int) -> None:
-            check()
-            bar.update(task, description=shown(what), completed=done, total=total)
-
-        yield report

@@ -1,9 +1,11 @@
 """Tables for people, on stdout."""
 
+import re
 import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import fill
 
 from rich import box
 from rich.console import Console, ConsoleOptions, ConsoleRenderable, RenderHook
@@ -13,6 +15,9 @@ from rich.text import Text
 
 from tuner.certificate.solution import Status
 from tuner.certificate.table import range_in_words
+from tuner.cli.width import piped_width, width_is_known
+from tuner.report.lines import five_lines
+from tuner.run.comparison import Verdict
 from tuner.run.finding import Finding
 from tuner.run.noise_told import COLUMNS
 from tuner.run.result import CodeRecord, ParameterRecord, Result, SolutionRecord
@@ -49,9 +54,9 @@ class _AllSafe(RenderHook):
 
 
 def console() -> Console:
-    """Standard output; 150 columns where it is no terminal."""
+    """Standard output, as wide as it is told to be where it is no terminal."""
     stream = plain(sys.stdout)
-    own = Console(file=stream, width=None if stream.isatty() else 150)
+    own = Console(file=stream, width=None if stream.isatty() else piped_width())
     own.push_render_hook(_AllSafe())
     return own
 
@@ -64,6 +69,7 @@ def number_text(value: float | None) -> str:
 WIDE = 120
 """Columns of a terminal that hold everything; below, the explanations are left out."""
 _EXPLANATIONS = {"where", "note", "what it means", "evaluations", "s"}
+_NUMBER = re.compile(r"-?[\d.]+(e[-+]?\d+)?|-|inf|nan|")
 _FOLDED = _EXPLANATIONS | {"parameters", "meaning", "smaller", "larger"}
 
 
@@ -80,7 +86,11 @@ def show_grid(title: str, lines: list[list[str]]) -> None:
         pad_edge=False,
     )
     for i in columns:
-        table.add_column(lines[0][i], overflow="fold", no_wrap=lines[0][i] not in _FOLDED)
+        head, cells = lines[0][i], [line[i] for line in lines[1:]]
+        numbers = all(_NUMBER.fullmatch(cell) for cell in cells)
+        fixed = numbers or (wide and head not in _FOLDED)
+        least = max(map(len, [head, *cells])) if numbers else None
+        table.add_column(head, overflow="fold", no_wrap=fixed, min_width=least)
     for line in lines[1:]:
         table.add_row(*(Text(shown(line[i]), style=_COLOURS.get(line[i], "")) for i in columns))
     out.print(table)
@@ -88,31 +98,38 @@ def show_grid(title: str, lines: list[list[str]]) -> None:
         out.print(f"(sources and notes from {WIDE} columns on, or by tuner compare RUN --md)\n")
 
 
-def show_result(result: Result, folder: Path) -> None:
-    """Print solutions, what is flat, the comparison, single precision and where the files are."""
-    head = [
-        "problem",
-        "solver",
-        "status",
-        "value",
-        "parameters",
-        "evaluations",
-        "s",
-        "what it means",
-    ]
-    if result.solutions:
-        show_grid("Solutions", [head, *(_solution(solution) for solution in result.solutions)])
-    rows = [
+LONG = 40
+"""Of more rows than this a run shows those alone that somebody has to look at."""
+
+
+def show_result(result: Result, folder: Path, *, whole: bool = True) -> None:
+    """Print solutions, what is flat, the comparison, single precision and where the files are.
+
+    Args:
+        result: what was found.
+        folder: where its files are.
+        whole: whether all rows are shown, also of a long result.
+    """
+    long = not whole and len(result.solutions) + len(result.comparisons) > LONG
+    names = {tuned["name"] for tuned in result.tuned}
+    solutions = [s for s in result.solutions if not long or s.problem in names]
+    rows = [r for r in result.comparisons if not long or r.verdict not in _MET]
+    if solutions:
+        show_grid("Solutions", [_SOLUTIONS, *(_solution(solution) for solution in solutions)])
+    lines = [
         [r.quantity, r.where, number_text(r.paper), number_text(r.ours), r.verdict.value, r.note]
-        for r in result.comparisons
+        for r in rows
     ]
-    if rows:
-        show_grid(
-            "Comparison",
-            [["quantity", "where", "paper", "ours", "verdict", "note"], *rows],
+    if lines:
+        head = ["quantity", "where", "paper", "ours", "verdict", "note"]
+        show_grid("Comparison", [head, *lines])
+    out = console()
+    if long:
+        left = len(result.solutions) - len(solutions), len(result.comparisons) - len(rows)
+        out.print(
+            f"not shown: {left[0]} searches, {left[1]} rows that are met; tuner show {folder}"
         )
     show_findings(result.findings)
-    out = console()
     for export in result.exports:
         if abs(export.relative_change or 0.0) > 1e-12:
             out.print(f"{export.file}: read back and scored, cost {export.relative_change:+.1e}")
@@ -126,10 +143,18 @@ def show_result(result: Result, folder: Path) -> None:
         out.print(
             f"{check.problem}: {check.warning or told}", style="yellow" if check.warning else ""
         )
-    out.print(f"{result.seconds:.1f} s; all files are in {folder}", soft_wrap=True, markup=False)
-    for line in () if result.fit is None else result.fit.lines:
-        told = line.replace(" RUN ", f" {folder} ")
+    where = f"all files are in {folder}; the report is {folder / 'report.html'}"
+    out.print(f"{result.seconds:.1f} s; {where}", soft_wrap=True, markup=False)
+    for line in five_lines(result):
+        told = re.sub(r"\bRUN\b", lambda _: str(folder), line)
+        if width_is_known() and not told.startswith("next"):  # that one is copied
+            told = fill(told, out.width, subsequent_indent=" " * 10, break_on_hyphens=False)
         out.print(told, soft_wrap=True, highlight=False, markup=False)  # intervals are no markup
+
+
+_SOLUTIONS = [
+    *("problem", "solver", "status", "value", "parameters", "evaluations", "s", "what it means"),
+]
 
 
 def _in_c(codes: list[CodeRecord]) -> Iterator[str]:
@@ -221,6 +246,7 @@ def _solution(solution: SolutionRecord) -> list[str]:
     ]
 
 
+_MET = (Verdict.MATCH, Verdict.HOLDS)
 _EXISTENCE = (Status.INFEASIBLE, Status.UNBOUNDED, Status.UNATTAINED)
 
 

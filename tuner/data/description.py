@@ -1,6 +1,7 @@
 """A record as lines for a terminal."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,6 +17,20 @@ _TRUTH = "truth "
 _AXES = {2: "xy", 3: "xyz", 4: "wxyz"}
 
 
+class Parts(NamedTuple):
+    """What a record holds.
+
+    Attributes:
+        files: these and their clocks, a line each.
+        rows: a table of the channels; the first row heads it.
+        notes: what there is to say of channels.
+    """
+
+    files: list[str]
+    rows: list[tuple[str, ...]]
+    notes: list[str]
+
+
 def described(
     sources: Sequence[Source], channels: Mapping[str, Signal], truth: Mapping[str, Signal]
 ) -> list[str]:
@@ -27,6 +42,14 @@ def described(
     channel  column  unit  Hz  missing  mean  std  min  max  step
     z        height  m      2        0     2    1    1    3     2
     """
+    parts = in_parts(sources, channels, truth)
+    return [*parts.files, *_aligned(parts.rows), *parts.notes]
+
+
+def in_parts(
+    sources: Sequence[Source], channels: Mapping[str, Signal], truth: Mapping[str, Signal]
+) -> Parts:
+    """The same in parts, its table not aligned."""
     signals = {**channels, **{_TRUTH + name: signal for name, signal in truth.items()}}
     rows: list[tuple[str, ...]] = [_HEADER]
     notes: list[str] = []
@@ -35,7 +58,7 @@ def described(
             rows.append(row)
             notes += [note] if note else []
     files = [f"{s.name}: {counted(s.samples, 'sample')} at {s.rate_hz:.6g} Hz" for s in sources]
-    return [*files, *_clocks(signals), *_aligned(rows), *notes]
+    return Parts([*files, *_clocks(signals)], rows, notes)
 
 
 def _clocks(signals: Mapping[str, Signal]) -> list[str]:

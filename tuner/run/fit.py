@@ -21,6 +21,7 @@ from tuner.run.figure import Figure
 from tuner.run.finding import Finding
 from tuner.run.fit_figures import figures
 from tuner.run.fit_record import FitRecord
+from tuner.run.fit_shown import shown_of
 from tuner.run.front import Against, picture_of, trade
 from tuner.run.held_out import judge_held_out
 from tuner.run.judged import Judged, filter_name, judge
@@ -29,8 +30,9 @@ from tuner.run.parting import HeldOutBy, Parting, parting
 from tuner.run.posed import Posed, check_channels, pose
 from tuner.run.rescaled import ThenRescaled, as_found, may_be_rescaled
 from tuner.run.searched import Wishes
+from tuner.run.shown import Shown
 from tuner.run.study import Plan, Solutions, Task, best
-from tuner.run.summary import five_lines
+from tuner.run.summary import five_lines, in_doubt
 from tuner.solvers import Solver, make_solver
 
 SCREENED = 64
@@ -141,6 +143,7 @@ def plan_fit(posed: Posed, request: Request, other: Posed | None = None) -> Plan
         report=report,
         notes=posed.notes,
         findings=findings,
+        shown=_shown,
     )
 
 
@@ -161,6 +164,10 @@ def _figures(case: Fitting, solutions: Solutions) -> Iterator[Figure]:
         yield from picture_of(case.posed, trade(case.against))
 
 
+def _shown(case: Fitting, solutions: Solutions) -> Iterator[Shown]:
+    yield from shown_of(case.posed, solutions, case.against)
+
+
 def findings(case: Fitting, solutions: Solutions) -> Iterator[Finding]:
     """The noise a sample and as densities, and the gains, in the units that people take them in."""
     problem = case.posed.problem
@@ -178,7 +185,8 @@ def report(case: Fitting, solutions: Solutions) -> FitRecord:
     """What a fit is worth, for its result."""
     found = concluded(case, solutions)
     lines = five_lines(case.posed, found.solution, found.judged)
-    return FitRecord.of(found.judged, filter_name(case.posed), lines)
+    doubt = in_doubt(case.posed, found.solution, found.judged)
+    return FitRecord.of(found.judged, filter_name(case.posed), lines, doubt)
 
 
 def concluded(case: Fitting, solutions: Solutions) -> Found:

@@ -59,7 +59,7 @@ def _panels(posed: Posed, tuned: Mapping[str, Any]) -> Iterator[Chart]:
     found = innovations_of(posed, tuned)
     if found.levels is None:
         return
-    estimate = _estimate(posed, tuned, found)
+    estimate = estimate_of(posed, tuned, found)
     for part, name in list(enumerate(found.names))[:MOST]:
         yield _panel(posed, found, part, name, estimate)
 
@@ -104,7 +104,7 @@ def _panel(
     )
 
 
-def _estimate(
+def estimate_of(
     posed: Posed, tuned: Mapping[str, Any], found: Innovations
 ) -> tuple[str, np.ndarray] | None:
     """The output, ``(N, m)``, that estimates what is measured: the first of its unit and parts."""

@@ -144,6 +144,7 @@ class FitRecord(Recorded):
         refused: what a gate or heavy tails left out, or weighed little.
         left_out: stretches that contradict the rest of the record.
         lines: the five lines that a run ends with.
+        in_doubt: free parameters that are not determined.
     """
 
     filter: str
@@ -158,9 +159,12 @@ class FitRecord(Recorded):
     refused: RefusedRecord | None = None
     left_out: LeftOutRecord | None = None
     lines: list[str]
+    in_doubt: list[str] = []
 
     @classmethod
-    def of(cls, judged: "Judged", filter: str, lines: list[str]) -> "FitRecord":
+    def of(
+        cls, judged: "Judged", filter: str, lines: list[str], in_doubt: list[str]
+    ) -> "FitRecord":
         """The record of a judgement."""
         held = judged.held_out
         return cls(
@@ -178,4 +182,5 @@ class FitRecord(Recorded):
             refused=RefusedRecord(**asdict(judged.refused)) if judged.refused else None,
             left_out=LeftOutRecord(**asdict(judged.left_out)) if judged.left_out else None,
             lines=lines,
+            in_doubt=in_doubt,
         )

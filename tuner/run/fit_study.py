@@ -174,6 +174,7 @@ STUDY = Study(
     paper="none: your own recording",
     settings=FitSettings,
     plan=plan,
+    needs="recordings of your own: tuner fit LOG --filter NAME",
     channels=channels,
     truths=truths,
     at_rate=at_rate,

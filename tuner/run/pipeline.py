@@ -19,12 +19,16 @@ from tuner.certificate.solution import Solution
 from tuner.data.source import Source
 from tuner.export.tuned import Provenance, Tuned
 from tuner.problem.problem import Problem
+from tuner.report.kept import Kept as ForReport
+from tuner.report.kept import kept_pictures, nothing_kept
+from tuner.report.write import KEPT, PAGE, page_of
 from tuner.run.drawing import picture, table
 from tuner.run.environment import environment
+from tuner.run.figure import Figure
 from tuner.run.fit_record import FitRecord
 from tuner.run.folder import RunFolder
 from tuner.run.progress import SCHEMA, Finished, check_again, digest_of, key_of
-from tuner.run.progress import Progress as Kept
+from tuner.run.progress import Progress as KeptProgress
 from tuner.run.recipe import Recipe
 from tuner.run.result import (
     CodeRecord,
@@ -34,6 +38,7 @@ from tuner.run.result import (
     SolutionRecord,
     pretty,
 )
+from tuner.run.shown import Shown
 from tuner.run.study import Plan, Solutions, Task, best
 from tuner.run.together import Together
 
@@ -56,6 +61,7 @@ class Run:
         progress: told of every part.
         claims: names of the claims that are asked for; all if empty.
         identity: of the run; see :mod:`tuner.run.identity`.
+        kept: what its report tells of the study and of the recordings.
     """
 
     study: str
@@ -66,6 +72,7 @@ class Run:
     progress: Progress
     claims: tuple[str, ...] = ()
     identity: Mapping[str, str] = field(default_factory=dict)
+    kept: ForReport = field(default_factory=nothing_kept)
 
     def check(self, jobs: int) -> None:
         """Find what would be refused before anything is written: score where each search begins.
@@ -140,7 +147,7 @@ class Run:
             Finished(identity=digests[key], solution=SolutionRecord.of(solution))
             for key, solution in solutions.items()
         ]
-        kept = Kept(schema=SCHEMA, identity=dict(self.identity), finished=finished)
+        kept = KeptProgress(schema=SCHEMA, identity=dict(self.identity), finished=finished)
         self.folder.write("progress.json", kept.to_json().encode(), replace=True)
 
     def finish(self, solutions: Solutions, formats: tuple[str, ...], begun: float) -> Result:
@@ -165,7 +172,7 @@ class Run:
         artifacts += [record.file for record in exports]
         if self.plan.report is not None:
             artifacts += [self._outputs(problem, solution) for problem, solution in found]
-        drawn, not_drawn = self._draw(solutions)
+        figures, drawn, not_drawn = self._draw(solutions)
         artifacts += drawn
         result = Result(
             schema="tuner.result/1",
@@ -178,7 +185,7 @@ class Run:
             exports=exports,
             single_precision=singles,
             tuned=[json.loads(export.dump(one, "json")) for one in tuned],
-            artifacts=[*artifacts, "result.json"],
+            artifacts=[*artifacts, KEPT, PAGE, "result.json"],
             seconds=time.perf_counter() - begun,
             fit=self._report(solutions),
             findings=list(self.plan.findings(self.plan.case, solutions)),
@@ -187,13 +194,15 @@ class Run:
             not_drawn=not_drawn,
         )
         self.folder.write("result.json", result.to_json().encode())
+        self._write_report(result, solutions, figures)
         self.folder.remove("progress.json")
         self.progress("done", 4, 4)
         return result
 
-    def _draw(self, solutions: Solutions) -> tuple[list[str], list[str]]:
-        """The files of figures, and why others are missing: one that fails ends no run."""
-        drawn: list[str] = []
+    def _draw(self, solutions: Solutions) -> tuple[list[Figure], list[str], list[str]]:
+        """Figures, their files, and why others are missing: one that fails ends no run."""
+        figures: list[Figure] = []
+        files: list[str] = []
         failed: list[str] = []
         try:
             for figure in self.plan.figures(self.plan.case, solutions):
@@ -204,12 +213,23 @@ class Run:
                     failed.append(f"{figure.name} could not be drawn: {_said(error)}")
                     continue
                 stem = f"figures/{figure.name}"
-                drawn += [self.folder.write(f"{stem}.{end}", made[end]) for end in made]
+                files += [self.folder.write(f"{stem}.{end}", made[end]) for end in made]
+                figures.append(figure)
         except WriteError:
             raise
         except Exception as error:
             failed.append(f"a figure could not be drawn: {_said(error)}")
-        return drawn, failed
+        return figures, files, failed
+
+    def _write_report(self, result: Result, solutions: Solutions, figures: list[Figure]) -> None:
+        """The report, and what it takes to write it again."""
+        self.progress("writing the report", 3, 4)
+        shown = [Shown("figures", figure) for figure in figures]
+        if self.plan.shown is not None:
+            shown = [*self.plan.shown(self.plan.case, solutions)]
+        kept = self.kept.model_copy(update={"pictures": kept_pictures(shown)})
+        self.folder.write(KEPT, kept.to_json())
+        self.folder.write(PAGE, page_of(result, kept, self.folder.path))
 
     def _code(
         self, problem: Problem, solution: Solution, tuned: Tuned, formats: tuple[str, ...]

@@ -16,6 +16,7 @@ from pydantic_core import PydanticSerializationError
 from tuner.data.record import Record
 from tuner.data.signal import Signal
 from tuner.export import FORMATS
+from tuner.report.kept import kept_facts
 from tuner.run.fit_study import STUDY, FitSettings
 from tuner.run.folder import RunFolder
 from tuner.run.identity import identity_of_run
@@ -95,7 +96,8 @@ def _write(made: Made, folder: RunFolder) -> None:
         folder.write(name, data)
     values = settings.model_dump(mode="json")
     identity = identity_of_run(STUDY, recipe, made.plan)
-    run = Run(STUDY.name, values, made.plan, made.seed, folder, lambda *_: None, (), identity)
+    kept = kept_facts(STUDY.title, STUDY.paper, made.plan.notes, made.records)
+    run = Run(STUDY.name, values, made.plan, made.seed, folder, _quiet, (), identity, kept)
     run.finish(made.solutions, FORMATS, begun)
 
 
@@ -159,3 +161,7 @@ def _archive(signals: Mapping[str, Signal], *, rated: bool) -> bytes:
     arrays = {name: signal.values for name, signal in signals.items()}
     np.savez_compressed(stream, allow_pickle=False, **when, **arrays)
     return stream.getvalue()
+
+
+def _quiet(what: str, part: int, parts: int) -> None:
+    """From Python nothing is told of progress."""

@@ -10,6 +10,7 @@ from tuner.names import unknown
 from tuner.run.comparison import Comparison
 from tuner.run.figure import Figure
 from tuner.run.finding import Finding
+from tuner.run.shown import Shown
 
 if TYPE_CHECKING:
     from jax import Array
@@ -103,6 +104,7 @@ class Plan:
         report: what a fit is worth; None for a published study.
         notes: what should be known before anything is solved, a sentence each.
         findings: numbers that people take from the run, given the case and all solutions.
+        shown: the report's figures, given the case and all solutions; None: all figures.
 
     Raises:
         ValueError: where a problem is to be exported that nobody solves.
@@ -117,6 +119,7 @@ class Plan:
     report: "Callable[[Any, Solutions], FitRecord] | None" = None
     notes: tuple[str, ...] = ()
     findings: Callable[[Any, Solutions], Iterable[Finding]] = no_findings
+    shown: Callable[[Any, Solutions], Iterable[Shown]] | None = None
 
     def __post_init__(self) -> None:
         solved = {task.problem.name for task in self.tasks}
@@ -190,6 +193,8 @@ class Study:
         truths: what ``--truth`` may name.
         at_rate: from settings, what is exported, another rate and the parameters that are densities
             times the rate to the same filter at that rate; None where there is no other rate.
+        needs: what it needs to be given, "" for nothing: it makes its own data.
+        takes: about how long it takes on two processors, "" where that depends on what is given.
         faults: what is wrong with settings that are well formed, and with mappings of channels and
             of truths, a sentence each; None: that shows as it is planned.
     """
@@ -203,6 +208,8 @@ class Study:
     truths: "Callable[[Any], Mapping[str, Channel]] | None" = None
     at_rate: "Callable[[Any, Tuned, float, Collection[str]], AtRate] | None" = None
     faults: "Callable[[Any, Iterable[str], Iterable[str]], Iterable[str]] | None" = None
+    needs: str = ""
+    takes: str = ""
 
 
 def study_names() -> list[str]:

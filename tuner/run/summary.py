@@ -44,14 +44,21 @@ def five_lines(
 
 
 def _numbers(posed: Posed, solution: Solution, judged: Judged) -> Iterator[str]:
+    doubtful = in_doubt(posed, solution, judged)
     for name, kind in posed.problem.space.parameters:
         if not isinstance(kind, Fixed):
-            open_ = (*posed.undetermined, *solution.certificate.flat_directions)
-            flat = any(name in words(told) and not _scaled(told, judged) for told in open_)
-            doubt = " (not determined)" if flat else ""
+            doubt = " (not determined)" if name in doubtful else ""
             yield f"{name} = {_number(solution.parameters[name])}{doubt}"
     for name, value in solution.derived.items():
         yield f"{name} = {value:.5g}"
+
+
+def in_doubt(posed: Posed, solution: Solution, judged: Judged) -> list[str]:
+    """The free parameters that are not determined, by name."""
+    open_ = (*posed.undetermined, *solution.certificate.flat_directions)
+    named = {name for told in open_ if not _scaled(told, judged) for name in words(told)}
+    free = (n for n, kind in posed.problem.space.parameters if not isinstance(kind, Fixed))
+    return [name for name in free if name in named]
 
 
 def _scaled(told: str, judged: Judged) -> bool:

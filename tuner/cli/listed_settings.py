@@ -1,0 +1,93 @@
+"""What a study can be told: tuner list settings STUDY, and tuner run STUDY --help."""
+
+import json as json_
+from collections.abc import Iterator
+from typing import Any, get_args, get_origin
+
+from pydantic.fields import FieldInfo
+
+from tuner.run.study import Study, find_study, study_names
+
+_PLAIN = {float: "number", int: "integer", str: "text", bool: "true or false"}
+_SIGNS = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
+
+
+def show_settings(name: str | None, *, json: bool = False, md: bool = False) -> None:
+    """Print the settings of a study: what each may be, what it is unless told, and its meaning.
+
+    Raises:
+        ValueError: without a study, and for one that there is none of.
+    """
+    if name is None:
+        raise ValueError(f"settings are of a study; name one: {', '.join(study_names())}")
+    study = find_study(name)
+    head, *rows = lines = [["setting", "what it may be", "unless told", "meaning"], *_rows(study)]
+    if json:
+        told = {row[0]: dict(zip(head[1:], row[1:], strict=True)) for row in rows}
+        print(json_.dumps({"schema": "tuner.list/1", "settings": {study.name: told}}, indent=1))
+    elif md:
+        body = [[cell.replace("|", "\\|") for cell in row] for row in lines]
+        body.insert(1, ["---"] * len(head))
+        print("\n".join(f"| {' | '.join(row)} |" for row in body))
+    else:
+        from tuner.cli.tables import show_grid
+
+        show_grid(f"Settings of {study.name}, as --set NAME=VALUE", lines)
+        for words in facts(study):
+            print(words)
+
+
+def facts(study: Study) -> Iterator[str]:
+    """What a study needs, and how long it takes."""
+    yield f"needs {study.needs}" if study.needs else "needs nothing: it makes its own data"
+    if study.takes:
+        yield f"takes about {study.takes} on two processors"
+
+
+def _rows(study: Study) -> Iterator[list[str]]:
+    for name, field in study.settings.model_fields.items():
+        may = ", ".join([_kind(field.annotation), *_limits(field)])
+        yield [name, may, _default(field), field.description or ""]
+
+
+def _kind(annotation: Any) -> str:
+    """A type in words.
+
+    >>> from typing import Literal
+    >>> _kind(float | None), _kind(tuple[int, ...]), _kind(Literal["a", "b"]), _kind(bool)
+    ('number', 'list of integers', 'a or b', 'true or false')
+    """
+    if annotation in _PLAIN:
+        return _PLAIN[annotation]
+    name, parts = getattr(get_origin(annotation), "__name__", ""), get_args(annotation)
+    words = "table"
+    if name == "Literal":
+        words = " or ".join(map(str, parts))
+    elif name == "Annotated":
+        words = _kind(parts[0])
+    elif name in ("Union", "UnionType"):
+        words = " or ".join(dict.fromkeys(_kind(p) for p in parts if p is not type(None)))
+    elif name in ("tuple", "list"):
+        inner = _kind(parts[0])
+        words = f"list of {inner}{'s' if inner in ('number', 'integer', 'text') else ''}"
+    return words
+
+
+def _limits(field: FieldInfo) -> Iterator[str]:
+    for limit in field.metadata:
+        for sign, words in _SIGNS.items():
+            if hasattr(limit, sign):
+                yield f"{words} {getattr(limit, sign):g}"
+
+
+def _default(field: FieldInfo) -> str:
+    if field.is_required():
+        return "has to be told"
+    default = field.get_default(call_default_factory=True)
+    if default is None or default == "":
+        return "-"
+    if isinstance(default, bool):
+        return str(default).lower()
+    if isinstance(default, tuple | list):
+        return "[" + ", ".join(map(str, default)) + "]"
+    return f"{default:g}" if isinstance(default, float) else str(default)

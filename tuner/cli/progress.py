@@ -1,0 +1,94 @@
+"""Progress on stderr: a bar in a terminal, elsewhere a line every ten seconds."""
+
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from tuner.run.pipeline import Progress
+from tuner.shown import plain, shown
+
+EVERY = 10.0
+"""Seconds between two lines."""
+_PLANNING = "reading and planning"
+
+
+@contextmanager
+def progress(check: Callable[[], None]) -> Iterator[Progress]:
+    """Tell how far a run is, from the first second on.
+
+    Args:
+        check: called at every step.
+    """
+    with _bar(check) if sys.stderr.isatty() else _lines(check) as report:
+        yield report
+
+
+@contextmanager
+def planning() -> Iterator[None]:
+    """Tell that a run is read and planned."""
+    if sys.stderr.isatty():
+        print("reading and planning ...", file=sys.stderr)
+        yield
+        return
+    with _every([_PLANNING]):
+        yield
+
+
+@contextmanager
+def _lines(check: Callable[[], None]) -> Iterator[Progress]:
+    """A line every ten seconds, also while one part takes long."""
+    now = ["solving"]
+
+    def report(what: str, part: int, parts: int) -> None:
+        check()
+        now[0] = f"{what}, {part} of {parts}"
+
+    with _every(now):
+        yield report
+
+
+@contextmanager
+def _every(now: list[str]) -> Iterator[None]:
+    """Print what is being done now, every ten seconds, by a thread of its own."""
+    begun, done = time.monotonic(), threading.Event()
+
+    def tell() -> None:
+        while not done.wait(EVERY):
+            told = f"{time.monotonic() - begun:.0f} s: {shown(now[0])}"
+            print(told, file=sys.stderr, flush=True)
+
+    teller = threading.Thread(target=tell, daemon=True)
+    teller.start()
+    try:
+        yield
+    finally:
+        done.set()
+        teller.join()
+
+
+@contextmanager
+def _bar(check: Callable[[], None]) -> Iterator[Progress]:
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bar
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
+    # A bar is drawn by what others may not write.
+    console = Console(file=plain(sys.stderr))
+    with Bar(
+        *columns, console=console, transient=True, redirect_stdout=False, redirect_stderr=False
+    ) as bar:
+        task = bar.add_task("starting", total=1)
+
+        def report(what: str, part: int, parts: int) -> None:
+            check()
+            bar.update(task, description=shown(what), completed=part, total=parts)
+
+        yield report

@@ -1,0 +1,130 @@
+"""What the report of a fit shows: the signal, the innovations, and what the data determine."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from filters.declared import bare, channel_facts
+from tuner.certificate.solution import Status
+from tuner.diagnostics import Innovations
+from tuner.run.diagnosed import innovations_of
+from tuner.run.figure import Chart, Line
+from tuner.run.fit_figures import figures
+from tuner.run.fit_plot import estimate_of
+from tuner.run.fit_surface import surface
+from tuner.run.front import Against, picture_of, trade
+from tuner.run.innovation_figures import drawn_innovations
+from tuner.run.posed import Posed
+from tuner.run.shown import Shown
+from tuner.run.study import Solutions, best
+
+MOST = 4
+"""Parts of a measurement or a truth that are drawn."""
+
+
+def shown_of(posed: Posed, solutions: Solutions, against: Against | None) -> Iterator[Shown]:
+    """The figures of a fit's report, in their order."""
+    solution = best(posed.problem.name, solutions)
+    if solution.status is Status.FAILED:
+        return
+    tuned = {name: parameter.value for name, parameter in solution.parameters.items()}
+    if posed.output:
+        note = "The first recording of several." if np.ndim(posed.timeline.dt) == 2 else ""
+        for figure in [*figures(posed, solutions)][:MOST]:
+            yield Shown("signal", figure, note)
+    if "innovation" in channel_facts(bare(posed.problem.filter), "outputs"):
+        begun = posed.problem.parameters(posed.problem.space.start())
+        before, now = innovations_of(posed, begun), innovations_of(posed, tuned)
+        yield from _signals(posed, begun, tuned, now)
+        yield from drawn_innovations(before, now)
+    yield from surface(posed.problem, solution)
+    if against is not None:
+        note = "Nothing is better in both. The knee gives up least of each."
+        yield from (Shown("search", each, note) for each in picture_of(posed, trade(against)))
+
+
+def _signals(
+    posed: Posed, begun: Mapping[str, Any], tuned: Mapping[str, Any], now: Innovations
+) -> Iterator[Shown]:
+    """Each part of what was measured, with what was foretold and the estimate before and after."""
+    if now.levels is None:
+        return
+    estimates = {
+        when: found[1]
+        for when, values in (("before", begun), ("tuned", tuned))
+        if (found := estimate_of(posed, values, now)) is not None
+    }
+    refused = getattr(posed.run(tuned), "refused", None)
+    for part, name in list(enumerate(now.names))[:MOST]:
+        each = {when: estimate[:, part] for when, estimate in estimates.items()}
+        channel, values = _channel(posed, now, part)
+        wrong = np.zeros(len(values), bool) if refused is None else _part(refused, now, part)
+        yield _signal(now, part, name or channel, each, np.where(wrong, values, np.nan))
+
+
+def _part(array: Any, now: Innovations, part: int) -> np.ndarray:
+    """A part of the first recording, ``(N,)``."""
+    found = np.asarray(array).reshape(now.value.shape[0], -1, now.value.shape[2])[:, 0, part]
+    return np.asarray(found > 0)
+
+
+def _channel(posed: Posed, now: Innovations, part: int) -> tuple[str, np.ndarray]:
+    """Name and values of the channel of a measurement, found by its numbers; "" for none."""
+    assert now.levels is not None
+    measured, seen = (now.levels + now.value)[:, 0, part], now.counted[:, 0, part]
+    for name, values in posed.timeline.channels.items():
+        own = values[:, 0] if np.ndim(posed.timeline.dt) == 2 else values
+        for each in own.reshape(len(own), -1).T:
+            if np.allclose(each[seen], measured[seen]):
+                return name, each
+    return "", np.full(len(measured), np.nan)
+
+
+def _signal(
+    now: Innovations,
+    part: int,
+    name: str,
+    estimates: Mapping[str, np.ndarray],
+    refused: np.ndarray,
+) -> Shown:
+    """One measurement.
+
+    Args:
+        now: the innovations of the tuned filter.
+        part: which of its measurements.
+        name: what that is called.
+        estimates: of it, ``(N,)``, before and after.
+        refused: measurements that a gate refused, ``(N,)``; NaN elsewhere.
+    """
+    assert now.levels is not None
+    t, level = now.times[:, 0], now.levels[:, 0, part]
+    y, s = now.value[:, 0, part], now.variance[:, 0, part]
+    seen = now.counted[:, 0, part] & np.isfinite(level)
+    t_seen, foretold, spread = t[seen], level[seen], 1.96 * np.sqrt(s[seen])
+    lines = [
+        Line("95 % expected", t_seen, foretold - spread, drawn="band", upper=foretold + spread),
+        Line("measured", t_seen, foretold + y[seen], drawn="points"),
+    ]
+    for when, values in estimates.items():
+        there = np.isfinite(values) & np.isfinite(t)
+        lines.append(Line(when, t[there], values[there]))
+    if not estimates:
+        lines.append(Line("foretold", t_seen, foretold))
+    wrong = np.isfinite(refused) & np.isfinite(t)
+    if wrong.any():
+        lines.append(Line("refused", t[wrong], refused[wrong], drawn="points"))
+    inside = float(np.mean(np.abs(y[seen]) <= spread)) if seen.any() else 0.0
+    called = name or "measurement"
+    title = f"{100 * inside:.1f} % of the measurements{f' of {name}' if name else ''} lie in the "
+    note = "The band is what the tuned filter foretells of each measurement, before it is seen."
+    if now.value.shape[1] > 1:
+        note += f" The first of {now.value.shape[1]} recordings."
+    chart = Chart(
+        name=f"signal_{part}",
+        title=f"{title}band where 95 % are expected",
+        x_label="time, s",
+        y_label=f"{called}, {now.unit}" if now.unit else called,
+        lines=tuple(lines),
+    )
+    return Shown("signal", chart, note)
