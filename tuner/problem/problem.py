@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
 
 import jax
@@ -10,13 +11,14 @@ import numpy as np
 from jax import Array
 
 from filters import AnyFilter, Lanes, assembled, bare, run
-from objectives import Data, Objective, score, score_and_gradient
+from objectives import Data, Objective, Way, score, score_and_gradient
 from tuner.certificate.single_precision import SinglePrecision, single_precision
 from tuner.certificate.solution import Solution
 from tuner.data.source import Source
 from tuner.export.tuned import Quantity
 from tuner.problem.constraint import Constraint
 from tuner.problem.exported import Exported, Trial, exported_of, held_of, once, quantities_of
+from tuner.problem.paths import way_of
 from tuner.problem.space import Space
 from tuner.problem.steady_form import steady_form_of
 from tuner.problem.trial import try_out
@@ -59,6 +61,7 @@ class Problem:
             initial values and before random points.
         source: where the data come from.
         exported: what is written down beside the parameters; None: what the filter declares.
+        way: how a gradient goes through the time loop; None: what is faster by measured cost.
 
     Raises:
         ValueError: where the data holds single precision, infinite values or unequal lengths, and
@@ -76,6 +79,7 @@ class Problem:
     known_starts: tuple[np.ndarray, ...] = ()
     source: Source | None = None
     exported: Exported | None = None
+    way: Way | None = None
     _runs: dict[bytes, Any] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -99,8 +103,16 @@ class Problem:
 
     def value_and_gradient(self, z: np.ndarray) -> tuple[float, np.ndarray]:
         """The objective and its gradient in z, ``(space.size,)``."""
-        value, gradient = _value_and_gradient(self.static, jnp.asarray(z), self.data)
+        way = self.gradient_way
+        value, gradient = _value_and_gradient(self.static, way, jnp.asarray(z), self.data)
         return _finite(float(value)), np.asarray(gradient)
+
+    @cached_property
+    def gradient_way(self) -> Way:
+        """How :meth:`value_and_gradient` goes through the time loop."""
+        start = jnp.asarray(self.space.start())
+        params = None if self.filter is None else jax.eval_shape(self.static.built, start)
+        return way_of(self.filter, params, self.space.size, self.way)
 
     def hessian(self, z: np.ndarray, step: float = 1e-3) -> np.ndarray:
         """The Hessian in z, ``(n, n)``: central differences of the exact gradient.
@@ -288,9 +300,9 @@ def _value(static: Static, z: Array, data: Data) -> Array:
     return static.score(z, data)
 
 
-@jax.jit(static_argnums=0)
-def _value_and_gradient(static: Static, z: Array, data: Data) -> tuple[Array, Array]:
-    return score_and_gradient(static.filter, static.objective, static.built, z, data)
+@jax.jit(static_argnums=(0, 1))
+def _value_and_gradient(static: Static, way: Way, z: Array, data: Data) -> tuple[Array, Array]:
+    return score_and_gradient(static.filter, static.objective, static.built, z, data, way=way)
 
 
 @jax.jit(static_argnums=0)
