@@ -69,8 +69,8 @@ def contracted(A: Array, B: Array) -> Array:
 
 
 def turned(A: Array) -> Array:
-    """``A'`` as an array of its own, which no product is made to read across."""
-    kept: Array = jax.lax.optimization_barrier(A.T)
+    """``A'``; of a larger matrix as an array of its own, so that no product reads it across."""
+    kept: Array = A.T if len(A) <= LARGEST else jax.lax.optimization_barrier(A.T)
     return kept
 
 

@@ -89,7 +89,11 @@ def test_second_derivatives_are_right(n):
         [central_difference(lambda at, i=i: float(slope(at)[i]), point, 1e-5) for i in range(3)]
     )
     scale = np.abs(numeric).max()
-    for one, other in ((jax.jacfwd, jax.jacfwd), (jax.jacfwd, jax.jacrev), (jax.jacrev, jax.jacfwd)):
+    for one, other in (
+        (jax.jacfwd, jax.jacfwd),
+        (jax.jacfwd, jax.jacrev),
+        (jax.jacrev, jax.jacfwd),
+    ):
         found = jax.jit(one(other(both)))(point)
         np.testing.assert_allclose(found, numeric, rtol=0, atol=DIFFERENCES * scale)
 

@@ -6,13 +6,22 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from filters import ExtendedKalman, ExtendedModel, ExtendedSample, LinearKalman, LinearModel
-from filters import Gated, Lanes, Sample, Transition
+from filters import (
+    ExtendedKalman,
+    ExtendedModel,
+    ExtendedSample,
+    Gated,
+    Lanes,
+    LinearKalman,
+    LinearModel,
+    Sample,
+    Transition,
+)
 from objectives import Data, InnovationLikelihood
-from tuner import Positive, Problem, Space
+from tuner import Fixed, Positive, Problem, Space
 
 N, STATES = 30, 4
-NAMES = tuple(f"q{i}" for i in range(STATES)) + ("r",)
+NAMES = ("q0", "q1", "q2", "q3", "r")
 F = np.eye(STATES) + 0.1 * np.eye(STATES, k=1)
 Z = np.random.default_rng(1).normal(size=(N, 1)).cumsum(axis=0)
 Z[11] = np.nan
@@ -43,8 +52,6 @@ def seen(q, x, u):
 
 
 def problem(filter=None, build=linear, inputs=None, free=NAMES, **settings):
-    from tuner import Fixed
-
     space = Space.of(**{k: Positive(1.0, 1e-3, 1e3) if k in free else Fixed(1.0) for k in NAMES})
     inputs = Sample(Z) if inputs is None else inputs
     filter = LinearKalman() if filter is None else filter

@@ -156,6 +156,7 @@ class Solution:
         evaluations: how often the objective was evaluated, over all starts.
         seconds: how long it took, compilation included.
         certificate: what speaks for it.
+        gradient: how gradients went through the time loop; empty where that is not known.
     """
 
     problem: str
@@ -169,6 +170,7 @@ class Solution:
     evaluations: int
     seconds: float
     certificate: Certificate
+    gradient: str = ""
 
     def __repr__(self) -> str:
         return as_text(self)

@@ -70,6 +70,7 @@ class SolutionRecord(Recorded):
     evaluations: int
     seconds: float
     certificate: dict[str, Any]
+    gradient: str = ""
 
     @classmethod
     def of(cls, solution: Solution) -> "SolutionRecord":
@@ -86,6 +87,7 @@ class SolutionRecord(Recorded):
             evaluations=solution.evaluations,
             seconds=solution.seconds,
             certificate=asdict(solution.certificate),
+            gradient=solution.gradient,
         )
 
     def solution(self) -> Solution:
@@ -106,6 +108,7 @@ class SolutionRecord(Recorded):
             evaluations=self.evaluations,
             seconds=self.seconds,
             certificate=Certificate(**{**fields, "starts": Starts(**fields["starts"])}),
+            gradient=self.gradient,
         )
 
 

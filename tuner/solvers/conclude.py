@@ -59,6 +59,7 @@ def conclude(
         evaluations=sum(end.evaluations for end in ends),
         seconds=time.perf_counter() - begun,
         certificate=certificate,
+        gradient=problem.gradient_way,
     )
 
 
