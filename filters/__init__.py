@@ -18,6 +18,7 @@ from filters.attitude import (  # noqa: E402
     AttitudeOutputs,
     AttitudeState,
 )
+from filters.backwards import run_kept  # noqa: E402
 from filters.batched import Batched, Lanes, shared  # noqa: E402
 from filters.bounded_motion import (  # noqa: E402
     BoundedMotionKalman,
@@ -300,6 +301,7 @@ __all__ = [
     "regression",
     "riccati_flow",
     "run",
+    "run_kept",
     "shared",
     "tilt_disturbance",
     "tilt_transition",

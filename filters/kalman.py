@@ -11,7 +11,8 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from filters.small_linalg import matmul
+from filters.covariance_step import corrected, predicted
+from filters.small_linalg import matmul, turned
 
 
 class Estimate(NamedTuple):
@@ -57,8 +58,8 @@ def predict(estimate: Estimate, F: Array, W: Array) -> Estimate:
             f"the covariance of the noise has shape {jnp.shape(W)}, and {needed} is needed; of a "
             f"number q that is q * jnp.eye({needed[0]})"
         )
-    P = matmul(matmul(F, estimate.P), F.T) + W
-    return Estimate(matmul(F, estimate.x), (P + P.T) / 2)
+    P = predicted(F, turned(F), estimate.P, W)
+    return Estimate(matmul(F, estimate.x), P)
 
 
 def update(estimate: Estimate, h: Array, r: Array, z: Array) -> tuple[Estimate, Innovation]:
@@ -81,19 +82,8 @@ def update(estimate: Estimate, h: Array, r: Array, z: Array) -> tuple[Estimate, 
     >>> after.x.tolist(), after.P.tolist(), innovation.variance.tolist()
     ([1.5], [[1.0]], 4.0)
     """
-    x, P = estimate
-    missing = jnp.any(jnp.isnan(z))
-    g = matmul(P, h)
-    s = matmul(h, g) + r
-    weight = jnp.where(missing, 0.0, 1 / s)
-    k = g * weight
-    y = jnp.where(missing, 0.0, z - matmul(h, x))
-    A = P - jnp.outer(g, g) * weight
-    # A h' = r k but for rounding: so it is no function of anything.
-    lost = jax.lax.stop_gradient(jnp.outer(matmul(A, h) - r * k, k))
-    P = A - (lost + lost.T) / 2
-    variance = jnp.where(missing, 0.0, s)
-    return Estimate(x + jnp.multiply.outer(k, y), P), Innovation(y, variance, k)
+    x, P, value, variance, gain = corrected(*estimate, h, r, z)
+    return Estimate(x, P), Innovation(value, variance, gain)
 
 
 def update_large(

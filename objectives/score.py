@@ -2,13 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol, TypeAlias, TypeGuard, cast
+from functools import partial
+from typing import Any, Literal, NamedTuple, Protocol, TypeAlias, TypeGuard, cast
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
-from filters import AnyFilter, run
+from filters import AnyFilter, run, run_kept
 from objectives.kinds import Additive
 
 
@@ -37,6 +38,8 @@ judges a design.
 """
 
 
+Way: TypeAlias = Literal["forwards", "backwards"]
+"""How a time loop is differentiated."""
 Build: TypeAlias = Callable[[Array], Any]
 """From a point to a filter's parameters."""
 
@@ -94,13 +97,33 @@ def score(filter: AnyFilter | None, objective: Objective, params: Any, data: Dat
 
 
 def score_and_gradient(
-    filter: AnyFilter | None, objective: Objective, build: Build, z: Array, data: Data
+    filter: AnyFilter | None,
+    objective: Objective,
+    build: Build,
+    z: Array,
+    data: Data,
+    *,
+    way: Way = "forwards",
 ) -> tuple[Array, Array]:
     """The score and its gradient in z ``(n,)``, where ``build(z)`` gives the filter's parameters.
 
-    The time loop is differentiated forwards (n is small, and nothing has to be stored for a way
-    back), what follows it backwards: one transform of the outputs serves all n parameters.
+    Forwards the time loop carries n tangents and stores nothing for a way back; what follows the
+    loop is differentiated backwards in either case: one transform of the outputs serves all n
+    parameters. Backwards the loop takes the time of a few passes, however large n is, and stores
+    what it needs of each sample: see :func:`filters.run_kept`.
+
+    Args:
+        filter: the filter, or None.
+        objective: what is scored.
+        build: from z to the filter's parameters.
+        z: the point.
+        data: inputs and truth.
+        way: how the time loop is differentiated; the gradients differ by rounding alone.
     """
+    if way == "backwards":
+        whole = partial(_score_kept, filter, objective, data=data)
+        value, gradient = jax.value_and_grad(lambda at: whole(build(at)))(z)
+        return value, gradient
     collected, tangents = _forwards(lambda at: _collect(filter, objective, build(at), data), z)
     return judged(objective, data, collected, tangents)
 
@@ -195,16 +218,24 @@ def is_fold(objective: Objective) -> TypeGuard[Fold]:
     return hasattr(objective, "update")
 
 
+def _score_kept(filter: AnyFilter | None, objective: Objective, params: Any, data: Data) -> Array:
+    return _judge(objective, data, _collect(filter, objective, params, data, run_kept))
+
+
 def _collect(
-    filter: AnyFilter | None, objective: Objective, params: Any, data: Data
+    filter: AnyFilter | None,
+    objective: Objective,
+    params: Any,
+    data: Data,
+    over: Callable[..., tuple[Any, Any]] = run,
 ) -> tuple[Any, Any]:
     """The loop's part: the objective's sum and what was kept, or all outputs."""
     if filter is None:
         return None, params
     if is_fold(objective):
-        (_, total), kept = run(Folded(filter, objective), params, data)
+        (_, total), kept = over(Folded(filter, objective), params, data)
         return total, kept
-    return None, run(filter, params, data.inputs)[1]
+    return None, over(filter, params, data.inputs)[1]
 
 
 _collected = jax.jit(_collect, static_argnums=(0, 1))  # remembers the shapes it has worked out

@@ -153,7 +153,7 @@ def test_a_search_ends_at_the_same_point(forced, monkeypatch):
     by_xla = Gradient("l-bfgs-b", seed=0, starts=1)(posed())
     np.testing.assert_allclose(by_c.z, by_xla.z, rtol=1e-6)
     assert by_c.gradient_by.startswith("C, compiled by")
-    assert by_xla.gradient_by == "XLA: TUNER_NATIVE is off"
+    assert by_xla.gradient_by == "XLA, forwards: TUNER_NATIVE is off"
 
 
 def test_what_is_not_a_number_is_none(forced):

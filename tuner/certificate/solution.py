@@ -156,8 +156,8 @@ class Solution:
         evaluations: how often the objective was evaluated, over all starts.
         seconds: how long it took, compilation included.
         certificate: what speaks for it.
-        gradient_by: which way gradients went: "C, compiled by ...", or "XLA: " and why; "" where
-            none was asked for.
+        gradient_by: which way gradients went: "C, compiled by ...", or "XLA, backwards: " or "XLA,
+            forwards: " and why; "" where none was asked for.
     """
 
     problem: str

@@ -93,6 +93,7 @@ MOVED: Mapping[str, Move] = {
     "copy": lambda x, _: x,
     "copy_p": lambda x, _: x,
     "stop_gradient": lambda x, _: x,
+    "optimization_barrier": lambda x, _: x,
 }
 """Moves of the entries of one array, of anything."""
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
 
 import jax
@@ -10,7 +11,7 @@ import numpy as np
 from jax import Array
 
 from filters import AnyFilter, Lanes, assembled, bare, run
-from objectives import Data, Objective, score, score_and_gradient
+from objectives import Data, Objective, Way, score, score_and_gradient
 from tuner.certificate.single_precision import SinglePrecision, single_precision
 from tuner.certificate.solution import Solution
 from tuner.data.source import Source
@@ -19,6 +20,7 @@ from tuner.native.route import Route
 from tuner.problem.constraint import Constraint
 from tuner.problem.exported import Exported, Trial, exported_of, held_of, once, quantities_of
 from tuner.problem.identity import identity_of
+from tuner.problem.paths import way_of
 from tuner.problem.physics import check_leaf, check_present, check_start
 from tuner.problem.space import Space
 from tuner.problem.steady_form import steady_form_of
@@ -62,6 +64,7 @@ class Problem:
             initial values and before random points.
         source: where the data come from.
         exported: what is written down beside the parameters; None: what the filter declares.
+        way: how a gradient goes through the time loop; None: what is faster by measured cost.
 
     Raises:
         ValueError: where the data holds single precision, what is no real number, infinite values,
@@ -81,6 +84,7 @@ class Problem:
     known_starts: tuple[np.ndarray, ...] = ()
     source: Source | None = None
     exported: Exported | None = None
+    way: Way | None = None
     _runs: dict[bytes, Any] = field(default_factory=dict, init=False, repr=False)
     _routes: list[Route] = field(default_factory=list, init=False, repr=False)
 
@@ -117,22 +121,36 @@ class Problem:
         return _finite(float(_value(self.static, jnp.asarray(z), self.data)))
 
     def value_and_gradient(self, z: np.ndarray) -> tuple[float, np.ndarray]:
-        """The objective and its gradient in z, ``(space.size,)``; see :attr:`route`."""
-        found = self.route.value_and_gradient(z)
+        """The objective and its gradient in z, ``(space.size,)``; see :attr:`gradient_by`."""
+        found = None if self.way is not None else self.route.value_and_gradient(z)
         value, gradient = self.by_xla(z) if found is None else found
         return _finite(value), gradient
 
     @property
     def route(self) -> Route:
-        """Which way its gradient goes: by C compiled for it where that pays, else by XLA."""
+        """Whether its gradient goes by C that is compiled for it, where that pays, or by XLA."""
         if not self._routes:
             self._routes.append(Route(self.static, self.data, self.space.size, self.by_xla))
         return self._routes[0]
 
+    @property
+    def gradient_by(self) -> str:
+        """Which way its gradients went, and why; empty before one was asked for."""
+        told = self.route.told or ("XLA: forced" if self.way is not None else "")
+        return told.replace("XLA:", f"XLA, {self.gradient_way}:", 1)
+
     def by_xla(self, z: np.ndarray) -> tuple[float, np.ndarray]:
         """The objective, which may not be a number, and its gradient in z, by XLA."""
-        value, gradient = _value_and_gradient(self.static, jnp.asarray(z), self.data)
+        way = self.gradient_way
+        value, gradient = _value_and_gradient(self.static, way, jnp.asarray(z), self.data)
         return float(value), np.asarray(gradient)
+
+    @cached_property
+    def gradient_way(self) -> Way:
+        """How :meth:`value_and_gradient` goes through the time loop."""
+        start = jnp.asarray(self.space.start())
+        params = None if self.filter is None else jax.eval_shape(self.static.built, start)
+        return way_of(self.filter, params, self.space.size, self.way)
 
     def hessian(self, z: np.ndarray, step: float = 1e-3) -> np.ndarray:
         """The Hessian in z, ``(n, n)``: central differences of the exact gradient, of XLA.
@@ -320,9 +338,9 @@ def _value(static: Static, z: Array, data: Data) -> Array:
     return static.score(z, data)
 
 
-@jax.jit(static_argnums=0)
-def _value_and_gradient(static: Static, z: Array, data: Data) -> tuple[Array, Array]:
-    return score_and_gradient(static.filter, static.objective, static.built, z, data)
+@jax.jit(static_argnums=(0, 1))
+def _value_and_gradient(static: Static, way: Way, z: Array, data: Data) -> tuple[Array, Array]:
+    return score_and_gradient(static.filter, static.objective, static.built, z, data, way=way)
 
 
 @jax.jit(static_argnums=0)

@@ -59,7 +59,7 @@ def conclude(
         evaluations=sum(end.evaluations for end in ends),
         seconds=time.perf_counter() - begun,
         certificate=certificate,
-        gradient_by=problem.route.told,
+        gradient_by=problem.gradient_by,
     )
 
 

@@ -1,0 +1,74 @@
+"""The time loop as a gradient that goes backwards wants it."""
+
+import math
+from typing import Any
+
+import jax
+from jax import Array
+
+from filters.invariant import invariant
+from filters.protocol import AnyFilter
+
+KEPT = 4
+"""About how many times a state's size a step keeps for the way back."""
+MOST_KEPT = 256 << 20
+"""Bytes that a whole record may keep; above it, the steps of a part are done again."""
+
+
+def run_kept(
+    filter: AnyFilter, params: Any, inputs: Any, *, most: int = MOST_KEPT
+) -> tuple[Any, Any]:
+    """:func:`filters.run`, to be differentiated backwards: by ``jax.vjp`` or ``jax.grad``.
+
+    What follows from the parameters alone is done once. Where N samples would keep more than
+    ``most`` bytes, sqrt(N) states are kept instead, and on the way back each part is run again.
+
+    Args:
+        filter: any filter.
+        params: its parameters.
+        inputs: its inputs, with time first, ``(N, ...)``.
+        most: bytes.
+
+    >>> import jax.numpy as jnp
+    >>> from filters import AngleSample, Complementary, ComplementaryGain
+    >>> gain = ComplementaryGain(jnp.array(1.0), jnp.array(0.0))
+    >>> still = AngleSample(jnp.zeros(9), jnp.ones(9))
+    >>> def last(gain, most):
+    ...     return run_kept(Complementary(dt=0.1), gain, still, most=most)[1][-1]
+    >>> whole, parts = (jax.grad(last)(gain, most=most) for most in (1000, 0))
+    >>> bool(abs(whole.tau - parts.tau) < 1e-12 * abs(whole.tau))
+    True
+    """
+    start = filter.init(params)
+    length = len(jax.tree.leaves(inputs)[0])
+    sample = jax.eval_shape(lambda all: jax.tree.map(lambda leaf: leaf[0], all), inputs)
+    step = invariant(filter.step, params, start, sample)
+    each = KEPT * sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(start))
+    if length * each <= most or length < 4:
+        return _scan(step, start, inputs)
+    return _in_parts(step, start, inputs, length)
+
+
+def _scan(step: Any, start: Any, inputs: Any) -> tuple[Any, Any]:
+    found: tuple[Any, Any] = jax.lax.scan(step, start, inputs)
+    return found
+
+
+def _in_parts(step: Any, start: Any, inputs: Any, length: int) -> tuple[Any, Any]:
+    """Parts of about sqrt(N) samples, and what is left over."""
+    part = math.isqrt(length)
+    whole = length // part * part
+
+    def folded(leaf: Array) -> Array:
+        return leaf[:whole].reshape(-1, part, *leaf.shape[1:])
+
+    def flat(leaf: Array) -> Array:
+        return leaf.reshape(whole, *leaf.shape[2:])
+
+    again = jax.checkpoint(lambda state, part: _scan(step, state, part))
+    state, outputs = _scan(again, start, jax.tree.map(folded, inputs))
+    outputs = jax.tree.map(flat, outputs)
+    if whole == length:
+        return state, outputs
+    state, rest = _scan(step, state, jax.tree.map(lambda leaf: leaf[whole:], inputs))
+    return state, jax.tree.map(lambda a, b: jax.numpy.concatenate([a, b]), outputs, rest)

@@ -1,0 +1,100 @@
+"""What a step works out from the parameters alone, worked out once, before the time loop."""
+
+from collections.abc import Callable, Iterable
+from typing import Any, TypeAlias
+
+import jax
+import jax.core
+import numpy as np
+from jax.extend.core import Jaxpr, JaxprEqn, Literal, Var
+
+Step: TypeAlias = Callable[[Any, Any], tuple[Any, Any]]
+"""From a state and a sample to the next state and an output."""
+
+MOVES = frozenset(
+    ("broadcast_in_dim", "reshape", "squeeze", "slice", "convert_element_type", "iota", "transpose")
+)
+"""Operations that a loop does for nothing, while their results would have to be read."""
+
+
+def invariant(
+    step: Callable[[Any, Any, Any], tuple[Any, Any]], params: Any, state: Any, sample: Any
+) -> Step:
+    """A step with all that follows from its parameters alone done already.
+
+    XLA does the same in a pass, but the derivative of a product that stands in a loop is summed
+    there as well: of G Q G' two products a sample, where one after the loop is enough.
+
+    Args:
+        step: a filter's, with the parameters first.
+        params: the parameters, any pytree.
+        state: one state, or its shapes.
+        sample: one sample's inputs, or their shapes.
+
+    >>> import jax.numpy as jnp
+    >>> step = lambda p, s, u: (s * jnp.exp(p) + u, s)
+    >>> once = invariant(step, jnp.array(0.0), jnp.zeros(()), jnp.zeros(()))
+    >>> float(once(jnp.array(1.0), jnp.array(2.0))[0])
+    3.0
+    """
+    leaves, tree = jax.tree.flatten(params)
+    arrays = [i for i, leaf in enumerate(leaves) if isinstance(leaf, jax.Array | np.ndarray)]
+
+    def of(given: list[Any], state: Any, sample: Any) -> tuple[Any, Any]:
+        filled = list(leaves)
+        for i, leaf in zip(arrays, given, strict=True):
+            filled[i] = leaf
+        return step(jax.tree.unflatten(tree, filled), state, sample)
+
+    given = [leaves[i] for i in arrays]
+    closed, shapes = jax.make_jaxpr(of, return_shape=True)(given, state, sample)
+    jaxpr, answer = closed.jaxpr, jax.tree.structure(shapes)
+    fixed, varying = jaxpr.invars[: len(given)], jaxpr.invars[len(given) :]
+    before, after = _parted(jaxpr, [*jaxpr.constvars, *fixed])
+    known = jax.core.eval_jaxpr(before, (), *closed.consts, *given)
+    inner = _part(jaxpr, [*before.outvars, *varying], after, jaxpr.outvars)
+
+    def rest(state: Any, sample: Any) -> tuple[Any, Any]:
+        flat = jax.core.eval_jaxpr(inner, (), *known, *jax.tree.leaves((state, sample)))
+        found: tuple[Any, Any] = jax.tree.unflatten(answer, flat)
+        return found
+
+    return rest
+
+
+def _parted(jaxpr: Jaxpr, known: list[Var]) -> tuple[Jaxpr, list[JaxprEqn]]:
+    """What is done before the loop and what in it: moves in both, where both need them."""
+    fixed = set(known)
+    early: list[JaxprEqn] = []
+    late: list[JaxprEqn] = []
+    for eqn in jaxpr.eqns:
+        if not eqn.effects and all(isinstance(v, Literal) or v in fixed for v in eqn.invars):
+            fixed.update(eqn.outvars)
+            early.append(eqn)
+        else:
+            late.append(eqn)
+    wanted = {v for eqn in late for v in _variables(eqn.invars)} | set(_variables(jaxpr.outvars))
+    needed: set[Var] = set()
+    before: list[JaxprEqn] = []
+    for eqn in reversed(early):
+        if eqn.primitive.name in MOVES and not wanted.isdisjoint(eqn.outvars):
+            late.insert(0, eqn)
+            wanted |= set(_variables(eqn.invars))
+            wanted -= set(eqn.outvars)
+        if not (needed | wanted).isdisjoint(eqn.outvars):
+            before.insert(0, eqn)
+            needed |= set(_variables(eqn.invars))
+    handed = [v for v in (*known, *(v for eqn in before for v in eqn.outvars)) if v in wanted]
+    return _part(jaxpr, known, before, handed), late
+
+
+def _part(jaxpr: Jaxpr, invars: Any, eqns: list[JaxprEqn], outvars: Any) -> Jaxpr:
+    told = jaxpr.debug_info.with_unknown_names()
+    part: Jaxpr = jaxpr.replace(
+        constvars=[], invars=list(invars), eqns=eqns, outvars=list(outvars), debug_info=told
+    )
+    return part
+
+
+def _variables(atoms: Iterable[Any]) -> list[Var]:
+    return [v for v in atoms if not isinstance(v, Literal)]

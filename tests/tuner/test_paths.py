@@ -1,0 +1,90 @@
+"""Which way a gradient goes, and that it does not matter to its value."""
+
+from dataclasses import replace
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from filters import (
+    ExtendedKalman,
+    ExtendedModel,
+    ExtendedSample,
+    Gated,
+    Lanes,
+    LinearKalman,
+    LinearModel,
+    Sample,
+    Transition,
+)
+from objectives import Data, InnovationLikelihood
+from tuner import Fixed, Positive, Problem, Space
+
+N, STATES = 30, 4
+NAMES = ("q0", "q1", "q2", "q3", "r")
+F = np.eye(STATES) + 0.1 * np.eye(STATES, k=1)
+Z = np.random.default_rng(1).normal(size=(N, 1)).cumsum(axis=0)
+Z[11] = np.nan
+
+
+def linear(values):
+    q = jnp.stack([values[name] for name in NAMES[:STATES]])
+    step = Transition(jnp.asarray(F), jnp.eye(STATES), jnp.diag(q))
+    H = jnp.ones((1, STATES))
+    return LinearModel(step, H, values["r"][None], jnp.eye(STATES), jnp.zeros(STATES))
+
+
+def bent(values):
+    q = jnp.stack([values[name] for name in NAMES[:STATES]])
+    return ExtendedModel(q, values["r"][None], jnp.zeros(STATES), jnp.eye(STATES))
+
+
+def moved(q, x, u):
+    return jnp.asarray(F) @ jnp.sin(x)
+
+
+def disturbed(q, x, u):
+    return jnp.diag(q)
+
+
+def seen(q, x, u):
+    return jnp.sin(x).sum()[None]
+
+
+def problem(filter=None, build=linear, inputs=None, free=NAMES, **settings):
+    space = Space.of(**{k: Positive(1.0, 1e-3, 1e3) if k in free else Fixed(1.0) for k in NAMES})
+    inputs = Sample(Z) if inputs is None else inputs
+    filter = LinearKalman() if filter is None else filter
+    truth = np.zeros(N) if isinstance(filter, Lanes) else Z
+    data = Data(inputs, truth)
+    return Problem("one", space, filter, build, InnovationLikelihood(), data, **settings)
+
+
+KINDS = {
+    "linear": problem(),
+    "several records": problem(Lanes(LinearKalman(), 2), inputs=Sample(np.stack([Z, -Z], axis=1))),
+    "extended": problem(ExtendedKalman(moved, disturbed, seen), bent, ExtendedSample(Z)),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_both_ways_lead_to_the_same_gradient(kind):
+    given = KINDS[kind]
+    z = given.space.start() + np.linspace(-0.5, 0.5, len(NAMES))
+    back = replace(given, way="backwards").value_and_gradient(z)
+    forth = replace(given, way="forwards").value_and_gradient(z)
+    np.testing.assert_allclose(back[0], forth[0], rtol=1e-13)
+    np.testing.assert_allclose(back[1], forth[1], rtol=0, atol=1e-12 * np.abs(forth[1]).max())
+
+
+def test_many_parameters_go_backwards_and_few_forwards():
+    assert problem().gradient_way == "backwards"
+    assert problem(free=NAMES[:4]).gradient_way == "forwards"
+    assert KINDS["extended"].gradient_way == "forwards"
+
+
+def test_a_way_may_be_forced_and_a_gate_goes_forwards():
+    assert problem(way="forwards").gradient_way == "forwards"
+    assert problem(free=NAMES[:1], way="backwards").gradient_way == "backwards"
+    gated = problem(Gated(LinearKalman(), (((0, 0),),)), free=NAMES)
+    assert gated.gradient_way == "forwards"

@@ -1,0 +1,55 @@
+"""Which way a gradient takes through a problem's time loop."""
+
+from typing import Any
+
+import jax
+from jax import Array
+
+from filters import AnyFilter, Estimate, Gated, LinearKalman, Student
+from objectives import Way
+
+
+def way_of(filter: AnyFilter | None, params: Any, size: int, forced: Way | None = None) -> Way:
+    """Forwards or backwards: what is faster by measured cost, or what is forced.
+
+    Backwards where a Kalman filter has many parameters: see the table in docs/performance.md.
+    Forwards everything else goes: a few numbers through a small filter, a filter whose step repeats
+    itself for a gate, and a design.
+
+    Args:
+        filter: the filter, or None.
+        params: its parameters, or their shapes.
+        size: how many numbers are free.
+        forced: the way that is wanted, if any.
+
+    >>> from filters import Complementary, ComplementaryGain
+    >>> gain = ComplementaryGain(jax.numpy.ones(()), jax.numpy.zeros(()))
+    >>> way_of(Complementary(dt=0.1), gain, 1)
+    'forwards'
+    """
+    if forced is not None or filter is None:
+        return forced or "forwards"
+    states = _states(filter, params)
+    linear = isinstance(filter, LinearKalman) or hasattr(filter, "linear")
+    return "backwards" if states and size >= _least(states, linear=linear) else "forwards"
+
+
+def _least(states: int, *, linear: bool) -> int:
+    """From how many parameters on the way back is the shorter one, of a filter of n states."""
+    if not linear:  # the transition has a derivative too, and is kept of every sample
+        return 7 if states < 9 else 6
+    return 5 if states < 6 else 4 if states < 9 else 2
+
+
+def _states(filter: AnyFilter, params: Any) -> int:
+    """The states of a Kalman filter made of `filters.predict` and `filters.update`; else 0."""
+    if isinstance(filter, Gated | Student):
+        return 0
+    state = jax.eval_shape(filter.init, params)
+    inner = jax.tree.leaves(state, is_leaf=_known)
+    covariances: list[Array] = [one.P for one in inner if _known(one)]
+    return sum(P.shape[-1] for P in covariances)
+
+
+def _known(state: Any) -> bool:
+    return isinstance(state, Estimate)
