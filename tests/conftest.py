@@ -19,6 +19,8 @@ QUICKLY = (
 os.environ.setdefault("XLA_FLAGS", " ".join(QUICKLY))
 # Threads that wait by turning take a worker's processor away from the other one.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# Tables are as wide as where nobody tells how wide; pytest-xdist does.
+os.environ.pop("COLUMNS", None)
 
 # Tracing makes many small objects that live: to look through all of them for circles after every
 # 700 new ones takes a tenth of the time.

@@ -49,7 +49,7 @@ from tuner.run.recipe import LogEntries, Recipe, read_recipe
         ),
         ("][", "Invalid"),
         ("study = 'toy'\nstudy = 'toy'", "Cannot overwrite a value"),
-        (b"\xff\xfe", "'utf-8' codec can't decode byte 0xff"),
+        (b"\xff\xfe", "it is no text in UTF-8; save it as such"),
     ],
 )
 def test_faults_are_told_in_one_line(cli, here, toy, text, sentence):
@@ -71,7 +71,8 @@ def test_a_file_that_is_not_there_or_a_folder(cli, here, toy):
     assert cli("run", "folder.toml") == (
         2,
         "",
-        "tuner: folder.toml cannot be read: Is a directory\n",
+        "tuner: folder.toml is no study.toml: folder.toml is a folder and no file; write what it "
+        "gives to a file, and name that\n",
     )
 
 

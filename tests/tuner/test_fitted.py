@@ -113,11 +113,11 @@ def test_its_picture(fit):
     picture = fit.plot()
     measured, innovations, held = picture.axes
     labels = [text.get_text() for text in measured.get_legend().get_texts()]
-    assert labels == ["95 of 100 measurements are foretold within", "measured", "level"]
+    assert labels == ["expected range of 95 % of measurements", "measured", "level"]
     assert "measurement, m" in measured.get_ylabel()
     assert "deviation" in innovations.get_ylabel()
     assert [tick.get_text() for tick in held.get_yticklabels()] == [
-        "start",
+        "before",
         "tuned",
         "no filter",
         "best there",
@@ -136,7 +136,7 @@ def test_the_picture_of_a_fit_against_a_truth():
     level = cases.level(samples=120)
     held = record(level["z"], truth={"level": level["level"]})
     found = tuner.fit("local-level", held, starts=1, hold_out=False)
-    titles = [axes.get_title() for axes in found.plot().axes]
+    titles = [axes.get_title("left") for axes in found.plot().axes]
     assert len(titles) == 3
     assert "before, tuned and true" in titles[1]
 
@@ -154,10 +154,11 @@ def test_the_picture_of_a_filter_without_innovations():
     truth = {"att": stacked.pop("att")}
     both = tuner.Record.of(stacked, rate_hz=50.0, truth=truth)
     found = tuner.fit("madgwick", [both, both], starts=1, held_out="recording")
-    titles = [axes.get_title() for axes in found.plot().axes]
+    titles = [axes.get_title("left") for axes in found.plot().axes]
     assert len(titles) == 2
     assert "first recording" in titles[0]
-    assert titles[1].startswith("On 1 recording, tuned on the rest")
+    assert titles[1].startswith("Tuned on the rest, ")
+    assert titles[1].endswith(" error than before on 1 recording")
 
 
 # As a folder.
