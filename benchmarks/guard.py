@@ -9,7 +9,7 @@ filters, whose loops are the first to be lost, what was compiled is read.
 import sys
 from collections.abc import Mapping
 
-from benchmarks.loops import large
+from benchmarks.whole_loops import large
 from benchmarks.processes import measure
 
 SAMPLES = 20_000
