@@ -128,9 +128,17 @@ class _Source:
             known = k in self.names or self.graph.nodes[k].op in ("constant", "input")
             if known or (k in self.steady) != steady:
                 continue
-            text = self._wide_text(k) if k in self.wide else self._text(k)
+            text = self._twice(k) or (self._wide_text(k) if k in self.wide else self._text(k))
             self.names[k] = f"t{k}"
             self.lines.append(f"    const {self._type(k)} t{k} = {text};")
+
+    def _twice(self, k: int) -> str:
+        """Twice a number as a sum, which keeps the units free that multiply; "" of all else."""
+        node = self.graph.nodes[k]
+        for at, other in (node.args, node.args[::-1]) if node.op == "mul" else ():
+            if node.kind == "real" and self.graph.is_constant(at, 2.0):
+                return f"{self.name(other)} + {self.name(other)}"
+        return ""
 
     def _wide_text(self, k: int) -> str:
         """An operation on lanes; the inverse of what they are all divided by is worked out once."""
