@@ -1,6 +1,7 @@
 """A problem's value and gradient with the time loop in C; what comes before and after is JAX."""
 
 import ctypes
+import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
@@ -128,7 +129,7 @@ class Native:
             given = np.ascontiguousarray(p[k]), np.ascontiguousarray(dp[k])
             run(*rows.shape, *map(_address, (*given, rows, ends[k], none)))
 
-        with ThreadPoolExecutor() as pool:
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
             list(pool.map(group, range(count)))
         by_point = ends.transpose(0, 3, 1, 2).reshape(len(padded), 1, -1, 1 + self.size)
         keep = np.empty((len(padded), 1, 0, 0, 1 + self.size))
