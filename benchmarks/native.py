@@ -139,7 +139,8 @@ def _gradient(name: str, problem: Problem, target: float | None) -> Row:
     }
     if not apart <= AGREED or not problem.route.told.startswith("C, "):
         raise AssertionError(f"{name}: differs by {apart:.1g}; {problem.route.told}")
-    return _row(name, calls, target, f"gradients differ by {apart:.0e} of the largest at most")
+    note = f"gradients differ by {apart:.0e} of the largest at most"
+    return _row(name, calls, target, note, f", {problem.gradient_way}")
 
 
 def _together(problem: Problem) -> Row:
@@ -159,14 +160,20 @@ def _together(problem: Problem) -> Row:
     return _row(name, calls, 3.0, f"gradients differ by {apart:.0e} of the largest at most")
 
 
-def _row(name: str, calls: dict[str, Callable[[], object]], target: float | None, note: str) -> Row:
+def _row(
+    name: str,
+    calls: dict[str, Callable[[], object]],
+    target: float | None,
+    note: str,
+    way: str = "",
+) -> Row:
     times = interleave(calls, ROUNDS)
     ratio = times.ratio("XLA", "C")
     return Row(
         part=PART,
         what=name,
         ours=duration(times.median("C")),
-        against=f"XLA: {duration(times.median('XLA'))}",
+        against=f"XLA{way}: {duration(times.median('XLA'))}",
         figure=ratio.median,
         best=ratio.best,
         target=target,

@@ -10,6 +10,10 @@ from tuner.code.operations import Kind
 from tuner.native.lanes import HEAD, Lanes, function
 from tuner.native.loop import Loop
 
+LONG = 4000
+"""Operations beyond which it matters most that few numbers wait in memory; below, and where values
+are no vectors, that a processor has derivatives to work on while it waits for a value."""
+
 
 def source(loop: Loop, lanes: int, *, points: bool) -> str:
     """A function ``run`` that takes a loop over a record.
@@ -124,7 +128,8 @@ class _Source:
 
     def _statements(self, roots: Iterable[int], *, steady: bool) -> None:
         """Statements for what is needed; of it what no sample changes, or the rest."""
-        for k in self.graph.reached(roots):
+        ordered = _in_depth if self.points or self.loop.operations > LONG else Graph.reached
+        for k in ordered(self.graph, roots):
             known = k in self.names or self.graph.nodes[k].op in ("constant", "input")
             if known or (k in self.steady) != steady:
                 continue
@@ -229,3 +234,18 @@ def _of(graph: Graph, groups: set[str]) -> set[int]:
         if (node.op != "input" or node.value[0] in groups) and found.issuperset(node.args):
             found.add(k)
     return found
+
+
+def _in_depth(graph: Graph, roots: Iterable[int]) -> list[int]:
+    """What roots are made of, each part just before what it is for."""
+    done, order = set[int](), list[int]()
+    for root in roots:
+        ahead = [(root, False)]
+        while ahead:
+            k, made = ahead.pop()
+            if made:
+                order.append(k)
+            elif k not in done:
+                done.add(k)
+                ahead += [(k, True), *((part, False) for part in reversed(graph.nodes[k].args))]
+    return order
