@@ -140,6 +140,8 @@ def _gradient(name: str, problem: Problem, target: float | None) -> Row:
     if not apart <= AGREED or not problem.route.told.startswith("C, "):
         raise AssertionError(f"{name}: differs by {apart:.1g}; {problem.route.told}")
     note = f"gradients differ by {apart:.0e} of the largest at most"
+    if target is None:
+        note += "; XLA's, where TUNER_NATIVE is not on"
     return _row(name, calls, target, note, f", {problem.gradient_way}")
 
 
