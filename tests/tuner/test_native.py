@@ -227,6 +227,13 @@ def test_a_broken_compiler_changes_nothing(script, reason, monkeypatch, tmp_path
     assert reason in told
 
 
+def test_nowhere_to_write_changes_nothing(forced, monkeypatch, tmp_path):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("TUNER_CACHE", str(tmp_path / "file"))
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "file"))
+    assert "Not a directory" in refused(posed())
+
+
 def test_c_that_is_wrong_is_not_used(forced, monkeypatch):
     monkeypatch.setattr(route, "AGREED", -1.0)
     assert "compiled C differs from it by" in refused(posed())

@@ -30,7 +30,7 @@ _BACKWARDS = 3
 """Passes that a gradient backwards takes about as long as."""
 _MOST = 4000
 """Operations of a step beyond which there is no C for it."""
-_NO_WAY = (ValueError, TypeError, LookupError, AttributeError, NoCodeError)
+_NO_WAY = (ValueError, TypeError, LookupError, AttributeError, OSError, MemoryError, NoCodeError)
 """What keeps a loop from being written as C: nothing of it may end a search."""
 
 
@@ -102,7 +102,7 @@ class Route:
         except _NO_WAY as error:
             self.told = f"XLA: {error}"
             return None
-        self.told, self._single = f"C, compiled by {compiler().name}", native
+        self._single, self.told = native, f"C, compiled by {compiler().name}"
         return found
 
     def values_and_gradients(self, Z: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
