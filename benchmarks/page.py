@@ -52,9 +52,12 @@ after the loop.
   Hessians and the certificate are XLA's anyway.
 - **When.** C pays where a search would spend more time in XLA's loop than the compiler takes: (N
   (1 + n) - 20 000) times the operations of a step above 8 million, for N samples and n
-  parameters; with six parameters and 500 operations from about 5000 samples on. `TUNER_NATIVE=on`
-  asks for it whatever the length, `off` never. `gradient_by` of a `Solution`, in `result.json`
-  too, says which way it was and why, as in `XLA: the record is too short for compiling C to pay`.
+  parameters; with six parameters and 500 operations from about 5000 samples on. Where XLA goes
+  backwards through the loop, which costs about three passes for any n, C has to take at most half
+  as many operations as a step: so it does where matrices have zeros, and not where they are
+  dense. `TUNER_NATIVE=on` asks for it wherever it can be made, `off` never. `gradient_by` of a
+  `Solution`, in `result.json` too, says which way it was and why, as in `XLA, forwards: the
+  record is too short for compiling C to pay`.
 - **What has no C.** A loop with an operation that scalars do not have (a while loop, a
   decomposition), or of more than 12 000 operations with its derivatives, is XLA's. Without a
   compiler, or with one that fails or takes more than 30 s, nothing changes.

@@ -188,6 +188,17 @@ def test_a_long_record_goes_by_c(monkeypatch):
     assert long.route.told.startswith("C, compiled by ")
 
 
+def test_a_shorter_way_back_is_xla_s(monkeypatch):
+    needed("cc")
+    monkeypatch.setenv("TUNER_NATIVE", "auto")
+    monkeypatch.setattr(route, "PAYS", -np.inf)
+    monkeypatch.setattr(route, "_operations", lambda *_: 10)
+    problem = posed()
+    back = route.Route(problem.static, problem.data, 3, problem.by_xla, backwards=True)
+    assert back.value_and_gradient(np.zeros(3)) is None
+    assert back.told == "XLA: its way back through the loop is shorter than C's forwards"
+
+
 def test_without_a_compiler_nothing_changes(monkeypatch):
     monkeypatch.setenv("TUNER_NATIVE", "on")
     monkeypatch.setenv("PATH", "/nowhere")
@@ -214,6 +225,13 @@ def test_a_broken_compiler_changes_nothing(script, reason, monkeypatch, tmp_path
     told = refused(posed())
     assert told.startswith("XLA: ")
     assert reason in told
+
+
+def test_nowhere_to_write_changes_nothing(forced, monkeypatch, tmp_path):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("TUNER_CACHE", str(tmp_path / "file"))
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "file"))
+    assert "Not a directory" in refused(posed())
 
 
 def test_c_that_is_wrong_is_not_used(forced, monkeypatch):

@@ -1,6 +1,7 @@
 """A problem's value and gradient with the time loop in C; what comes before and after is JAX."""
 
 import ctypes
+import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
@@ -17,7 +18,7 @@ from filters import AnyFilter
 from objectives import Data, Objective, is_fold, judged
 from tuner.code.refused import NoCounterpartError
 from tuner.native.compiler import library
-from tuner.native.loop import loop
+from tuner.native.loop import Loop, loop
 from tuner.native.runner import runner_of
 from tuner.native.text import source
 from tuner.native.turn import turn
@@ -128,7 +129,7 @@ class Native:
             given = np.ascontiguousarray(p[k]), np.ascontiguousarray(dp[k])
             run(*rows.shape, *map(_address, (*given, rows, ends[k], none)))
 
-        with ThreadPoolExecutor() as pool:
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
             list(pool.map(group, range(count)))
         by_point = ends.transpose(0, 3, 1, 2).reshape(len(padded), 1, -1, 1 + self.size)
         keep = np.empty((len(padded), 1, 0, 0, 1 + self.size))
@@ -139,10 +140,18 @@ class Native:
     def _lanes(self) -> int:
         return min(LANES, max(2, 1 << (self.size - 1).bit_length()))
 
+    @property
+    def operations(self) -> int:
+        """How many operations a sample takes, those on all lanes at once counted as one."""
+        return -(-self.size // self._lanes) * self._loop.operations
+
+    @cached_property
+    def _loop(self) -> Loop:
+        return loop(self._turn, [np.ones(len(self._moves), bool)])
+
     @cached_property
     def _directions(self) -> Any:
-        every = np.ones(len(self._moves), bool)
-        return self._loaded(source(loop(self._turn, [every]), self._lanes, points=False))
+        return self._loaded(source(self._loop, self._lanes, points=False))
 
     @cached_property
     def _points(self) -> Any:

@@ -41,6 +41,13 @@ class Loop:
     kept: list[list[int]]
     directions: int
 
+    @property
+    def operations(self) -> int:
+        """How many there are in a turn."""
+        roots = [cell.after for cell in self.carried] + [k for row in self.kept for k in row]
+        nodes = (self.graph.nodes[k] for k in self.graph.reached(roots))
+        return sum(node.op not in ("constant", "input") for node in nodes)
+
 
 def loop(turn: Turn, moves: Sequence[np.ndarray]) -> Loop:
     """Write a turn in several directions.

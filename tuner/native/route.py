@@ -26,9 +26,11 @@ PAYS, COMPILED = 8e6, 2e4
 each operation of a step, which has to be compiled."""
 AGREED = 1e-9
 """How far value and gradient may be from XLA's, over the largest of these numbers."""
+_BACKWARDS = 3
+"""Passes that a gradient backwards takes about as long as."""
 _MOST = 4000
 """Operations of a step beyond which there is no C for it."""
-_NO_WAY = (ValueError, TypeError, LookupError, AttributeError, NoCodeError)
+_NO_WAY = (ValueError, TypeError, LookupError, AttributeError, OSError, MemoryError, NoCodeError)
 """What keeps a loop from being written as C: nothing of it may end a search."""
 
 
@@ -72,6 +74,7 @@ class Route:
         data: the record.
         size: of a point.
         exact: value and gradient by XLA, which C is held against once.
+        backwards: whether XLA goes backwards through the loop, at the price of a few passes.
         told: which way, in words; "" before it is decided.
     """
 
@@ -79,6 +82,7 @@ class Route:
     data: Data
     size: int
     exact: Callable[[np.ndarray], Both]
+    backwards: bool = False
     told: str = ""
     _single: "Native | None" = None
     _many: bool | None = None
@@ -98,7 +102,7 @@ class Route:
         except _NO_WAY as error:
             self.told = f"XLA: {error}"
             return None
-        self.told, self._single = f"C, compiled by {compiler().name}", native
+        self._single, self.told = native, f"C, compiled by {compiler().name}"
         return found
 
     def values_and_gradients(self, Z: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
@@ -133,16 +137,25 @@ class Route:
             raise NoCodeError("the record is too short for compiling C to pay")
         compiler()
         native = _made(self.static, self.size, *shapes, code_folder())
+        if wish == "auto" and points == 1 and self._longer(native, shapes):
+            raise NoCodeError("its way back through the loop is shorter than C's forwards")
         if not self._rows.size:
             self._rows = native.rows(self.data)
         return native
 
     def _pays(self, shapes: Any, points: int) -> bool:
         samples = len(jax.tree.leaves(self.data.inputs)[0])
-        turns = samples * (1 + self.size) * points - COMPILED
+        passes = _BACKWARDS if self.backwards and points == 1 else 1 + self.size
+        turns = samples * passes * points - COMPILED
         if turns * _MOST < PAYS:
             return False
         return bool(turns * _operations(self.static, self.size, *shapes) >= PAYS)
+
+    def _longer(self, native: "Native", shapes: Any) -> bool:
+        """Whether derivatives in C cost more than XLA's way back, as through dense matrices."""
+        if not self.backwards:
+            return False
+        return bool(2 * native.operations > _operations(self.static, self.size, *shapes))
 
     def _agrees(self, found: Both, z: np.ndarray) -> bool:
         """Whether they are XLA's; False as well where XLA has no number to compare with.

@@ -10,6 +10,10 @@ from tuner.code.operations import Kind
 from tuner.native.lanes import HEAD, Lanes, function
 from tuner.native.loop import Loop
 
+LONG = 4000
+"""Operations beyond which it matters most that few numbers wait in memory; below, and where values
+are no vectors, that a processor has derivatives to work on while it waits for a value."""
+
 
 def source(loop: Loop, lanes: int, *, points: bool) -> str:
     """A function ``run`` that takes a loop over a record.
@@ -124,13 +128,22 @@ class _Source:
 
     def _statements(self, roots: Iterable[int], *, steady: bool) -> None:
         """Statements for what is needed; of it what no sample changes, or the rest."""
-        for k in self.graph.reached(roots):
+        ordered = _in_depth if self.points or self.loop.operations > LONG else Graph.reached
+        for k in ordered(self.graph, roots):
             known = k in self.names or self.graph.nodes[k].op in ("constant", "input")
             if known or (k in self.steady) != steady:
                 continue
-            text = self._wide_text(k) if k in self.wide else self._text(k)
+            text = self._twice(k) or (self._wide_text(k) if k in self.wide else self._text(k))
             self.names[k] = f"t{k}"
             self.lines.append(f"    const {self._type(k)} t{k} = {text};")
+
+    def _twice(self, k: int) -> str:
+        """Twice a number as a sum, which keeps the units free that multiply; "" of all else."""
+        node = self.graph.nodes[k]
+        for at, other in (node.args, node.args[::-1]) if node.op == "mul" else ():
+            if node.kind == "real" and self.graph.is_constant(at, 2.0):
+                return f"{self.name(other)} + {self.name(other)}"
+        return ""
 
     def _wide_text(self, k: int) -> str:
         """An operation on lanes; the inverse of what they are all divided by is worked out once."""
@@ -221,3 +234,18 @@ def _of(graph: Graph, groups: set[str]) -> set[int]:
         if (node.op != "input" or node.value[0] in groups) and found.issuperset(node.args):
             found.add(k)
     return found
+
+
+def _in_depth(graph: Graph, roots: Iterable[int]) -> list[int]:
+    """What roots are made of, each part just before what it is for."""
+    done, order = set[int](), list[int]()
+    for root in roots:
+        ahead = [(root, False)]
+        while ahead:
+            k, made = ahead.pop()
+            if made:
+                order.append(k)
+            elif k not in done:
+                done.add(k)
+                ahead += [(k, True), *((part, False) for part in reversed(graph.nodes[k].args))]
+    return order
