@@ -9,8 +9,8 @@ filters, whose loops are the first to be lost, what was compiled is read.
 import sys
 from collections.abc import Mapping
 
-from benchmarks.whole_loops import large
 from benchmarks.processes import measure
+from benchmarks.whole_loops import large
 
 SAMPLES = 20_000
 LEAST_EFFECT = 3.0  # 10 to 70 is usual
