@@ -12,6 +12,7 @@ from tuner.export import Tuned
 from tuner.firmware import TARGETS
 from tuner.names import unknown
 from tuner.run.result import read_result
+from tuner.shown import hand_out
 
 
 def write(run: Path, wanted: Wanted) -> None:
