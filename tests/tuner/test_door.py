@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from tuner.cli.door import outcome
 from tuner.cli.everywhere import Everywhere
 from tuner.cli.fault import fault_of
 from tuner.limits import LEAST, VARIABLE, check_amount, largest, memory, parse_size
+from tuner.run.at_once import at_once
 from tuner.shown import hand_out, shown
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -181,3 +183,15 @@ def test_a_file_that_is_handed_out_to_a_terminal():
         hand_out(data, stream)
         stream.flush()
         assert raw.getvalue() == expected
+
+
+def test_no_thread_is_waited_for_after_an_interruption():
+    let_go = threading.Event()
+    with pytest.raises(KeyboardInterrupt), at_once(2) as pool:
+        done = pool.submit(let_go.wait, 60)
+        raise KeyboardInterrupt
+    assert not done.done()
+    let_go.set()
+    with at_once(2) as pool:
+        done = pool.submit(let_go.wait, 60)
+    assert done.result()
