@@ -187,7 +187,7 @@ def test_a_file_that_is_handed_out_to_a_terminal():
 
 def test_no_thread_is_waited_for_after_an_interruption():
     let_go = threading.Event()
-    with pytest.raises(KeyboardInterrupt), at_once(2) as pool:
+    with pytest.raises(KeyboardInterrupt), at_once(2) as pool:  # noqa: PT012
         done = pool.submit(let_go.wait, 60)
         raise KeyboardInterrupt
     assert not done.done()
