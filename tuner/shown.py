@@ -55,3 +55,11 @@ class Shown:
 def plain(stream: TextIO) -> TextIO:
     """The stream behind :class:`Shown`, or the stream itself."""
     return stream.plain if isinstance(stream, Shown) else stream
+
+
+def hand_out(data: bytes, stream: TextIO) -> None:
+    """Write a file's bytes to a stream: as they are, but to a terminal as text that is safe."""
+    if stream.isatty():
+        stream.write(shown(data.decode(errors="backslashreplace")))
+    else:
+        stream.buffer.write(data)

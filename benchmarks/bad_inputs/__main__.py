@@ -23,6 +23,7 @@ from benchmarks.bad_inputs.judge import Ended, tried
 from benchmarks.bad_inputs.mutate import Random
 
 SHARES = {"logs": 0.4, "hostile": 0.1, "lines": 0.2, "documents": 0.15, "runs": 0.15}
+EVERY = 250
 TUNED = ("fit", "good.csv", "--filter", "local-level", "--map", "z=gx", "--starts", "1",
          "--no-hold-out")  # fmt: skip
 DESIGNED = ("run", "design.toml")
@@ -69,6 +70,9 @@ def main(arguments: list[str] | None = None) -> int:
             _tell(case, ended, fault)
             if asked.write is not None:
                 case.lay(asked.write / f"{sum(wrong.values()):04d}")
+        if kinds.total() % EVERY == 0:
+            told = f"{kinds.total()} cases, {wrong.total()} wrong, {time.monotonic() - begun:.0f} s"
+            print(told, file=sys.stderr, flush=True)
     for kind, number in sorted(kinds.items()):
         print(f"{number:6} {kind}")
     print(f"{kinds.total()} cases in {time.monotonic() - begun:.0f} s; {worst.told()}")

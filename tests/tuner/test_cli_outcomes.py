@@ -273,6 +273,19 @@ def test_an_error_while_solving_is_told_in_one_line(cli, here, offer):
 
     offer(toy_study(solver=failing))
     assert cli("run", "toy") == (2, "", "tuner: this cannot be solved\n")
+    assert cli("run", "toy", "--out", "out")[0] == 2
+    assert not list(here.iterdir())  # nothing was found, so nothing is left
+
+
+def test_a_run_that_fails_leaves_what_others_wrote(cli, here, offer):
+    def failing(name, **options):
+        return Solved(name, lambda problem: 1 / 0)
+
+    offer(toy_study(solver=failing))
+    (here / "out").mkdir()
+    (here / "out" / "notes.txt").write_text("precious")
+    assert cli("run", "toy", "--out", "out", "--force")[0] == 2
+    assert [path.name for path in (here / "out").iterdir()] == ["notes.txt"]
 
 
 def test_who_asks_for_a_traceback_sees_it(cli, toy):

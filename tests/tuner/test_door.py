@@ -1,9 +1,11 @@
 """Where the command line ends: one line, an exit code, and nothing that a terminal would obey."""
 
+import io
 import os
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +17,8 @@ from tuner.cli.door import outcome
 from tuner.cli.everywhere import Everywhere
 from tuner.cli.fault import fault_of
 from tuner.limits import LEAST, VARIABLE, check_amount, largest, memory, parse_size
-from tuner.shown import shown
+from tuner.run.at_once import at_once
+from tuner.shown import hand_out, shown
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -166,3 +169,29 @@ def test_a_pipe_that_nobody_reads_is_no_fault():
 def test_a_broken_pipe_of_another_kind_is_told(capsys):
     assert outcome(raising(BrokenPipeError(32, "Broken pipe", "socket")), whole=False) == 2
     assert "socket: Broken pipe" in capsys.readouterr().err
+
+
+def test_a_file_that_is_handed_out_to_a_terminal():
+    class Terminal(io.TextIOWrapper):
+        def isatty(self):
+            return True
+
+    data = "unit = '\x9b31m'\n".encode()
+    for kind, expected in ((Terminal, b"unit = '\\u009b31m'\n"), (io.TextIOWrapper, data)):
+        raw = io.BytesIO()
+        stream = kind(raw, encoding="utf-8")
+        hand_out(data, stream)
+        stream.flush()
+        assert raw.getvalue() == expected
+
+
+def test_no_thread_is_waited_for_after_an_interruption():
+    let_go = threading.Event()
+    with pytest.raises(KeyboardInterrupt), at_once(2) as pool:  # noqa: PT012
+        done = pool.submit(let_go.wait, 60)
+        raise KeyboardInterrupt
+    assert not done.done()
+    let_go.set()
+    with at_once(2) as pool:
+        done = pool.submit(let_go.wait, 60)
+    assert done.result()

@@ -78,6 +78,9 @@ def test_variances_of_filters_that_say_so():
     data = Data(LevelSample(jnp.asarray(NOISE)), np.zeros(N))
     with pytest.raises(ValueError, match=r"the R of level holds the variance -2"):
         Problem("level", space, LocalLevel(dt=DT), level, InnovationLikelihood(), data)
+    spared = Data(LevelSample(jnp.asarray(NOISE), jnp.full(N, jnp.nan)), np.zeros(N))
+    free = Space.of(q=Positive(1.0, 1e-3, 1e3), R=Positive(2.0, 1e-3, 1e3))
+    assert Problem("level", free, LocalLevel(dt=DT), level, InnovationLikelihood(), spared)
     gone = Data(LevelSample(jnp.full(N, jnp.nan)), np.zeros(N))
     good = Space.of(q=Positive(1.0, 1e-3, 1e3), R=Fixed(2.0))
     with pytest.raises(ValueError, match=r"the input z of level is missing in all 401 samples"):

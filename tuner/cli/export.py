@@ -12,6 +12,7 @@ from tuner.export import Tuned
 from tuner.firmware import TARGETS
 from tuner.names import unknown
 from tuner.run.result import read_result
+from tuner.shown import hand_out
 
 
 def write(run: Path, wanted: Wanted) -> None:
@@ -57,7 +58,7 @@ def write(run: Path, wanted: Wanted) -> None:
 def _write(tuned: Tuned, to: str, wanted: Wanted) -> None:
     data = export.dump(tuned, to)
     if wanted.output == "-":
-        sys.stdout.buffer.write(data)
+        hand_out(data, sys.stdout)
         return
     path = path_of(tuned, to, wanted)
     export.write(tuned, path, to, overwrite=wanted.force)

@@ -10,6 +10,7 @@ from tuner.code.files import Files
 from tuner.export import ExportError, Tuned
 from tuner.run.code_files import Variant, kept, renamed, write
 from tuner.run.result import Result
+from tuner.shown import hand_out
 
 if TYPE_CHECKING:
     from tuner.run.at_rate import AtRate
@@ -48,7 +49,7 @@ def write_c(
 
 def _numbers(tuned: Tuned, path: Path, wanted: Wanted) -> None:
     if wanted.output == "-":
-        sys.stdout.buffer.write(export.dump(tuned, "c"))
+        hand_out(export.dump(tuned, "c"), sys.stdout)
         return
     export.write(tuned, path, "c", overwrite=wanted.force)
     export.read_back(tuned, path, "c")

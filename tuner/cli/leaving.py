@@ -1,7 +1,8 @@
-"""How the process ends: its streams flushed, and after an interruption without waiting."""
+"""How the process ends: its streams flushed, and without waiting for what nobody wants any more."""
 
 import os
 import sys
+import threading
 from contextlib import suppress
 from typing import NoReturn
 
@@ -11,8 +12,8 @@ from tuner.stop import INTERRUPTED
 def leave(code: int) -> NoReturn:
     """End the process.
 
-    After an interruption threads may still be in compiled code, which nobody waits for: all that
-    is kept was written before.
+    After an interruption or an error threads may still be in compiled code, which nobody waits for:
+    all that is kept was written before.
     """
     for stream in (sys.stdout, sys.stderr):
         try:
@@ -20,7 +21,7 @@ def leave(code: int) -> NoReturn:
         except OSError:  # who read it has gone
             with suppress(OSError):
                 os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
-    if code == INTERRUPTED:
+    if code == INTERRUPTED or threading.active_count() > 1:
         _clean_up()
         os._exit(code)
     sys.exit(code)

@@ -3,6 +3,10 @@
 import shlex
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+
+import typer
 
 from tuner.cli.interrupt import interruptible
 from tuner.cli.listed_settings import facts
@@ -20,9 +24,11 @@ from tuner.run.identity import identity_of_run
 from tuner.run.pipeline import Run, trusted, write_down
 from tuner.run.progress import going_on, read_progress
 from tuner.run.recipe import Recipe
+from tuner.run.result import Result
 from tuner.run.study import Plan, Solutions, Study, find_study
 from tuner.run.together import Together, workers
 from tuner.solvers.database import DatabaseError, use_database, without_password
+from tuner.stop import INTERRUPTED
 
 SHOWN = 3
 """How many of several recordings are described."""
@@ -72,14 +78,55 @@ def execute(request: Request) -> int:
                 use_database(request.storage)
             if request.force and not request.resume:
                 folder.clear()
-            write_down(folder, recipe, plan)
-            solutions = _solve(run, request, recipe, finished)
-            result = run.finish(solutions, FORMATS, begun)
+            with _found_or_removed(folder, request):
+                write_down(folder, recipe, plan)
+                solutions = _solve(run, request, recipe, finished)
+                result = run.finish(solutions, FORMATS, begun)
         except KeyboardInterrupt:
             print(f"tuner: {_how_to_go_on(request, folder)}", file=sys.stderr)
             return 130
         except DatabaseError as error:
             raise ValueError(f"{error}; {_how_to_go_on(request, folder)}") from None
+    with _all_is_saved(folder):
+        _show(result, folder, request)
+    return 0 if trusted(plan, solutions) else 1
+
+
+@contextmanager
+def _found_or_removed(folder: RunFolder, request: Request) -> Iterator[None]:
+    """Remove what is written meanwhile of a run that fails before anything was found."""
+    try:
+        yield
+    except DatabaseError:  # which may come back, with all its trials
+        raise
+    except Exception:
+        if not (request.resume or (folder.path / "trials.sqlite3").exists() or _found(folder)):
+            folder.clear()
+            if request.out is None:
+                with suppress(OSError):  # others ran as well
+                    folder.path.parent.rmdir()
+        raise
+
+
+def _found(folder: RunFolder) -> bool:
+    """Whether anything is kept that a run may go on with."""
+    try:
+        return bool(read_progress((folder.path / "progress.json").read_bytes()).finished)
+    except (OSError, ValueError):
+        return False
+
+
+@contextmanager
+def _all_is_saved(folder: RunFolder) -> Iterator[None]:
+    """Say so where someone interrupts what is only shown."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        print(f"tuner: interrupted; all is saved in {folder.path}", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
+
+
+def _show(result: Result, folder: RunFolder, request: Request) -> None:
     for missing in result.not_drawn:
         print(missing, file=sys.stderr)
     if request.json:
@@ -88,7 +135,6 @@ def execute(request: Request) -> int:
         from tuner.cli.tables import show_result
 
         show_result(result, folder.path, whole=False)
-    return 0 if trusted(plan, solutions) else 1
 
 
 def describe(records: tuple[Record, ...]) -> None:

@@ -79,7 +79,7 @@ def check_present(name: str, filter: AnyFilter | None, inputs: Any) -> None:
     spared = _optional(filter)
     for path, leaf in jax.tree_util.tree_leaves_with_path(inputs):
         values = np.asarray(leaf)
-        field = str(getattr(path[0], "name", "")) if path else ""
+        field = next((key.name for key in reversed(path) if hasattr(key, "name")), "")
         if values.dtype.kind != "f" or not values.size or field in spared:
             continue
         gone = np.isnan(values).all(axis=0)

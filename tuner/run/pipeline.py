@@ -4,7 +4,7 @@ import io
 import json
 import time
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import asdict, dataclass, field, replace
 from importlib.metadata import version
 from typing import Any, TypeAlias
@@ -22,6 +22,7 @@ from tuner.problem.problem import Problem
 from tuner.report.kept import Kept as ForReport
 from tuner.report.kept import kept_pictures, nothing_kept
 from tuner.report.write import KEPT, PAGE, page_of
+from tuner.run.at_once import at_once
 from tuner.run.drawing import picture, table
 from tuner.run.environment import environment
 from tuner.run.figure import Figure
@@ -86,13 +87,9 @@ class Run:
             if hasattr(task.solver, "check"):
                 task.solver.check(task.problem)
         problems = {id(task.problem): task.problem for task in self.plan.tasks}
-        with ThreadPoolExecutor(jobs) as pool:
-            try:
-                for _ in pool.map(_begun, problems.values()):
-                    self.progress("scoring", 0, 1)
-            except BaseException:
-                pool.shutdown(wait=False, cancel_futures=True)
-                raise
+        with at_once(jobs) as pool:
+            for _ in pool.map(_begun, problems.values()):
+                self.progress("scoring", 0, 1)
 
     def solve(self, jobs: int, finished: Mapping[tuple[str, str], Solution]) -> Solutions:
         """Solve all tasks that are not finished yet, in several threads.
@@ -104,18 +101,14 @@ class Run:
         open_tasks = [task for task in self.plan.tasks if key_of(task) not in solutions]
         self.progress("solving", len(solutions), len(self.plan.tasks))
         self._save(solutions, digests)  # a run that is interrupted at once can go on as well
-        with ThreadPoolExecutor(jobs) as pool:
+        with at_once(jobs) as pool:
             futures = {pool.submit(_solved, task): task for task in open_tasks}
-            try:
-                for future in as_completed(futures):
-                    task = futures[future]
-                    solutions[key_of(task)], digests[key_of(task)] = future.result()
-                    self._save(solutions, digests)
-                    words = f"{task.problem.name}: {task.solver.name}"
-                    self.progress(words, len(solutions), len(self.plan.tasks))
-            except BaseException:
-                pool.shutdown(wait=False, cancel_futures=True)
-                raise
+            for future in as_completed(futures):
+                task = futures[future]
+                solutions[key_of(task)], digests[key_of(task)] = future.result()
+                self._save(solutions, digests)
+                words = f"{task.problem.name}: {task.solver.name}"
+                self.progress(words, len(solutions), len(self.plan.tasks))
         return _agreement({key_of(task): solutions[key_of(task)] for task in self.plan.tasks})
 
     def solve_together(self, together: Together, finished: Solutions) -> Solutions:
