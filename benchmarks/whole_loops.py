@@ -1,4 +1,4 @@
-"""Whether time loops are compiled as a whole: ``python -m benchmarks.whole_loops`` asks all filters.
+"""Whether time loops are compiled as a whole: ``python -m benchmarks.whole_loops`` asks filters.
 
 A loop that XLA does not compile as a whole is interpreted operation by operation, with the same
 results. The text of what was compiled says which it is, so nothing has to be timed. What is asked
