@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -104,19 +105,32 @@ def baseline() -> Baseline:
     Raises:
         NoCompilerError: where there is no compiler, or it refuses.
     """
+    compiler = _compiler()
+    return Baseline(_signed(_compile(compiler, SOURCES, ())), _version(compiler))
+
+
+def compiled(sources: Sequence[str], options: Sequence[str]) -> ctypes.CDLL:
+    """Files of this folder as a library, with further options.
+
+    Raises:
+        NoCompilerError: where there is no compiler, or it refuses.
+    """
+    files = [Path(__file__).with_name(name) for name in sources]
+    return _compile(_compiler(), files, options)
+
+
+def _compiler() -> str:
     named = os.environ.get("CC")
-    found = [
-        path for name in (named, "cc", "gcc", "clang") if name and (path := shutil.which(name))
-    ]
-    if not found:
-        raise NoCompilerError("no C compiler found (cc, gcc or clang; CC names another)")
-    return Baseline(_signed(_compile(found[0])), _version(found[0]))
+    for name in (named, "cc", "gcc", "clang"):
+        if name and (path := shutil.which(name)):
+            return path
+    raise NoCompilerError("no C compiler found (cc, gcc or clang; CC names another)")
 
 
-def _compile(compiler: str) -> ctypes.CDLL:
+def _compile(compiler: str, sources: Sequence[Path], options: Sequence[str]) -> ctypes.CDLL:
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         target = Path(folder) / "baseline.so"
-        command = [compiler, *OPTIONS, *map(str, SOURCES), "-o", str(target), "-lm"]
+        command = [compiler, *OPTIONS, *options, *map(str, sources), "-o", str(target), "-lm"]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode:
             raise NoCompilerError(f"the C compiler refused: {done.stderr.strip().splitlines()[0]}")

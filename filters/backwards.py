@@ -11,32 +11,36 @@ from filters.protocol import AnyFilter
 
 KEPT = 4
 """About how many times a state's size a step keeps for the way back."""
+LEAST = 4
+"""A record of fewer samples is not parted."""
 MOST_KEPT = 256 << 20
 """Bytes that a whole record may keep; above it, the steps of a part are done again."""
 
 
 def run_kept(
-    filter: AnyFilter, params: Any, inputs: Any, *, most: int = MOST_KEPT
+    filter: AnyFilter, params: Any, inputs: Any, *, parts: bool = False, most: int = MOST_KEPT
 ) -> tuple[Any, Any]:
     """:func:`filters.run`, to be differentiated backwards: by ``jax.vjp`` or ``jax.grad``.
 
-    What follows from the parameters alone is done once. Where N samples would keep more than
-    ``most`` bytes, sqrt(N) states are kept instead, and on the way back each part is run again.
+    What follows from the parameters alone is done once. In parts sqrt(N) states are kept, and on
+    the way back each part is run again, so that all it keeps lies in the processor's cache.
 
     Args:
         filter: any filter.
         params: its parameters.
         inputs: its inputs, with time first, ``(N, ...)``.
-        most: bytes.
+        parts: whether in parts; it is done so in any case where N samples would keep more than
+            ``most`` bytes.
+        most: see there.
 
     >>> import jax.numpy as jnp
     >>> from filters import AngleSample, Complementary, ComplementaryGain
     >>> gain = ComplementaryGain(jnp.array(1.0), jnp.array(0.0))
     >>> still = AngleSample(jnp.zeros(9), jnp.ones(9))
-    >>> def last(gain, most):
-    ...     return run_kept(Complementary(dt=0.1), gain, still, most=most)[1][-1]
-    >>> whole, parts = (jax.grad(last)(gain, most=most) for most in (1000, 0))
-    >>> bool(abs(whole.tau - parts.tau) < 1e-12 * abs(whole.tau))
+    >>> def last(gain, parts):
+    ...     return run_kept(Complementary(dt=0.1), gain, still, parts=parts)[1][-1]
+    >>> slopes = [jax.grad(last)(gain, parts).tau for parts in (False, True)]
+    >>> bool(abs(slopes[1] - slopes[0]) < 1e-12 * abs(slopes[0]))
     True
     """
     start = filter.init(params)
@@ -44,7 +48,7 @@ def run_kept(
     sample = jax.eval_shape(lambda all: jax.tree.map(lambda leaf: leaf[0], all), inputs)
     step = invariant(filter.step, params, start, sample)
     each = KEPT * sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(start))
-    if length * each <= most or length < 4:
+    if length < LEAST or (length * each <= most and not parts):
         return _scan(step, start, inputs)
     return _in_parts(step, start, inputs, length)
 

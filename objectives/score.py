@@ -38,8 +38,8 @@ judges a design.
 """
 
 
-Way: TypeAlias = Literal["forwards", "backwards"]
-"""How a time loop is differentiated."""
+Way: TypeAlias = Literal["forwards", "backwards", "backwards in parts"]
+"""How a time loop is differentiated: see :func:`score_and_gradient`."""
 Build: TypeAlias = Callable[[Array], Any]
 """From a point to a filter's parameters."""
 
@@ -108,9 +108,10 @@ def score_and_gradient(
     """The score and its gradient in z ``(n,)``, where ``build(z)`` gives the filter's parameters.
 
     Forwards the time loop carries n tangents and stores nothing for a way back; what follows the
-    loop is differentiated backwards in either case: one transform of the outputs serves all n
+    loop is differentiated backwards in any case: one transform of the outputs serves all n
     parameters. Backwards the loop takes the time of a few passes, however large n is, and stores
-    what it needs of each sample: see :func:`filters.run_kept`.
+    what it needs of each sample. In parts it stores little and is run twice, which is faster where
+    a sample needs much, as an extended filter's does: see :func:`filters.run_kept`.
 
     Args:
         filter: the filter, or None.
@@ -120,8 +121,9 @@ def score_and_gradient(
         data: inputs and truth.
         way: how the time loop is differentiated; the gradients differ by rounding alone.
     """
-    if way == "backwards":
-        whole = partial(_score_kept, filter, objective, data=data)
+    if way != "forwards":
+        parts = way == "backwards in parts"
+        whole = partial(_score_kept, filter, objective, data=data, parts=parts)
         value, gradient = jax.value_and_grad(lambda at: whole(build(at)))(z)
         return value, gradient
     collected, tangents = _forwards(lambda at: _collect(filter, objective, build(at), data), z)
@@ -218,8 +220,11 @@ def is_fold(objective: Objective) -> TypeGuard[Fold]:
     return hasattr(objective, "update")
 
 
-def _score_kept(filter: AnyFilter | None, objective: Objective, params: Any, data: Data) -> Array:
-    return _judge(objective, data, _collect(filter, objective, params, data, run_kept))
+def _score_kept(
+    filter: AnyFilter | None, objective: Objective, params: Any, data: Data, *, parts: bool
+) -> Array:
+    over = partial(run_kept, parts=parts)
+    return _judge(objective, data, _collect(filter, objective, params, data, over))
 
 
 def _collect(

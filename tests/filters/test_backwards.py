@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from filters import LinearKalman, LinearModel, Sample, Transition, run, run_kept
-from filters.backwards import MOST_KEPT
 from filters.invariant import invariant
 
 Z = np.random.default_rng(5).normal(size=(23, 1))
@@ -27,12 +26,12 @@ def loss(over, point, z):
 
 
 @pytest.mark.parametrize("length", [3, 16, 23])
-@pytest.mark.parametrize("most", [0, MOST_KEPT])
-def test_it_is_the_same_loop(length, most):
+@pytest.mark.parametrize("way", [{}, {"parts": True}, {"most": 0}])
+def test_it_is_the_same_loop(length, way):
     """A length that is a square, and one that leaves samples over."""
     point, z = jnp.array([0.3, -0.2]), Z[:length]
     plain = jax.jit(jax.value_and_grad(partial(loss, run)))(point, z)
-    kept = jax.jit(jax.value_and_grad(partial(loss, partial(run_kept, most=most))))(point, z)
+    kept = jax.jit(jax.value_and_grad(partial(loss, partial(run_kept, **way))))(point, z)
     # The same operations, of which the compiler may fuse others into one rounding.
     np.testing.assert_allclose(kept[0], plain[0], rtol=1e-14)
     np.testing.assert_allclose(kept[1], plain[1], rtol=1e-12)

@@ -68,11 +68,12 @@ KINDS = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_both_ways_lead_to_the_same_gradient(kind):
+@pytest.mark.parametrize("way", ["backwards", "backwards in parts"])
+def test_all_ways_lead_to_the_same_gradient(kind, way):
     given = KINDS[kind]
     z = given.space.start() + np.linspace(-0.5, 0.5, len(NAMES))
-    back = replace(given, way="backwards").value_and_gradient(z)
     forth = replace(given, way="forwards").value_and_gradient(z)
+    back = replace(given, way=way).value_and_gradient(z)
     np.testing.assert_allclose(back[0], forth[0], rtol=1e-13)
     np.testing.assert_allclose(back[1], forth[1], rtol=0, atol=1e-12 * np.abs(forth[1]).max())
 
@@ -80,6 +81,7 @@ def test_both_ways_lead_to_the_same_gradient(kind):
 def test_many_parameters_go_backwards_and_few_forwards():
     assert problem().gradient_way == "backwards"
     assert problem(free=NAMES[:4]).gradient_way == "forwards"
+    assert KINDS["several records"].gradient_way == "backwards"
     assert KINDS["extended"].gradient_way == "forwards"
 
 

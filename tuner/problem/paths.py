@@ -5,16 +5,16 @@ from typing import Any
 import jax
 from jax import Array
 
-from filters import AnyFilter, Estimate, Gated, LinearKalman, Student
+from filters import AnyFilter, Estimate, Gated, Lanes, LinearKalman, Student
 from objectives import Way
 
 
 def way_of(filter: AnyFilter | None, params: Any, size: int, forced: Way | None = None) -> Way:
-    """Forwards or backwards: what is faster by measured cost, or what is forced.
+    """What is faster by measured cost, or what is forced.
 
-    Backwards where a Kalman filter has many parameters: see the table in docs/performance.md.
-    Forwards everything else goes: a few numbers through a small filter, a filter whose step repeats
-    itself for a gate, and a design.
+    Backwards goes a Kalman filter of many parameters, and in parts where its transition or its
+    measurement rows have derivatives: see the table in docs/performance.md. Forwards goes
+    everything else: a few numbers, a filter whose step repeats itself for a gate, and a design.
 
     Args:
         filter: the filter, or None.
@@ -30,14 +30,17 @@ def way_of(filter: AnyFilter | None, params: Any, size: int, forced: Way | None 
     if forced is not None or filter is None:
         return forced or "forwards"
     states = _states(filter, params)
-    linear = isinstance(filter, LinearKalman) or hasattr(filter, "linear")
-    return "backwards" if states and size >= _least(states, linear=linear) else "forwards"
+    inner = filter.filter if isinstance(filter, Lanes) else filter
+    linear = isinstance(inner, LinearKalman) or hasattr(inner, "linear")
+    if not states or size < _least(states, linear=linear):
+        return "forwards"
+    return "backwards" if linear else "backwards in parts"
 
 
 def _least(states: int, *, linear: bool) -> int:
     """From how many parameters on the way back is the shorter one, of a filter of n states."""
-    if not linear:  # the transition has a derivative too, and is kept of every sample
-        return 7 if states < 9 else 6
+    if not linear:
+        return 6 if states < 5 else 4
     return 5 if states < 6 else 4 if states < 9 else 2
 
 
