@@ -4,7 +4,8 @@ What is measured here is what `tuner.problem.paths` chooses by.
 """
 
 import ctypes
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -146,7 +147,9 @@ def _against_c(n: int, m: int, most_value: float, most_gradient: float) -> list[
     apart = np.abs(np.array([value, *slope]) - wanted).max() / np.abs(wanted[1:]).max()
     if not apart <= AGREED:
         raise AssertionError(f"the gradient of {n} states differs from C's by {apart:.2g}")
-    times = interleave({name: calls[name] for name in ("value", "backwards")} | c, ROUNDS)
+    times = _timed(
+        {name: calls[name] for name in ("value", "backwards")} | c, ROUNDS, clock=time.process_time
+    )
     whole = ("value", "C, value", most_value), ("backwards", "C, gradient", most_gradient)
     return [
         _row(times, f"{n} states, {name}", name, against, most) for name, against, most in whole
@@ -157,7 +160,9 @@ def _both_ways(name: str, made: Callable[[int], Any], back: Way, every: int) -> 
     found = []
     for free in (*FEW, every):
         calls = _calls(*made(free), free)
-        times = interleave({way: calls[way] for way in ("forwards", back)}, ROUNDS)
+        times = _timed(
+            {way: calls[way] for way in ("forwards", back)}, ROUNDS, clock=time.process_time
+        )
         found.append(_row(times, f"{name}, {free} parameters: forwards", "forwards", back, None))
     return found
 
@@ -165,9 +170,13 @@ def _both_ways(name: str, made: Callable[[int], Any], back: Way, every: int) -> 
 def _over_a_pass(n: int) -> Row:
     """What is chosen for an extended filter of 12 parameters, or of all it has."""
     free = min(12, n + 2)
-    times = interleave(_calls(*extended(n, free), free), ROUNDS)
+    times = _timed(_calls(*extended(n, free), free))
     what = f"extended, {n} states, {free} parameters: gradient"
     return _row(times, what, "backwards in parts", "value", 4.0)
+
+
+def _timed(calls: Mapping[str, Call]) -> Times:
+    return interleave(calls, ROUNDS, clock=time.process_time)
 
 
 def _row(times: Times, what: str, name: str, against: str, target: float | None) -> Row:

@@ -55,7 +55,11 @@ class Ratio:
 
 
 def interleave(
-    calls: Mapping[str, Call], rounds: int, repeats: Mapping[str, int] | None = None
+    calls: Mapping[str, Call],
+    rounds: int,
+    repeats: Mapping[str, int] | None = None,
+    *,
+    clock: Callable[[], float] = time.perf_counter,
 ) -> Times:
     """Time calls in turns: A B C A B C, after one round that compiles and warms up.
 
@@ -64,6 +68,7 @@ def interleave(
         rounds: how often each takes its turn.
         repeats: how many calls make a turn, whose mean is kept; 1 where nothing is said. A call of
             milliseconds needs a few beside one of seconds, which leaves it a cold processor.
+        clock: `time.process_time` where only the processor's work counts, whatever else is running.
     """
     seconds: dict[str, list[float]] = {name: [] for name in calls}
     for call in calls.values():
@@ -71,8 +76,8 @@ def interleave(
     for _ in range(rounds):
         for name, call in calls.items():
             times = (repeats or {}).get(name, 1)
-            start = time.perf_counter()
+            start = clock()
             for _ in range(times):
                 jax.block_until_ready(call())
-            seconds[name].append((time.perf_counter() - start) / times)
+            seconds[name].append((clock() - start) / times)
     return Times({name: np.array(taken) for name, taken in seconds.items()})

@@ -97,6 +97,7 @@ from filters.gps_aided import GpsAidedKalman, GpsAidedNoise, GpsAidedSample  # n
 from filters.imu import ImuSample, SixAxes  # noqa: E402
 from filters.ins import ErrorStateIns, InsState  # noqa: E402
 from filters.ins_facts import InsNoise, InsOutputs, InsSample  # noqa: E402
+from filters.joined import Joined, JoinedSample, joined, packed  # noqa: E402
 from filters.kalman import Estimate, Innovation, decorrelate, predict, update, update_large  # noqa: E402
 from filters.kownacki import (  # noqa: E402
     AccelerometerFilter,
@@ -217,6 +218,8 @@ __all__ = [
     "InsOutputs",
     "InsSample",
     "InsState",
+    "Joined",
+    "JoinedSample",
     "KalmanCovariance",
     "KownackiNoise",
     "Lanes",
@@ -286,6 +289,7 @@ __all__ = [
     "euler_rates",
     "gyroscope_steady",
     "inputs_of",
+    "joined",
     "level_noise",
     "line",
     "linearised",
@@ -295,6 +299,7 @@ __all__ = [
     "measured",
     "optional",
     "output",
+    "packed",
     "parameter_facts",
     "parametrised",
     "predict",

@@ -5,7 +5,7 @@ from typing import Any
 import jax
 from jax import Array
 
-from filters import AnyFilter, Estimate, Gated, Lanes, LinearKalman, Student
+from filters import AnyFilter, Estimate, Gated, LinearKalman, Student, bare
 from objectives import Way
 
 
@@ -30,7 +30,7 @@ def way_of(filter: AnyFilter | None, params: Any, size: int, forced: Way | None 
     if forced is not None or filter is None:
         return forced or "forwards"
     states = _states(filter, params)
-    inner = filter.filter if isinstance(filter, Lanes) else filter
+    inner = bare(filter)
     linear = isinstance(inner, LinearKalman) or hasattr(inner, "linear")
     if not states or size < _least(states, linear=linear):
         return "forwards"
