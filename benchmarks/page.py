@@ -34,11 +34,12 @@ sample to the next; C spends its time waiting for that chain.
   `tuner.values_and_gradients`, with C in as many threads. R1 and R6 are the readings of the cost
   that docs/kownacki2010.md explains: R1 needs a pass over the data, R6 the spectrum as well, so it
   is held against C's pass plus `numpy.fft.rfft` of the same segments.
-- Likelihoods by size are judged by the processor's time, with C's adjoint, which costs the same for any number of
-  parameters. **forwards** carries a tangent for each parameter, **backwards** goes back once, in parts twice through
-  each. By these rows a problem chooses (`tuner.problem.paths`): a linear Kalman filter goes backwards from 5 parameters
-  on, from 4 with 6 states and from 2 with 9; an extended one in parts from 6, and from 4 with 5 states. A solution's
-  `gradient` says which it was, and `Problem(way=...)` forces one.
+- Likelihoods by size are judged by the processor's time, with C's adjoint, which costs the same
+  for any number of parameters. **forwards** carries a tangent for each parameter, **backwards**
+  goes back once, in parts twice through each. By these rows a problem chooses
+  (`tuner.problem.paths`): a linear Kalman filter goes backwards from 5 parameters on, from 4 with
+  6 states and from 2 with 9; an extended one in parts from 6, and from 4 with 5 states. A
+  solution's `gradient_by` says which it was, and `Problem(way=...)` forces one.
 - Every output was compared with C's or, for the small R, with a loop that carries 40 digits.
 
 ## Two ways to a gradient
@@ -87,8 +88,8 @@ below).
 `python -m benchmarks.guard` runs in CI. It fails where the loop option has no effect, where a
 gradient costs far more than a pass, or where a pass is hardly faster than a loop in Python: the
 ways in which speed is lost without an error. It judges ratios, not milliseconds. What was compiled
-of larger filters is read, whose loops are the first to be lost; `python -m benchmarks.native` reads it
-of every filter.
+of larger filters is read, whose loops are the first to be lost; `python -m benchmarks.whole_loops`
+reads it of every filter.
 """
 
 

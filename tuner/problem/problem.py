@@ -130,7 +130,7 @@ class Problem:
     def route(self) -> Route:
         """Whether its gradient goes by C that is compiled for it, where that pays, or by XLA."""
         if not self._routes:
-            back = self.gradient_way == "backwards"
+            back = self.gradient_way != "forwards"
             self._routes.append(Route(self.static, self.data, self.space.size, self.by_xla, back))
         return self._routes[0]
 
