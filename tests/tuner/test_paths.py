@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -52,7 +53,8 @@ def seen(q, x, u):
 
 
 def problem(filter=None, build=linear, inputs=None, free=NAMES, **settings):
-    space = Space.of(**{k: Positive(1.0, 1e-3, 1e3) if k in free else Fixed(1.0) for k in NAMES})
+    names = dict.fromkeys((*NAMES, *free))
+    space = Space.of(**{k: Positive(1.0, 1e-3, 1e3) if k in free else Fixed(1.0) for k in names})
     inputs = Sample(Z) if inputs is None else inputs
     filter = LinearKalman() if filter is None else filter
     truth = np.zeros(N) if isinstance(filter, Lanes) else Z
@@ -90,3 +92,37 @@ def test_a_way_may_be_forced_and_a_gate_goes_forwards():
     assert problem(free=NAMES[:1], way="backwards").gradient_way == "backwards"
     gated = problem(Gated(LinearKalman(), (((0, 0),),)), free=NAMES)
     assert gated.gradient_way == "forwards"
+
+
+def halved(q, x, u):
+    """A loop whose length is not known."""
+    return jax.lax.while_loop(lambda y: jnp.abs(y).max() > 3, lambda y: y / 2, jnp.asarray(F) @ x)
+
+
+def rooted(q, x, u):
+    """A root whose slope is infinite where it is not taken."""
+    return jnp.where(x[:1] > 100, jnp.sqrt(jnp.maximum(x[:1] - 100, 0.0)), x[:1])
+
+
+def many(move, measure):
+    filter = ExtendedKalman(move, disturbed, measure)
+    return problem(filter, wide, ExtendedSample(Z), free=(*NAMES, "p"))
+
+
+def wide(values):
+    return bent(values)._replace(P0=values["p"] * jnp.eye(STATES))
+
+
+def test_what_does_not_turn_round_goes_forwards():
+    assert many(moved, seen).gradient_way == "backwards in parts"
+    assert many(halved, seen).gradient_way == "forwards"
+
+
+def test_where_the_way_back_has_no_number_the_way_forth_is_taken():
+    given = many(moved, rooted)
+    z = given.space.start()
+    assert given.gradient_way == "backwards in parts"
+    assert not np.isfinite(replace(given, way="backwards").by_xla(z)[1]).all()
+    forth = replace(given, way="forwards").by_xla(z)
+    np.testing.assert_array_equal(given.by_xla(z)[1], forth[1])
+    assert np.isfinite(forth[1]).all()

@@ -4,6 +4,7 @@ from typing import Any
 
 import jax
 from jax import Array
+from jax.extend.core import Jaxpr, jaxprs_in_params
 
 from filters import AnyFilter, Estimate, Gated, LinearKalman, Student, bare
 from objectives import Way
@@ -35,6 +36,16 @@ def way_of(filter: AnyFilter | None, params: Any, size: int, forced: Way | None 
     if not states or size < _least(states, linear=linear):
         return "forwards"
     return "backwards" if linear else "backwards in parts"
+
+
+def turns_round(jaxpr: Jaxpr) -> bool:
+    """Whether a formula can be differentiated backwards: it has no loop of unknown length."""
+    for equation in jaxpr.eqns:
+        if equation.primitive.name == "while":
+            return False
+        if not all(map(turns_round, jaxprs_in_params(equation.params))):
+            return False
+    return True
 
 
 def _least(states: int, *, linear: bool) -> int:

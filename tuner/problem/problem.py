@@ -20,7 +20,7 @@ from tuner.native.route import Route
 from tuner.problem.constraint import Constraint
 from tuner.problem.exported import Exported, Trial, exported_of, held_of, once, quantities_of
 from tuner.problem.identity import identity_of
-from tuner.problem.paths import way_of
+from tuner.problem.paths import turns_round, way_of
 from tuner.problem.physics import check_leaf, check_present, check_start
 from tuner.problem.space import Space
 from tuner.problem.steady_form import steady_form_of
@@ -143,6 +143,14 @@ class Problem:
     def by_xla(self, z: np.ndarray) -> tuple[float, np.ndarray]:
         """The objective, which may not be a number, and its gradient in z, by XLA."""
         way = self.gradient_way
+        value, gradient = self._along(way, z)
+        chosen = self.way is None and way != "forwards"
+        if chosen and np.isfinite(value) and not np.isfinite(gradient).all():
+            # Backwards 0 meets what is infinite in the branch that was not taken.
+            return self._along("forwards", z)
+        return value, gradient
+
+    def _along(self, way: Way, z: np.ndarray) -> tuple[float, np.ndarray]:
         value, gradient = _value_and_gradient(self.static, way, jnp.asarray(z), self.data)
         return float(value), np.asarray(gradient)
 
@@ -151,7 +159,11 @@ class Problem:
         """How :meth:`value_and_gradient` goes through the time loop."""
         start = jnp.asarray(self.space.start())
         params = None if self.filter is None else jax.eval_shape(self.static.built, start)
-        return way_of(self.filter, params, self.space.size, self.way)
+        way = way_of(self.filter, params, self.space.size, self.way)
+        if self.way is None and way != "forwards":
+            traced = _value.trace(self.static, start, self.data).jaxpr
+            return way if turns_round(traced.jaxpr) else "forwards"
+        return way
 
     def hessian(self, z: np.ndarray, step: float = 1e-3) -> np.ndarray:
         """The Hessian in z, ``(n, n)``: central differences of the exact gradient, of XLA.
