@@ -81,6 +81,7 @@ class Together:
                 if not parts.make_one(self._solved):
                     time.sleep(POLL)
                 news(self._solutions(parts))
+            news(self._solutions(parts))  # others may have solved the last
 
     @contextmanager
     def _opened(self) -> Iterator[Trials]:

@@ -97,8 +97,9 @@ class Trials:
             with self._alive(trial):
                 value = evaluate(trial)
         except BaseException as error:
+            again = self.marked or not isinstance(error, Exception)
             with contextlib.suppress(DatabaseError):  # then it is looked after as lost
-                self._give_back(trial, again=not isinstance(error, Exception))
+                self._give_back(trial, again=again)
             raise
         self._tell(trial, value)
         return True
