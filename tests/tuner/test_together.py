@@ -128,7 +128,7 @@ def test_a_run_that_lost_its_database_goes_on(cli, here, offer):
 
         def solve(problem):
             if problem.name == "side":
-                from tuner.solvers.database import DatabaseError
+                from tuner.trials.database import DatabaseError
 
                 raise DatabaseError("the database of --storage cannot be used: it went away")
             return inner(problem)

@@ -9,16 +9,16 @@ import optuna
 import pytest
 from optuna.trial import TrialState
 
-import tuner.solvers.database
-import tuner.solvers.trials
+import tuner.trials.database
+import tuner.trials.search
 from tests.postgres import server
 from tests.tuner.helpers import bowl, problem
 from tuner.problem.problem import Problem
 from tuner.solvers import NelderMead, Sampler
-from tuner.solvers.database import DatabaseError, shown
-from tuner.solvers.numbered import Numbered
 from tuner.solvers.starts import SharedStarts
-from tuner.solvers.trials import opened
+from tuner.trials.database import DatabaseError, shown
+from tuner.trials.numbered import Numbered
+from tuner.trials.search import opened
 
 
 @pytest.fixture(scope="module")
@@ -38,8 +38,8 @@ def url(request, tmp_path):
 @pytest.fixture
 def impatient(monkeypatch):
     """Processes count as lost at once."""
-    monkeypatch.setattr(tuner.solvers.database, "GRACE", 1)
-    monkeypatch.setattr(tuner.solvers.trials, "HEARTBEAT", 0.3)
+    monkeypatch.setattr(tuner.trials.database, "GRACE", 1)
+    monkeypatch.setattr(tuner.trials.search, "HEARTBEAT", 0.3)
 
 
 @pytest.fixture

@@ -22,7 +22,7 @@ from tuner.run.progress import going_on, read_progress
 from tuner.run.recipe import Recipe
 from tuner.run.study import Plan, Solutions, Study, find_study
 from tuner.run.together import Together, workers
-from tuner.solvers.database import DatabaseError, use_database, without_password
+from tuner.trials.database import DatabaseError, use_database, without_password
 
 SHOWN = 3
 """How many of several recordings are described."""

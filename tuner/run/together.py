@@ -22,9 +22,9 @@ from tuner.names import unknown
 from tuner.run.progress import key_of
 from tuner.run.result import SolutionRecord
 from tuner.run.study import Plan, Solutions, Task
-from tuner.solvers.database import DatabaseError, close, open_storage, told
 from tuner.solvers.starts import SharedStarts
-from tuner.solvers.trials import POLL, Trials, opened
+from tuner.trials.database import DatabaseError, close, open_storage, told
+from tuner.trials.search import POLL, Trials, opened
 
 if TYPE_CHECKING:
     import optuna

@@ -15,7 +15,7 @@ from functools import partial
 from threading import Event, Thread
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from tuner.solvers.database import (
+from tuner.trials.database import (
     HEARTBEAT,
     DatabaseError,
     close,
