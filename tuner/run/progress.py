@@ -100,9 +100,8 @@ def check_again(problem: Any, solution: Solution, identity: str | None = None) -
     """
     if not isinstance(problem, Problem):
         return
-    same = any(
-        np.isclose(value, solution.value, rtol=AGAIN) for value in _values(problem, solution)
-    )
+    values = _values(problem, solution)
+    same = any(np.isclose(value, solution.value, rtol=AGAIN, atol=0.0) for value in values)
     if not same or identity not in (None, problem.identity()):
         raise ValueError(
             f"{solution.problem} is not the problem that {solution.solver} solved before: its data "
