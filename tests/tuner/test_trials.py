@@ -16,7 +16,7 @@ from tests.tuner.helpers import bowl, problem
 from tuner.problem.problem import Problem
 from tuner.solvers import NelderMead, Sampler
 from tuner.solvers.starts import SharedStarts
-from tuner.trials.database import DatabaseError, shown
+from tuner.trials.database import DatabaseError, without_password
 from tuner.trials.numbered import Numbered
 from tuner.trials.search import opened
 
@@ -205,7 +205,7 @@ def test_a_search_on_a_server(postgres):
 
 def test_no_password_is_shown():
     url = "postgresql://me:secret@host.invalid/base"
-    assert shown(url) == "postgresql://me:***@host.invalid/base"
+    assert without_password(url) == "postgresql://me:***@host.invalid/base"
     with pytest.raises(DatabaseError) as raised:
         Sampler("tpe", seed=0, storage=f"{url}?connect_timeout=1", trials=1)(problem(bowl))
     assert "secret" not in str(raised.value)
