@@ -10,12 +10,17 @@ from tuner.run.environment import environment
 
 _OPTIONAL = {
     "h5py": "MAT v7.3 logs: pip install 'filter-tuner[mat73]'",
+    "psycopg": "many machines by PostgreSQL: pip install 'filter-tuner[postgres]'",
     "pyarrow": "Parquet and Feather: pip install 'filter-tuner[arrow]'",
     "pyulog": "PX4 logs: pip install 'filter-tuner[ulog]'",
     "rosbags": "ROS bags and MCAP: pip install 'filter-tuner[ros]'",
     "cc": "a C compiler: gradients over long recordings, the benchmark's speed limit",
     "octave": "Octave, for the comparison with its fminsearch",
 }
+
+
+OF_PYTHON = ("h5py", "psycopg", "pyarrow", "pyulog", "rosbags")
+"""Those of them that are packages."""
 
 
 def show(json: bool) -> int:
@@ -65,7 +70,7 @@ def _cache() -> bool:
 def _optional() -> dict[str, bool]:
     compilers = any(shutil.which(name) for name in ("cc", "gcc", "clang"))
     return {
-        **{name: find_spec(name) is not None for name in ("h5py", "pyarrow", "pyulog", "rosbags")},
+        **{name: find_spec(name) is not None for name in OF_PYTHON},
         "cc": compilers,
         "octave": shutil.which("octave") is not None,
     }

@@ -27,8 +27,8 @@ from tuner.run.recipe import Recipe
 from tuner.run.result import Result
 from tuner.run.study import Plan, Solutions, Study, find_study
 from tuner.run.together import Together, workers
-from tuner.solvers.database import DatabaseError, use_database, without_password
 from tuner.stop import INTERRUPTED
+from tuner.trials.database import DatabaseError, use_database, without_password
 
 SHOWN = 3
 """How many of several recordings are described."""

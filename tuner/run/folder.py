@@ -16,6 +16,7 @@ OWN = (
     "result.json",
     "outputs.npz",
     "report.html",
+    "report.json",
     "trials.sqlite3",
     "trials.sqlite3-journal",
     "trials.sqlite3-wal",

@@ -1,6 +1,7 @@
 """What is finished of a run: ``progress.json``, written at every solution."""
 
-from collections.abc import Mapping
+import contextlib
+from collections.abc import Iterator, Mapping
 from typing import Any, Literal
 
 import numpy as np
@@ -99,13 +100,21 @@ def check_again(problem: Any, solution: Solution, identity: str | None = None) -
     """
     if not isinstance(problem, Problem):
         return
-    value = problem.value(solution.z) if solution.z.shape == (problem.space.size,) else np.nan
-    same = bool(np.isclose(value, solution.value, rtol=AGAIN, atol=0.0))
+    values = _values(problem, solution)
+    same = any(np.isclose(value, solution.value, rtol=AGAIN, atol=0.0) for value in values)
     if not same or identity not in (None, problem.identity()):
         raise ValueError(
             f"{solution.problem} is not the problem that {solution.solver} solved before: its data "
             "or what it computes has changed; start anew with --force or in another folder"
         )
+
+
+def _values(problem: Problem, solution: Solution) -> Iterator[float]:
+    """The value of a solution, at its point; and of its parameters, where a search went beyond."""
+    if solution.z.shape == (problem.space.size,):
+        yield problem.value(solution.z)
+    with contextlib.suppress(ValueError):
+        yield problem.score({name: each.value for name, each in solution.parameters.items()})
 
 
 def key_of(task: Task) -> tuple[str, str]:

@@ -22,9 +22,9 @@ from tuner.names import unknown
 from tuner.run.progress import key_of
 from tuner.run.result import SolutionRecord
 from tuner.run.study import Plan, Solutions, Task
-from tuner.solvers.database import DatabaseError, close, open_storage, told
 from tuner.solvers.starts import SharedStarts
-from tuner.solvers.trials import POLL, Trials, opened
+from tuner.trials.database import DatabaseError, close, open_storage, told
+from tuner.trials.search import POLL, Trials, opened
 
 if TYPE_CHECKING:
     import optuna
@@ -81,6 +81,7 @@ class Together:
                 if not parts.make_one(self._solved):
                     time.sleep(POLL)
                 news(self._solutions(parts))
+            news(self._solutions(parts))  # others may have solved the last
 
     @contextmanager
     def _opened(self) -> Iterator[Trials]:

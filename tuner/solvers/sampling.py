@@ -15,7 +15,7 @@ from tuner.problem.problem import Problem
 from tuner.solvers.conclude import conclude
 from tuner.solvers.minimum import Minimum
 from tuner.solvers.multistart import refuse
-from tuner.solvers.trials import Trials, opened
+from tuner.trials.search import Trials, opened
 
 if TYPE_CHECKING:
     import optuna
@@ -91,7 +91,7 @@ class Sampler:
 
     def search(self, problem: Problem) -> AbstractContextManager[Trials]:
         """The trials of a problem, which any number of processes make together."""
-        from tuner.solvers.numbered import Numbered
+        from tuner.trials.numbered import Numbered
 
         identity, code = problem.identity(), code_version()
         start = dict(zip(_keys(problem), map(float, problem.space.start()), strict=True))

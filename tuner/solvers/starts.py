@@ -12,7 +12,7 @@ import numpy as np
 from tuner.code_version import code_version
 from tuner.problem.problem import Problem
 from tuner.solvers.minimum import Descent, Minimum
-from tuner.solvers.trials import Trials, opened
+from tuner.trials.search import Trials, opened
 
 if TYPE_CHECKING:
     import optuna

@@ -15,7 +15,7 @@ from functools import partial
 from threading import Event, Thread
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from tuner.solvers.database import (
+from tuner.trials.database import (
     HEARTBEAT,
     DatabaseError,
     close,
@@ -34,6 +34,8 @@ POLL = 0.2
 """Between looks at what others have finished, s."""
 UNFURNISHED = 10.0
 """After so long, s, a search that somebody entered and did not furnish is furnished by others."""
+FEW = 8
+"""Where so many times more trials are free than were made since, nobody looks what others do."""
 _READY = "ready"
 
 
@@ -77,19 +79,32 @@ class Trials:
             DatabaseError: where the database is lost.
         """
         made, looked = 0, -math.inf
+        free, since = 0, 0
         while True:
             if time.monotonic() - looked > HEARTBEAT:
                 self.look_after_the_lost()
                 looked = time.monotonic()
-            if self.make_one(evaluate):
-                made += 1
-            elif not to_the_end or len(self.complete()) >= self.total:
+            if since >= free // FEW:
+                free, since = self.free(), 0
+            if free and self._made(evaluate):
+                made, since = made + 1, since + 1
+                continue
+            free = 0
+            if not to_the_end or len(self.complete()) >= self.total:
                 return made
-            else:
-                time.sleep(POLL)  # the last ones are being made by others
+            time.sleep(POLL)  # the last ones are being made by others
 
     def make_one(self, evaluate: Evaluate) -> bool:
         """Make one trial; False where there is none to be made now."""
+        return self.free() > 0 and self._made(evaluate)
+
+    def free(self) -> int:
+        """How many trials nobody has begun, or somebody lost."""
+        with told(self.url):
+            states = [t.state.name for t in self.known() if t.state.name != "FAIL"]
+        return max(self.total - len(states), 0) + states.count("WAITING")
+
+    def _made(self, evaluate: Evaluate) -> bool:
         trial = self._asked()
         if trial is None:
             return False
@@ -97,8 +112,9 @@ class Trials:
             with self._alive(trial):
                 value = evaluate(trial)
         except BaseException as error:
+            again = self.marked or not isinstance(error, Exception)
             with contextlib.suppress(DatabaseError):  # then it is looked after as lost
-                self._give_back(trial, again=not isinstance(error, Exception))
+                self._give_back(trial, again=again)
             raise
         self._tell(trial, value)
         return True
@@ -121,11 +137,8 @@ class Trials:
             _queue(self.study, marks)
 
     def _asked(self) -> "optuna.Trial | None":
-        """A trial of the total; None where all are finished or worked on."""
+        """A trial of the total; None where others have asked for the last at the same moment."""
         with told(self.url):
-            states = [t.state.name for t in self.known() if t.state.name != "FAIL"]
-            if len(states) >= self.total and "WAITING" not in states:
-                return None
             trial = self.study.ask()
             counts = trial.number < self.total or self._lower(trial.number) < self.total
         if counts and (trial.user_attrs or not self.marked):
@@ -134,7 +147,7 @@ class Trials:
         return None
 
     def _lower(self, number: int) -> int:
-        """How many trials of lower numbers count; others may have asked at the same moment."""
+        """How many trials of lower numbers count."""
         return sum(t.state.name != "FAIL" for t in self.known() if t.number < number)
 
     def _tell(self, trial: "optuna.Trial", value: float) -> None:

@@ -1,0 +1,80 @@
+"""``python -m benchmarks.killed_runs``: runs that are killed at any moment, and go on.
+
+One run is left alone. Others are killed by SIGKILL at random moments between their first and their
+last second, and gone on with by ``--resume``, or begun where nothing was saved. Their descents must
+end where those of the first did, to the bit; their samplers must have made as many trials.
+"""
+
+import argparse
+import json
+import random
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+WORDS = ("seconds=0.2", "cutoff_hz=50", "grid=2", "starts=2", 'solvers=["l-bfgs-b", "tpe"]')
+"""A small run: descents and a sampler on two sensors."""
+CODE = "import sys; from tuner.cli import invoke; sys.exit(invoke(sys.argv[1:]))"
+
+
+def command(out: Path, *more: str) -> list[str]:
+    """The run into a folder."""
+    sets = [word for each in WORDS for word in ("--set", each)]
+    run = ["run", "kownacki2010", *sets, "--jobs", "1", "--out", str(out), *more]
+    return [sys.executable, "-c", CODE, *run]
+
+
+def found(out: Path) -> dict[str, Any]:
+    """What has to be the same: points of descents, and how many trials samplers made."""
+    solutions = json.loads((out / "result.json").read_text())["solutions"]
+    return {
+        f"{each['problem']} {each['solver']}": each["evaluations"]
+        if each["solver"] == "tpe"
+        else (each["z"], each["value"], each["status"], each["evaluations"])
+        for each in solutions
+    }
+
+
+def disturbed(folder: Path, times: int, whole: float, seed: int) -> Iterator[tuple[float, Path]]:
+    """Runs that were killed after so many seconds, and went on."""
+    dice = random.Random(seed)
+    for i in range(times):
+        out, moment = folder / f"{i}", dice.uniform(0.0, whole)
+        run = subprocess.Popen(command(out), **_QUIET)
+        time.sleep(moment)
+        run.kill()
+        run.wait()
+        if not (out / "study.toml").exists():
+            subprocess.run(command(out), check=False, **_QUIET)
+        elif (out / "progress.json").exists() or not (out / "result.json").exists():
+            subprocess.run(command(out, "--resume"), check=False, **_QUIET)
+        yield moment, out
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Kill, go on and compare; 0 where all are equal."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--times", type=int, default=40)
+    parser.add_argument("--seed", type=int, default=0, help="of the moments")
+    asked = parser.parse_args(arguments)
+    equal = 0
+    with tempfile.TemporaryDirectory() as folder:
+        begun = time.monotonic()
+        subprocess.run(command(Path(folder) / "whole"), check=False, **_QUIET)
+        whole, expected = time.monotonic() - begun, found(Path(folder) / "whole")
+        for moment, out in disturbed(Path(folder), asked.times, whole, asked.seed):
+            same = (out / "result.json").exists() and found(out) == expected
+            equal += same
+            print(f"killed after {moment:.2f} s of {whole:.2f}: {'equal' if same else 'DIFFERS'}")
+    print(f"{equal} of {asked.times} equal to the undisturbed run")
+    return 0 if equal == asked.times else 1
+
+
+_QUIET: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+
+if __name__ == "__main__":
+    sys.exit(main())
