@@ -215,7 +215,7 @@ def test_json_holds_the_fit_section(run):
 
 def test_its_report_shows_the_signal(run):
     kept = read_kept(run)
-    names = ["signal_0", "innovations", "nis", "whiteness", "spread", "objective"]
+    names = ["signal_0", "spectrum_z", "innovations", "nis", "whiteness", "spread", "objective"]
     assert [picture.name for picture in kept.pictures] == names
     band, measured, before, tuned = kept.pictures[0].lines
     assert [line.label for line in (measured, before, tuned)] == ["measured", "before", "tuned"]
