@@ -129,7 +129,7 @@ def test_lines_end_where_columns_say(monkeypatch, capsys, here):
 
 
 def test_progress_without_a_terminal(monkeypatch, capsys):
-    monkeypatch.setattr(progress, "EVERY", 0.01)
+    monkeypatch.setenv("TUNER_PROGRESS", "0.01")
     checked = []
     with progress.progress(lambda: checked.append(True)) as report:
         report("level: l-bfgs-b", 1, 3)
@@ -140,6 +140,13 @@ def test_progress_without_a_terminal(monkeypatch, capsys):
     with progress.planning():
         time.sleep(0.05)
     assert "0 s: reading and planning\n" in capsys.readouterr().err
+    monkeypatch.setenv("TUNER_PROGRESS", "0")
+    with progress.planning():
+        time.sleep(0.05)
+    assert capsys.readouterr().err == ""
+    monkeypatch.setenv("TUNER_PROGRESS", "often")
+    with pytest.raises(ValueError, match=r"^TUNER_PROGRESS is 'often'; give seconds"):
+        progress.planning().__enter__()
 
 
 def test_the_dashboard(cli, run, monkeypatch):

@@ -299,7 +299,7 @@ def test_pictures_say_what_they_show(run):
     table = (run / "figures" / "local_level_innovations.csv").read_text().splitlines()
     assert table[0] == "label,x,y"
     labels = {line.split(",")[0] for line in table[1:]}
-    assert labels == {"innovation", "95 of 100 lie within", ""}
+    assert labels == {"innovation", "95 % expected"}
     rows = np.array([line.split(",")[1:] for line in table if line.startswith("innov")], float)
     inside = np.mean(np.abs(rows[:, 1]) < 2)
     assert 0.92 < inside < 0.98  # 399 numbers of 95.4 %: a deviation of 1 %
