@@ -1,6 +1,8 @@
 """What a finished run shows again; settings; how wide tables are; progress without a terminal."""
 
 import json
+import os
+import subprocess
 import sys
 import time
 from types import SimpleNamespace
@@ -172,3 +174,15 @@ def test_the_dashboard(cli, run, monkeypatch):
         ("sqlite:///out/trials.sqlite3", {**here, "port": 9000}),
         ("sqlite:///x.db", {**here, "port": 8080}),
     ]
+
+
+def test_a_shell_completes_commands():
+    asked = {"_TUNER_COMPLETE": "complete_bash", "COMP_WORDS": "tuner re", "COMP_CWORD": "1"}
+    ran = subprocess.run(
+        [sys.executable, "-c", "from tuner.cli import main; main()"],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, **asked},
+    )
+    assert (ran.returncode, ran.stdout.split()) == (0, ["report"])
