@@ -54,7 +54,7 @@ def spectra(
         lines=(Line("measured", f[rows], before[rows]), Line("tuned", f[rows], after[rows])),
         log="xy",
     )
-    note = "Power densities by Welch's method; half the power passes where the curves part."
+    note = "Power densities by Welch's method. At that frequency half of the power passes."
     yield Shown("signal", chart, note)
 
 
