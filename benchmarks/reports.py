@@ -60,9 +60,9 @@ def looked_at(browser, file, view, asked):
     found = []
     page.on("console", lambda said: found.append(f"console: {said.text}"))
     page.on("pageerror", lambda error: found.append(f"error: {error}"))
-    page.on("request", lambda request: found.append(f"fetches {request.url[:60]}"))
-    page.goto(file.resolve().as_uri())
-    found = found[1:] if found and found[0].startswith("fetches file:") else found
+    own = file.resolve().as_uri()
+    page.on("request", lambda one: one.url != own and found.append(f"fetches {one.url[:60]}"))
+    page.goto(own)
     if over := page.evaluate("document.documentElement.scrollWidth - innerWidth"):
         found.append(f"{over} pixels stick out")
     if small := page.evaluate(_SMALL):

@@ -21,6 +21,8 @@ os.environ.setdefault("XLA_FLAGS", " ".join(QUICKLY))
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # Tables are as wide as where nobody tells how wide; pytest-xdist does.
 os.environ.pop("COLUMNS", None)
+# Nor are there lines of progress where a test takes long.
+os.environ["TUNER_PROGRESS"] = "0"
 
 # Tracing makes many small objects that live: to look through all of them for circles after every
 # 700 new ones takes a tenth of the time.

@@ -1,6 +1,8 @@
 """What a finished run shows again; settings; how wide tables are; progress without a terminal."""
 
 import json
+import os
+import subprocess
 import sys
 import time
 from types import SimpleNamespace
@@ -129,7 +131,7 @@ def test_lines_end_where_columns_say(monkeypatch, capsys, here):
 
 
 def test_progress_without_a_terminal(monkeypatch, capsys):
-    monkeypatch.setattr(progress, "EVERY", 0.01)
+    monkeypatch.setenv("TUNER_PROGRESS", "0.01")
     checked = []
     with progress.progress(lambda: checked.append(True)) as report:
         report("level: l-bfgs-b", 1, 3)
@@ -140,6 +142,13 @@ def test_progress_without_a_terminal(monkeypatch, capsys):
     with progress.planning():
         time.sleep(0.05)
     assert "0 s: reading and planning\n" in capsys.readouterr().err
+    monkeypatch.setenv("TUNER_PROGRESS", "0")
+    with progress.planning():
+        time.sleep(0.05)
+    assert capsys.readouterr().err == ""
+    monkeypatch.setenv("TUNER_PROGRESS", "often")
+    with pytest.raises(ValueError, match=r"^TUNER_PROGRESS is 'often'; give seconds"):
+        progress.planning().__enter__()
 
 
 def test_the_dashboard(cli, run, monkeypatch):
@@ -165,3 +174,15 @@ def test_the_dashboard(cli, run, monkeypatch):
         ("sqlite:///out/trials.sqlite3", {**here, "port": 9000}),
         ("sqlite:///x.db", {**here, "port": 8080}),
     ]
+
+
+def test_a_shell_completes_commands():
+    asked = {"_TUNER_COMPLETE": "complete_bash", "COMP_WORDS": "tuner re", "COMP_CWORD": "1"}
+    ran = subprocess.run(
+        [sys.executable, "-c", "from tuner.cli import main; main()"],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, **asked},
+    )
+    assert (ran.returncode, ran.stdout.split()) == (0, ["report"])

@@ -215,7 +215,7 @@ def test_json_holds_the_fit_section(run):
 
 def test_its_report_shows_the_signal(run):
     kept = read_kept(run)
-    names = ["signal_0", "innovations", "nis", "whiteness", "spread", "objective"]
+    names = ["signal_0", "spectrum_z", "innovations", "nis", "whiteness", "spread", "objective"]
     assert [picture.name for picture in kept.pictures] == names
     band, measured, before, tuned = kept.pictures[0].lines
     assert [line.label for line in (measured, before, tuned)] == ["measured", "before", "tuned"]
@@ -299,7 +299,7 @@ def test_pictures_say_what_they_show(run):
     table = (run / "figures" / "local_level_innovations.csv").read_text().splitlines()
     assert table[0] == "label,x,y"
     labels = {line.split(",")[0] for line in table[1:]}
-    assert labels == {"innovation", "95 of 100 lie within", ""}
+    assert labels == {"innovation", "95 % expected"}
     rows = np.array([line.split(",")[1:] for line in table if line.startswith("innov")], float)
     inside = np.mean(np.abs(rows[:, 1]) < 2)
     assert 0.92 < inside < 0.98  # 399 numbers of 95.4 %: a deviation of 1 %

@@ -160,6 +160,8 @@ def test_a_wheel_holds_types_and_names(tmp_path):
     held = {path.relative_to(tmp_path / "site").as_posix() for path in tmp_path.rglob("site/*/*")}
     packages = ("filters", "objectives", "studies", "tuner")
     assert {*(f"{name}/py.typed" for name in packages), "tuner/__init__.pyi"} <= held
+    parts = {file.name for file in (tmp_path / "site/tuner/report").iterdir()}
+    assert {"page.html.jinja", "page.css", "page.js"} <= parts
     code = (
         "import sys; sys.path.insert(0, 'site'); import tuner; print(tuner.__file__, tuner.Record)"
     )

@@ -1,5 +1,6 @@
 """The command line: results on stdout, everything else on stderr."""
 
+import os
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -13,7 +14,7 @@ app = typer.Typer(
     help="Tunes filters by optimisation: finds Q, R and gains, says how far they can be trusted, "
     "compares them with published values and exports them.",
     rich_markup_mode=None,
-    add_completion=False,
+    add_completion=True,
     pretty_exceptions_enable=False,
 )
 
@@ -440,6 +441,8 @@ def doctor(json: Json = False) -> None:
 
 def main() -> None:
     """Run the command line, with one line on stderr and exit code 2 for what a user can mend."""
+    if "_TUNER_COMPLETE" in os.environ:  # a shell asks how a line may go on
+        app(prog_name="tuner")
     from tuner.cli.leaving import leave
     from tuner.stop import heed, interrupt
 

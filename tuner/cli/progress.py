@@ -1,5 +1,6 @@
 """Progress on stderr: a bar in a terminal, elsewhere a line every ten seconds."""
 
+import os
 import sys
 import threading
 import time
@@ -10,7 +11,7 @@ from tuner.run.pipeline import Progress
 from tuner.shown import plain, shown
 
 EVERY = 10.0
-"""Seconds between two lines."""
+"""Seconds between two lines, where TUNER_PROGRESS says nothing else."""
 _PLANNING = "reading and planning"
 
 
@@ -52,10 +53,13 @@ def _lines(check: Callable[[], None]) -> Iterator[Progress]:
 @contextmanager
 def _every(now: list[str]) -> Iterator[None]:
     """Print what is being done now, every ten seconds, by a thread of its own."""
-    begun, done = time.monotonic(), threading.Event()
+    begun, done, every = time.monotonic(), threading.Event(), _seconds()
+    if every == 0:
+        yield
+        return
 
     def tell() -> None:
-        while not done.wait(EVERY):
+        while not done.wait(every):
             told = f"{time.monotonic() - begun:.0f} s: {shown(now[0])}"
             print(told, file=sys.stderr, flush=True)
 
@@ -66,6 +70,22 @@ def _every(now: list[str]) -> Iterator[None]:
     finally:
         done.set()
         teller.join()
+
+
+def _seconds() -> float:
+    """Between two lines; 0 for none.
+
+    Raises:
+        ValueError: where TUNER_PROGRESS is no number of seconds.
+    """
+    told = os.environ.get("TUNER_PROGRESS", "")
+    try:
+        seconds = float(told) if told else EVERY
+    except ValueError:
+        seconds = -1.0
+    if not 0 <= seconds < float("inf"):
+        raise ValueError(f"TUNER_PROGRESS is {told!r}; give seconds between two lines, 0 for none")
+    return seconds
 
 
 @contextmanager

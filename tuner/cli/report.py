@@ -50,7 +50,8 @@ def _md(run: Path) -> bytes:
     from tuner.report.markdown import markdown
     from tuner.report.write import report_again
 
-    return markdown(report_again(run))
+    folder = run if run.is_dir() else run.parent
+    return markdown(report_again(run), {file.stem for file in folder.glob("figures/*.png")})
 
 
 def _pdf(run: Path) -> bytes:

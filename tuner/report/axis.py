@@ -94,7 +94,7 @@ class Axis:
             inside = [
                 x for x in found if self.low <= x * (1 + 1e-9) and x <= self.high * (1 + 1e-9)
             ]
-            return inside if len(inside) > 1 else _round_steps(self.low, self.high, most)
+            return inside if len(inside) > 3 else _round_steps(self.low, self.high, most)
         step = max(1, math.ceil((high - low) / most))
         first = math.ceil(low / step - 1e-9) * step
         return [10.0**p for p in range(first, math.floor(high + 1e-9) + 1, step)]

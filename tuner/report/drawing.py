@@ -135,7 +135,8 @@ def shapes(lines: Sequence[KeptLine], x: Axis, y: Axis, *, dashed: bool = False)
     order = {"band": 0, "limit": 1, "points": 2, "curve": 3}
     free = (f"c{i % COLOURS}" for i in range(len(lines) + COLOURS))
     taken = {ROLES[line.label] for line in lines if line.label in ROLES}
-    looks = [_look(line, free, taken) for line in lines]
+    bands = (f"c{i % COLOURS}" for i in range(len(lines)))
+    looks = [_look(line, bands if line.drawn == "band" else free, taken) for line in lines]
     curves = [line for line in lines if line.drawn == "curve" and len(line.x) > 1]
     dashes = dashed and 1 < len(curves) <= DASHED
     told = list(zip(lines, looks, strict=True))
@@ -149,11 +150,7 @@ def _look(line: KeptLine, free: Iterator[str], taken: Iterable[str]) -> str:
         return ROLES[line.label]
     if line.drawn == "limit":
         return "muted"
-    if line.drawn == "band":
-        return "c0"
-    if line.label == "innovation":
-        return "c0"
-    return next(look for look in free if look not in taken)
+    return next(look for look in free if look not in taken or line.drawn == "band")
 
 
 def _shape(line: KeptLine, look: str, x: Axis, y: Axis) -> Shape:

@@ -1,6 +1,6 @@
 """A report as Markdown, for an issue, a wiki or a pull request."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 from tuner.report.blocks import Bars, Block, Commands, Listed, Picture, Report, Table, Value, Words
 from tuner.report.write import PAGE
@@ -8,9 +8,14 @@ from tuner.report.write import PAGE
 _SPECIAL = str.maketrans({c: f"\\{c}" for c in "\\`*_{}[]<>#|~!"} | {"\n": " ", "\r": " "})
 
 
-def markdown(report: Report) -> bytes:
-    """The report's words and tables; its pictures by their titles."""
-    return ("\n".join(_lines(report)) + "\n").encode("utf-8", "replace")
+def markdown(report: Report, drawn: Collection[str] = ()) -> bytes:
+    """The report's words and tables.
+
+    Args:
+        report: the report.
+        drawn: names of pictures that are files below ``figures``; others are told by their titles.
+    """
+    return ("\n".join(_lines(report, drawn)) + "\n").encode("utf-8", "replace")
 
 
 def plain(text: str) -> str:
@@ -22,7 +27,7 @@ def plain(text: str) -> str:
     return text.translate(_SPECIAL)
 
 
-def _lines(report: Report) -> Iterator[str]:
+def _lines(report: Report, drawn: Collection[str]) -> Iterator[str]:
     yield f"# {plain(report.title)}"
     yield ""
     if report.about:
@@ -42,7 +47,7 @@ def _lines(report: Report) -> Iterator[str]:
     for section in report.sections:
         yield from (f"## {plain(section.title)}", "")
         for block in section.blocks:
-            yield from _block(block)
+            yield from _block(block, drawn)
     yield plain(report.made)
 
 
@@ -57,7 +62,7 @@ def _value(value: Value) -> list[str]:
     ]
 
 
-def _block(block: Block) -> Iterator[str]:
+def _block(block: Block, drawn: Collection[str]) -> Iterator[str]:
     match block:
         case Words():
             for words in block.paragraphs:
@@ -71,8 +76,12 @@ def _block(block: Block) -> Iterator[str]:
             yield from _table(block.head, rows)
         case Picture():
             drawing = block.drawing
-            yield f"- **{plain(drawing.title)}** {plain(drawing.note)} (picture in {PAGE})"
-            yield ""
+            note = f"{plain(drawing.note)} " if drawing.note else ""
+            if drawing.name in drawn:
+                yield f"**{plain(drawing.title)}** {note}".rstrip()
+                yield from ("", f"![{plain(drawing.told)}](figures/{drawing.name}.png)", "")
+            else:
+                yield from (f"**{plain(drawing.title)}** {note}(picture in {PAGE})", "")
         case Commands():
             yield from ("```sh", *block.lines, "```", "")
         case Bars():

@@ -64,10 +64,10 @@ def unit(text: str) -> str:
 def label(text: str) -> str:
     """Text with raised powers and signs for degrees.
 
-    >>> label("innovation x, m^2/s"), label("rate, deg/s"), label("S 30 deg^2")
-    ('innovation x, m²/s', 'rate, °/s', 'S 30 deg²')
+    >>> label("innovation x, m^2/s"), label("rate, deg/s"), label("0.5 deg"), label("S 30 deg^2")
+    ('innovation x, m²/s', 'rate, °/s', '0.5°', 'S 30 deg²')
     """
-    told = re.sub(r"\bdeg\b(?!\^)", "°", text)
+    told = re.sub(r"(?<=\d) deg\b(?!\^)|\bdeg\b(?!\^)", "°", text)
     return re.sub(r"\^(-?[\d.]+)", lambda found: raised(found[1]), told)
 
 

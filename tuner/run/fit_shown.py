@@ -17,6 +17,7 @@ from tuner.run.front import Against, picture_of, trade
 from tuner.run.innovation_figures import drawn_innovations
 from tuner.run.posed import Posed
 from tuner.run.shown import Shown
+from tuner.run.spectrum_figure import spectra
 from tuner.run.study import Solutions, best
 
 MOST = 4
@@ -56,11 +57,15 @@ def _signals(
         if (found := estimate_of(posed, values, now)) is not None
     }
     refused = getattr(posed.run(tuned), "refused", None)
+    rate = posed.timeline.rate_hz
     for part, name in list(enumerate(now.names))[:MOST]:
         each = {when: estimate[:, part] for when, estimate in estimates.items()}
         channel, values = _channel(posed, now, part)
+        called = name or channel
         wrong = np.zeros(len(values), bool) if refused is None else _part(refused, now, part)
-        yield _signal(now, part, name or channel, each, np.where(wrong, values, np.nan))
+        yield _signal(now, part, called, each, np.where(wrong, values, np.nan))
+        if rate is not None and "tuned" in each and not wrong.any():
+            yield from spectra(called, now.unit, rate, measured=values, tuned=each["tuned"])
 
 
 def _part(array: Any, now: Innovations, part: int) -> np.ndarray:

@@ -43,7 +43,7 @@ def drawn_innovations(before: Innovations, now: Innovations) -> Iterator[Shown]:
     if int(now.counted.sum()) < FEW:
         return
     if now.foretold:
-        yield _nis(windows(before), windows(now))
+        yield _nis(windows(before) if before.counted.any() else None, windows(now))
     yield _correlation(before, now)
     yield _spread(now)
 
@@ -80,7 +80,8 @@ def windows(found: Innovations) -> Windows:
     """The NIS in windows of time, of all recordings one after another by their own clocks."""
     counted = found.counted
     t = np.broadcast_to(found.times[:, :, None], counted.shape)[counted]
-    square = found.normalised[counted] ** 2
+    with np.errstate(over="ignore"):
+        square = found.normalised[counted] ** 2
     order = np.argsort(t, kind="stable")
     count = int(np.clip(len(t) // SMALLEST, 1, WINDOWS))
     parts = np.array_split(order, count)
@@ -93,17 +94,16 @@ def windows(found: Innovations) -> Windows:
     )
 
 
-def _nis(before: Windows, now: Windows) -> Shown:
+def _nis(before: Windows | None, now: Windows) -> Shown:
     from scipy.stats import chi2
 
     low, high = (chi2.ppf(q, now.numbers) / now.numbers for q in (0.025, 0.975))
     inside = int(((now.nis >= low) & (now.nis <= high)).sum())
-    lines = (
-        Line("95 % expected", _to_ends(now), low, drawn="band", upper=high),
-        Line("before", before.times, before.nis),
-        Line("tuned", now.times, now.nis),
-    )
-    values = np.concatenate([before.nis, now.nis])
+    lines = [Line("95 % expected", _to_ends(now), low, drawn="band", upper=high)]
+    lines += [] if before is None else [Line("before", before.times, before.nis)]
+    lines.append(Line("tuned", now.times, now.nis))
+    values = np.concatenate([line.y for line in lines])
+    values = values[np.isfinite(values)]
     wide = bool((values > 0).all() and values.max() / values.min() > 30)
     chart = Chart(
         name="nis",
@@ -111,7 +111,7 @@ def _nis(before: Windows, now: Windows) -> Shown:
         f"{0.95 * len(now.nis):.0f} are expected",
         x_label="time, s",
         y_label="NIS",
-        lines=lines,
+        lines=tuple(lines),
         log="y" if wide else "",
     )
     numbers = int(np.median(now.numbers))
@@ -157,6 +157,8 @@ def _correlation(before: Innovations, now: Innovations) -> Shown:
 
 def _correlations(found: Innovations, lags: int) -> np.ndarray:
     """Over all measurements, by their numbers; ``(lags,)``."""
+    if not found.columns:
+        return np.full(lags, np.nan)
     weights = np.array([len(column) for column in found.columns], float)
     each = [[column.correlation(lag + 1) for lag in range(lags)] for column in found.columns]
     return np.asarray(weights @ np.array(each) / weights.sum())

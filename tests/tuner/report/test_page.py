@@ -169,6 +169,8 @@ def test_markdown_holds_the_same_words(tmp_path):
     assert text.startswith("# Level on log.csv\n")
     assert "| q | **0.146 Pa²/s** | 0.0700 to 0.300 (95 %) |  |" in text
     assert f"(picture in {PAGE})" in text
+    drawn = markdown(report_of(made.result(), made.kept(), tmp_path), {"runs"}).decode()
+    assert "](figures/runs.png)\n" in drawn
     assert not re.search(r"(?<!\\)<", text)
     heads = [line for line in text.splitlines() if line.startswith("|---")]
     assert len(heads) > 4

@@ -1,0 +1,64 @@
+"""What a filter lets through: the spectra of a measurement and of its estimate."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from tuner.run.figure import Chart, Line
+from tuner.run.shown import Shown
+
+FEW = 256
+"""Samples at least; fewer have no spectrum worth a look."""
+SEGMENT = 1024
+LINES = 300
+"""Of a curve, at equal distances of the frequency's logarithm."""
+
+
+def spectra(
+    name: str, unit: str, rate_hz: float, *, measured: np.ndarray, tuned: np.ndarray
+) -> Iterator[Shown]:
+    """The spectra of both; nothing where samples are missing or few.
+
+    Args:
+        name: of the measurement.
+        unit: of both.
+        rate_hz: samples per second.
+        measured: the measurement, ``(N,)``.
+        tuned: its estimate.
+    """
+    there = np.isfinite(measured) & np.isfinite(tuned)
+    if len(measured) < FEW or not there.all() or not np.ptp(measured) > 0:
+        return
+    from scipy.signal import welch
+
+    length = min(SEGMENT, len(measured) // 4)
+    f, before = welch(measured, rate_hz, nperseg=length)
+    _, after = welch(tuned, rate_hz, nperseg=length)
+    f, before, after = f[1:], before[1:], after[1:]
+    if not (before > 0).all() or not (after > 0).all():
+        return
+    passed = _smooth(after) / _smooth(before)
+    below = np.flatnonzero(passed < 0.5)
+    title = "The filter follows all that is measured"
+    if len(below):
+        title = f"The filter follows up to {f[below[0]]:.2g} Hz and smooths what is faster"
+    rows = np.unique(np.searchsorted(f, np.geomspace(f[0], f[-1], LINES)).clip(0, len(f) - 1))
+    called = name or "measurement"
+    whole = f"({unit})" if set(unit) & set("/*^ ") else unit
+    squared = f", {whole}^2/Hz" if unit else ""
+    chart = Chart(
+        name=f"spectrum_{called}",
+        title=title,
+        x_label="frequency, Hz",
+        y_label=f"density of {called}{squared}",
+        lines=(Line("measured", f[rows], before[rows]), Line("tuned", f[rows], after[rows])),
+        log="xy",
+    )
+    note = "Power densities by Welch's method. At that frequency half of the power passes."
+    yield Shown("signal", chart, note)
+
+
+def _smooth(values: np.ndarray) -> np.ndarray:
+    """Means over five neighbours."""
+    wide = np.pad(values, 2, mode="edge")
+    return np.convolve(wide, np.full(5, 0.2), mode="valid")
