@@ -16,14 +16,18 @@ Before = dict[int, Callable[[int, FrameType | None], object] | int | None]
 def heed(heard: Heard) -> Before:
     """Have a function called on each of the signals; what was called before is returned.
 
-    A signal that is ignored stays so: ``nohup`` asks for that.
+    SIGHUP that is ignored stays so: ``nohup`` asks for that.
     """
     before: Before = {}
     for name in NAMES:
         number = getattr(signal, name, None)  # no SIGHUP on Windows
-        if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
+        if number is not None and not (name == "SIGHUP" and _is_ignored(number)):
             before[number] = signal.signal(number, heard)
     return before
+
+
+def _is_ignored(number: int) -> bool:
+    return signal.getsignal(number) is signal.SIG_IGN
 
 
 def interrupt(_signal: int, _frame: FrameType | None) -> None:
