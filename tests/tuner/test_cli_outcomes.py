@@ -300,7 +300,7 @@ def test_samplers_of_one_run_share_its_database(cli, here, offer):
         return Sampler(name, seed=seed, storage=storage, trials=2)
 
     offer(toy_study(solver=few))
-    words = ("--set", 'solvers=["cma-es", "tpe"]', "--jobs", 4, "--out", "out")
+    words = ("--set", 'solvers=["cma-es", "tpe"]', "--out", "out")
     code, _, err = cli("run", "toy", *words)
     assert (code, err) == (1, "")
     assert (here / "out" / "trials.sqlite3").is_file()

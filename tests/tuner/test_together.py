@@ -150,7 +150,8 @@ def test_a_run_that_lost_its_database_goes_on(cli, here, offer):
 
 
 def test_jobs_are_processes_that_change_no_number(cli, here):
-    words = ("run", "kownacki2010", *SMALL, "--set", "starts=2", "--set", 'solvers=["l-bfgs-b"]')
+    few = ("--set", "starts=2", "--set", 'solvers=["l-bfgs-b"]', "--claim", "gyro.q_over_r")
+    words = ("run", "kownacki2010", *SMALL, *few)
     assert cli(*words, "--jobs", 2, "--out", "two")[0] in (0, 1)
     assert cli(*words, "--jobs", 1, "--out", "one")[0] in (0, 1)
     one, two = (read_result(here / out) for out in ("one", "two"))

@@ -124,6 +124,21 @@ def _model_steps(slope: np.ndarray, curved: Spectrum) -> Iterator[np.ndarray]:
     yield curved.directions @ np.divide(along, safe, out=np.zeros_like(along), where=safe > 0)
 
 
+def _bends_too_late(
+    trial: _Trial, z: np.ndarray, slope: np.ndarray, held: Held, curved: Spectrum
+) -> bool:
+    """Whether the slope half-way to where the curvature has it vanish is still the whole one.
+
+    Differences over a step that a kink lies within make a curvature of it.
+    """
+    for step in _model_steps(slope, curved):
+        if 0 < np.abs(step).max() < 2 * FINE:
+            _, gradient = trial.problem.value_and_gradient(trial.clipped(z - step / 2))
+            half = held.tangent @ (held.tangent.T @ (gradient / trial.yard.unit))
+            return bool(np.linalg.norm(half - slope / 2) > np.linalg.norm(slope) / 4)
+    return False
+
+
 def _roughness(
     trial: _Trial, z: np.ndarray, slope: np.ndarray, held: Held, curved: Spectrum
 ) -> tuple[bool, bool]:
@@ -133,6 +148,8 @@ def _roughness(
     size = float(np.linalg.norm(slope))
     if not size * FINE > 1e-3 * trial.yard.negligible:
         return False, False
+    if _bends_too_late(trial, z, slope, held, curved):
+        return True, False
     down = -slope / size
     bend = float(down @ curved.hessian @ down) if curved.hessian is not None else 0.0
     near, nearer = (trial.rise(trial.clipped(z + far * down)) for far in (FINE, FINE / 10))
