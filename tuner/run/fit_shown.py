@@ -9,6 +9,7 @@ from filters.declared import bare, channel_facts
 from tuner.certificate.solution import Status
 from tuner.diagnostics import Innovations
 from tuner.run.diagnosed import innovations_of
+from tuner.run.estimate_figures import estimates
 from tuner.run.figure import Chart, Line
 from tuner.run.fit_figures import figures
 from tuner.run.fit_plot import estimate_of
@@ -37,6 +38,8 @@ def shown_of(posed: Posed, solutions: Solutions, against: Against | None) -> Ite
     if "innovation" in channel_facts(bare(posed.problem.filter), "outputs"):
         begun = posed.problem.parameters(posed.problem.space.start())
         before, now = innovations_of(posed, begun), innovations_of(posed, tuned)
+        if now.levels is None and not posed.output:
+            yield from estimates(posed, begun, tuned, MOST)
         yield from _signals(posed, begun, tuned, now)
         yield from drawn_innovations(before, now)
     yield from surface(posed.problem, solution)
