@@ -1,4 +1,4 @@
-"""What a complementary filter does to the errors of its sensors, over frequency and in variance.
+"""Errors of a complementary filter due to its sensors, over frequency and in variance.
 
 The filter follows a rate, and is drawn to a measured angle by K1 times the difference and by K1 K2
 times its integral (:class:`filters.PiComplementary`). Its error is then
@@ -95,7 +95,7 @@ class ComplementaryLoop(NamedTuple):
         return jnp.stack([fast, self.K1 * self.K2 / fast], axis=-1)
 
     def transfer(self, omega: Array) -> Transfer:
-        """What is left of sinusoidal errors, omega in rad/s, broadcast against the gains.
+        """Transfer of sinusoidal errors, omega in rad/s, broadcast against the gains.
 
         >>> both = ComplementaryLoop.critical(jnp.array(40.0)).transfer(jnp.array(0.0))
         >>> [float(abs(part)) for part in both]
@@ -123,11 +123,11 @@ class ComplementaryLoop(NamedTuple):
         return jnp.where(self._stable, white + drift, jnp.inf)
 
     def bias_error(self, bias: Array) -> Array:
-        """What a constant error of the rate leaves, rad: nothing, or bias / K1 where K2 = 0."""
+        """The steady error due to a constant rate bias, rad: 0, or bias / K1 where K2 = 0."""
         return jnp.where(jnp.asarray(self.K2) > 0, 0.0, bias / self.K1)
 
     def ramp_error(self, slope: Array) -> Array:
-        """What an error of the rate that grows by slope rad/s^2 leaves, rad, (8); see K2 = 0."""
+        """The steady error due to a rate error growing by slope rad/s^2, rad, (8); see K2 = 0."""
         second = jnp.asarray(self.K2) > 0
         left = slope / (self.K1 * jnp.where(second, self.K2, 1.0))
         return jnp.where(second, left, jnp.where(slope == 0, 0.0, jnp.sign(slope) * jnp.inf))

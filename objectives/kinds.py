@@ -1,4 +1,4 @@
-"""What an objective's value is, which decides how far a number can be trusted.
+"""Kinds of objective: they decide how far a value can be trusted.
 
 A likelihood counts in nats that add up over the numbers of a record, so that a difference has a
 meaning of its own. A mean square is a mean over samples whose scatter can be seen. Of any other
@@ -23,7 +23,7 @@ class Additive(Protocol):
     kind: Kind
 
     def added(self, output: Any, truth: Any) -> tuple[Array, Array]:
-        """What each number adds to the sum, and whether it counts: of one shape, ``(...,)``."""
+        """Each number's term of the sum, and whether it counts: of one shape, ``(...,)``."""
         ...
 
 

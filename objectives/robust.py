@@ -41,7 +41,7 @@ class PartlyWrong:
     share: float = 1e-3
 
     def added(self, output: Any, wanted: Array) -> tuple[Array, Array]:
-        """What each number adds, nats, and whether it counts, ``(m,)``."""
+        """Each number's term, nats, and whether it counts, ``(m,)``."""
         seen = wanted & (output.foretold != 0)
         s = jnp.where(seen, output.foretold, 1.0)
         right = log(1 - self.share) - (output.offered**2 / s + jnp.log(s) + log(2 * pi)) / 2
@@ -71,7 +71,7 @@ class HeavyTails:
     nu: float = 4.0
 
     def added(self, output: Any, wanted: Array) -> tuple[Array, Array]:
-        """What each number adds, nats, and whether it counts, ``(m,)``."""
+        """Each number's term, nats, and whether it counts, ``(m,)``."""
         seen = wanted & (output.foretold != 0)
         s = jnp.where(seen, output.foretold, 1.0)
         k = jnp.cumsum(seen) - seen  # those before it

@@ -1,4 +1,4 @@
-"""What an objective is, and how a filter is scored by one."""
+"""Objectives, and the score of a filter by one."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -45,7 +45,7 @@ Build: TypeAlias = Callable[[Array], Any]
 
 
 class Data(NamedTuple):
-    """What a filter is scored on.
+    """The data that a filter is scored on.
 
     Attributes:
         inputs: the filter's inputs, a pytree whose leaves have time first, ``(N, ...)``.
@@ -183,7 +183,7 @@ class _Adding:
 def contributions(
     filter: AnyFilter, objective: Additive, params: Any, data: Data
 ) -> tuple[Array, Array]:
-    """What each sample adds to an objective, and how many of its numbers count.
+    """Contribution of each sample to an objective, and the number of terms that count.
 
     Args:
         filter: the filter.

@@ -16,7 +16,7 @@ from objectives.welch import Welch
 
 
 class Reading(Enum):
-    """What the second integral of (10) is taken over."""
+    """The integrand of the second integral of (10)."""
 
     R1 = "power spectral density of the whole output, step included: (10) to the letter"
     R2 = "power spectral density of the output's noise alone"
@@ -43,7 +43,7 @@ class StepCost(NamedTuple):
 
 
 class StepTruth(NamedTuple):
-    """What each sample is held against, ``(N,)`` each.
+    """The reference of each sample, ``(N,)`` each.
 
     Attributes:
         step: the step signal S.

@@ -1,11 +1,11 @@
-"""What makes matrices a covariance, and covariances and dynamics a linear system."""
+"""Checks that matrices are a covariance, and covariances and dynamics a linear system."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 ROUNDING = 1e-9
-"""What rounding, or a few printed digits, may leave where each variance is 1."""
+"""Tolerance for rounding, or few printed digits, where each variance is 1."""
 SINGULAR = 1e-12
 """An eigenvalue below it is none, where each variance is 1."""
 

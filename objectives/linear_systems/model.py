@@ -119,7 +119,7 @@ class LinearSystem:
         return solve(jnp.asarray(self.A - L @ self.C), self._driving(L))
 
     def _driving(self, L: Array | np.ndarray) -> Array:
-        """What drives the error: w - L v, ``(n, n)``."""
+        """Covariance of the noise that drives the error, w - L v, ``(n, n)``."""
         shared = self.S @ L.T
         return jnp.asarray(self.W + L @ self.V @ L.T - shared - shared.T)
 

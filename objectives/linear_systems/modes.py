@@ -53,7 +53,7 @@ class Mode(NamedTuple):
 
 
 class Reduction(NamedTuple):
-    """What is left of a system.
+    """A system reduced to some of its states.
 
     Attributes:
         T: orthonormal basis of the states that are left, ``(n, r)``.

@@ -1,4 +1,4 @@
-"""What of a linear model shows in its measurements, and what its noise drives, as subspaces.
+"""Unobservable and undriven subspaces of a linear model.
 
 Decisions are taken in units in which the entries of the model are alike, so the units of states
 and of time do not decide.
@@ -33,7 +33,7 @@ class Subspace(NamedTuple):
 
 
 def unobservable(system: LinearSystem) -> Subspace:
-    """What shows in no measurement, dying out or not.
+    """The unobservable subspace, decaying modes included.
 
     >>> A, C = [[-1.0, 0.0], [0.0, -2.0]], [[1.0, 0.0]]
     >>> found = unobservable(LinearSystem(A, C, np.eye(2), [[1.0]]))
@@ -47,12 +47,12 @@ def unobservable(system: LinearSystem) -> Subspace:
 
 
 def unseen(system: LinearSystem) -> Subspace:
-    """What does not die out and shows in no measurement."""
+    """The undetectable subspace: unobservable, and not decaying."""
     return _lasting(system.A, system.C, system.discrete, grows=True)
 
 
 def undriven(system: LinearSystem) -> Subspace:
-    """What no noise drives and neither grows nor dies out: combinations y = scaled / scale."""
+    """Neutral modes that no noise drives: combinations y = scaled / scale."""
     values, basis, scale = _lasting(system.A.T, system.W, system.discrete, grows=False)
     return Subspace(values, basis, 1 / scale)
 

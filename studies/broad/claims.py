@@ -1,4 +1,4 @@
-"""What was reached, beside other filters and what others publish: by claims."""
+"""The results beside other filters and published ones, by claims."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -124,7 +124,7 @@ def _lead(case: Case, solutions: Solutions) -> Comparison:
 
 
 def claims_of(case: Case) -> tuple[Claim, ...]:
-    """What these trials can decide."""
+    """The claims that these trials can decide."""
     left_out = (fold_name("*"),)
     found = [Claim("inclination_loo_deg", mean_left_out, left_out)] if case.folds else []
     found += claims_held_out(case)

@@ -99,7 +99,7 @@ SPACES = _PLAIN | {
     f"{name}_lead": Space((*_PLAIN[name].parameters, ("lead", replace(LEAD, unit="s"))))
     for name in _OTHERS
 }
-"""What is tuned, and where it begins: round numbers, or the gains published for the benchmark.
+"""Tuned parameters and their start values: round numbers, or the benchmark's published gains.
 
 room and those that end in _lead are given the sensor's delay back; the others, room_now among
 them, give the attitude of the last sample, whatever that delay.

@@ -113,7 +113,7 @@ def _skew(v: np.ndarray) -> np.ndarray:
 
 
 def _felt(force: np.ndarray, arm: np.ndarray) -> np.ndarray:
-    """What a reading is made of, ``(3, n, 15)``: each axis' matrix and bias, and an arm."""
+    """Regressors of a reading, ``(3, n, 15)``: each axis' matrix and bias, and an arm."""
     known = np.concatenate([force, np.ones((len(force), 1))], axis=1)
     own = np.kron(np.eye(3), known).reshape(3, len(force), 12)
     return np.concatenate([own, arm.transpose(1, 0, 2)], axis=2)

@@ -13,7 +13,7 @@ from tuner.run.comparison import Comparison, claim, undecided
 from tuner.run.study import Solutions, best, tuned_values
 
 REACH = 0.70
-"""What a filter of this project has to reach on trials that it was not tuned on, deg."""
+"""The error that a filter of this project has to reach on held-out trials, deg."""
 PACKAGE = "the package vqf is not installed: it comes with the extra 'peers'"
 
 
@@ -43,7 +43,7 @@ def needed(case: Case, name: str) -> tuple[str, ...]:
 
 
 def room(case: Case, solutions: Solutions, name: str) -> Room:
-    """What a filter of that name is held against."""
+    """The errors that a filter of that name is compared with."""
     own = room_of(name)
     said = "the room filter" if has_lead(own) else "the room filter without a lead"
     if case.folds:
@@ -131,7 +131,7 @@ def of_vqf(case: Case, solutions: Solutions, *, state: str) -> Comparison:
 
 
 def vqf_name(state: str) -> str:
-    """What VQF is called, as far as it has a lead."""
+    """The name of VQF, with or without a lead."""
     return "vqf_lead" if "lead" in state else "vqf"
 
 

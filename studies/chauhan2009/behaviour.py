@@ -1,4 +1,4 @@
-"""What is said of a record: how large errors of the pitch are after a step, and for how long."""
+"""Behaviour after a step: how large errors of the pitch are, and for how long."""
 
 from typing import NamedTuple
 
@@ -26,7 +26,7 @@ class Behaviour(NamedTuple):
 
 
 def behaviour(pitch: np.ndarray, found: Records, settings: Settings, step: float) -> Behaviour:
-    """What is said of estimates.
+    """Peak, settling, ripple and offset of estimates after a step.
 
     Args:
         pitch: estimated, rad, ``(N, k)``.

@@ -46,7 +46,7 @@ class Records(NamedTuple):
 
     @property
     def source(self) -> Source:
-        """What was made up."""
+        """A description of the simulated records."""
         gyr = np.asarray(self.inputs.gyr)
         return Source.simulated(f"{gyr.shape[1]} simulated pitch steps", [gyr], 1 / DT)
 

@@ -104,7 +104,7 @@ OBJECTIVE = OverRecords(PitchRmse(round(BEFORE / DT)))
 
 
 def space(law: str, noise: float) -> Space:
-    """What is tuned; of the constant law not R as well, which would only scale everything.
+    """The tuned parameters; R of the constant law is held, for it would only scale everything.
 
     Args:
         law: "constant", "fuzzy", or "edge", the fuzzy one with h.
@@ -140,7 +140,7 @@ def tuning_records(settings: Settings, count: int, seed: int) -> Records:
 
 
 def filters(settings: Settings) -> dict[str, tuple[str, GpsAidedKalman]]:
-    """What is tuned, by problem: the law's name in :func:`space`, and the filter."""
+    """The tuned filters by problem: the law's name in :func:`space`, and the filter."""
     found = {"constant": ("constant", CONSTANT)}
     for samples in settings.windows:
         found[f"fuzzy_{samples}"] = ("fuzzy", GpsAidedKalman(DT, EVERY, "fuzzy", samples))

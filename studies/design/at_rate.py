@@ -55,7 +55,7 @@ def at_rate(settings: Settings, tuned: Tuned, rate_hz: float, densities: Collect
 
 
 def _notes(settings: Settings, factor: float, rate_hz: float) -> tuple[str, ...]:
-    """What R was taken for, and what it would be otherwise."""
+    """How R was interpreted, and its value in the other interpretation."""
     if factor != 1:
         return (f"R is {factor:.6g} times what was given: a density times the rate",)
     other = rate_hz * (settings.sample_time or 1.0)

@@ -1,4 +1,4 @@
-"""What is said beside the gains: whether the proofs agree with them, one function a claim."""
+"""Checks beside the gains: whether the proofs agree with them, one function a claim."""
 
 from studies.design.problems import Posed
 from tuner.certificate.solution import Solution, Status
@@ -24,7 +24,7 @@ def _riccati_is_least(posed: Posed, solutions: Solutions) -> Comparison:
 
 
 def _undriven(posed: Posed, solutions: Solutions) -> list[Comparison]:
-    """What has no steady state; no row where everything is driven."""
+    """Modes without a steady state; no row where every mode is driven."""
     if not posed.undriven:
         return []
     return [

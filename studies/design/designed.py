@@ -1,4 +1,4 @@
-"""What a design amounts to on the model as it was given: gains, poles, covariance."""
+"""A design expressed for the model as it was given: gains, poles, covariance."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -47,7 +47,7 @@ def _poles(poles: np.ndarray, *, discrete: bool) -> Chart:
 
 
 def _response(designed: Designed, L: np.ndarray) -> Chart:
-    """What an error in each state does to the error that counts."""
+    """Response of the error that counts to an initial error in each state."""
     full = designed.full
     closed = full.A - L @ full.C
     decay = full.decay(L)

@@ -1,4 +1,4 @@
-"""What is programmed of a design: both gains, named as trackers have them where they are one."""
+"""The gains to be programmed, named as trackers have them where they are one."""
 
 from collections.abc import Iterator
 

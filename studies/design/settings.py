@@ -1,4 +1,4 @@
-"""What a user says about a model, and the model that follows."""
+"""The user's description of a model, and the model that follows."""
 
 from typing import Annotated
 

@@ -82,7 +82,7 @@ class Channel:
 
     @property
     def floor(self) -> float:
-        """What the given altitude's error leaves of the bias: Kgh^2 sigma_hr^2 in (5)."""
+        """The bias's variance due to errors of the given altitude: Kgh^2 sigma_hr^2 in (5)."""
         return self.k_gh**2 * self.sigma2_hr
 
     @property

@@ -1,4 +1,4 @@
-"""What is written down for the machine, and how it does there in single precision."""
+"""The exports, and their deviation in single precision."""
 
 from dataclasses import replace
 from functools import partial

@@ -1,4 +1,4 @@
-"""What Ha, Kim and Choi print: numbers in feet and seconds, and formulas."""
+"""Values and formulas printed by Ha, Kim and Choi, in feet and seconds."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""What is posed, and to which solver."""
+"""The problems and their solvers."""
 
 from dataclasses import replace
 

@@ -19,7 +19,7 @@ from tuner.solvers.known import Known
 LONGEST = 1e6
 """Samples of the longest history that is looked through."""
 TARGETS = ("bias", "velocity", "altitude")
-"""What the three gains correct."""
+"""The quantities corrected by the three gains."""
 OF_GAINS = ("1/s^2", "1/s", "")
 """Their units."""
 REPLAY = 2.5

@@ -73,7 +73,7 @@ def _chart(
     chosen: dict[str, KownackiNoise],
     window: tuple[float, float] = (0.0, 1.0),
 ) -> Chart:
-    """What the filter answers to step and record, over a window of the record (from 0 to 1)."""
+    """The filter's response to step and record, over a window of the record (from 0 to 1)."""
     time = np.arange(len(bench.record)) * bench.dt
     first, last = (share * (len(time) - 1) for share in window)
     shown = np.unique(np.linspace(first, last, POINTS).astype(int))

@@ -64,7 +64,7 @@ ACC = Sensor(
 
 
 def channels(settings: object) -> dict[str, Channel]:
-    """What ``--map`` may name: a record of either sensor at rest."""
+    """Channels for ``--map``: a record of either sensor at rest."""
     return {
         "omega": Channel("rad/s", "gyroscope: angular rate"),
         "a": Channel("m/s^2", "accelerometer: acceleration"),

@@ -53,7 +53,7 @@ def channels(settings: Settings) -> dict[str, Channel]:
 
 
 def _notes(rest: Rest) -> Iterator[str]:
-    """What should be known of an axis' numbers."""
+    """Remarks on the numbers of an axis."""
     name, noise, dt = rest.axis.name, rest.noise, 1 / rest.axis.rate_hz
     if not noise.fits:
         yield f"{name}: no part of the Allan curve is white noise, so N and K mean little"

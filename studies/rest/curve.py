@@ -43,7 +43,7 @@ class Limited(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    """What an Allan curve comes to, in the record's unit.
+    """Noise parameters read from an Allan curve, in the record's unit.
 
     Attributes:
         curve: the curve.

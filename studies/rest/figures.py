@@ -44,7 +44,7 @@ def _allan(rest: Rest) -> Chart:
 
 
 def _latency(rest: Rest, K: float | None) -> Chart:
-    """What waiting buys."""
+    """Noise of the output over its latency."""
     axis, dt, scale = rest.axis, rest.dt, rest.axis.scale
     least = dt * float(np.sqrt(rest.R / rest.Q)) if rest.Q > 0 else 0.0
     longest = max(10 * least, 100 * dt) if least else axis.seconds / 3

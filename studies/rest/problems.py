@@ -1,4 +1,4 @@
-"""What is solved for an axis: its noise, and the filter that is asked for."""
+"""The problems of an axis: its noise, and the filter that is asked for."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -194,7 +194,7 @@ def _filter_told(rest: Rest, gain: Array) -> tuple[Quantity, ...]:
 
 
 def _noise_told(rest: Rest, _: object) -> tuple[Quantity, ...]:
-    """What a Kalman filter takes: densities, and variances a sample of the machine."""
+    """Noise parameters of a Kalman filter: densities, and variances per sample on the target."""
     unit, at = rest.axis.unit, f"a sample at {rest.rate_hz:g} Hz"
     return (
         Quantity("noise_density", np.array(rest.white.value), f"{unit}/sqrt(Hz)", "N"),

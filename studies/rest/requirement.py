@@ -1,4 +1,4 @@
-"""What a person knows of a filter, and the gain of x+ = x + K (z - x) that meets it.
+"""A requirement on a filter, and the gain of x+ = x + K (z - x) that meets it.
 
 Exponential smoothing, which is what a local level's Kalman filter becomes, has one gain. All that
 is asked here gets easier with a larger gain, and its noise grows with it, so the least noise has
@@ -72,7 +72,7 @@ class Requirement:
 
     @property
     def most(self) -> float:
-        """What :meth:`measure` may be."""
+        """Upper limit of :meth:`measure`."""
         match self.asked:
             case "settles_s":
                 return self.samples * self.dt
@@ -94,7 +94,7 @@ class Requirement:
 
     @property
     def words(self) -> str:
-        """What is asked, in words."""
+        """The requirement in words."""
         match self.asked:
             case "settles_s":
                 return f"settles to {100 * SETTLED:g} % within {self.value:g} s"

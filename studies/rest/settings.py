@@ -1,4 +1,4 @@
-"""What can be set."""
+"""The settings."""
 
 from typing import get_args
 
@@ -32,6 +32,6 @@ class Settings(StudySettings):
 
     @property
     def requirement(self) -> dict[Asked, float]:
-        """What is asked of the filter, by name; nothing or one."""
+        """The requirement on the filter, by name; empty, or one entry."""
         given = {name: getattr(self, name) for name in REQUIREMENTS}
         return {name: value for name, value in given.items() if value is not None}

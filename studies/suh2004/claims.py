@@ -26,7 +26,7 @@ THETA, PHI = 0, 1
 ALIKE = 0.01
 """Pitch errors count as alike where they differ by less than this share of the roll error."""
 HALF = 0.5
-"""What tuning has to reach on held-out records, over the hand-made parameters."""
+"""The ratio to the hand-made parameters' error that tuning has to reach on held-out records."""
 
 
 def order_in_roll(bench: Bench, solutions: Solutions) -> Comparison:
@@ -149,7 +149,7 @@ def false_alarms(bench: Bench, solutions: Solutions) -> Comparison:
 
 
 def tuned_over_heuristic(bench: Bench, solutions: Solutions) -> Comparison:
-    """What tuning leaves of the hand-made parameters' error, on records that nobody tuned on."""
+    """The share of the hand-made parameters' error that tuning leaves, on held-out records."""
     judged_on = bench.judged_on
     heuristic = held_out("two_step", {}, judged_on)
     reached = {

@@ -42,7 +42,7 @@ class Recordings:
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """What is tuned on and what judges, by the settings of a study.
+    """The records to tune on and to judge by, as a study's settings say.
 
     Attributes:
         settings: the study's.

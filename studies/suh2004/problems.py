@@ -23,7 +23,7 @@ HELD = BY_HAND | {
     "delta": Fixed(HEURISTIC["delta"], meaning="a disturbance is detected above it, held"),
     "gravity": Fixed(BY_HAND["gravity"], unit="g"),
 }
-"""What is held of all three filters.
+"""Held parameters of all three filters.
 
 The error falls with q1 as far as it may go, where rates are what the gyroscopes say. delta is the
 paper's: three records do not determine it (docs/suh2004.md), and for any delta that is held the
@@ -37,7 +37,7 @@ FREE: dict[str, dict[str, Parameter]] = {
     "simple": {"r_nom": R_NOM, "r_big": LARGE},
     "two_step": {"r_nom": R_NOM, "alpha1": Bounded(0.4, 0.0, 1.0), "alpha2": LARGE},
 }
-"""What is tuned of each filter; what is held beside it is the paper's, but for q1."""
+"""Tuned parameters of each filter; those held beside them are the paper's, but for q1."""
 STARTS: dict[str, tuple[dict[str, float], ...]] = {
     "standard": ({"r_nom": 0.1}, {"r_nom": 10.0}, {"r_nom": 100.0}),
     "simple": (

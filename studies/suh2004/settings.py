@@ -1,4 +1,4 @@
-"""What can be set."""
+"""The settings."""
 
 from typing import Literal
 

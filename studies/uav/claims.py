@@ -1,4 +1,4 @@
-"""What the flights say of the filter, one function a claim, with verdicts that are worked out."""
+"""Claims about the filter on the flights, one function each, with computed verdicts."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -252,7 +252,7 @@ def determined(field: Field, solutions: Solutions, *, law: Tuned) -> Iterator[Co
 
 
 def _of_law(law: Tuned) -> Iterator[Claim]:
-    """What is said of one law, tuned."""
+    """The claims about one tuned law."""
     needs = (law,)
     yield Claim(f"uav.nis_*.{law}.*", partial(consistent, law=law), needs)
     yield Claim(f"uav.white_*.{law}.*", partial(white, law=law), needs)

@@ -26,7 +26,7 @@ AGREES = 0.5
 
 
 class Whole(NamedTuple):
-    """What inertial sensors felt on all ticks, those before the first constructed attitude too.
+    """Inertial readings at all ticks, those before the first constructed attitude too.
 
     Attributes:
         force: mean specific force over each tick, forward, right, down, m/s^2, ``(N, 3)``.

@@ -117,7 +117,7 @@ def _gain(
 
 
 def gaps(field: Field, solutions: Solutions) -> Iterator[Comparison]:
-    """What is left to the flight's own optimum."""
+    """The gap to each flight's own optimum."""
     for flight in field.left_out:
         keep = ~flight.glitch
         values = _values(field, flight, solutions, "others")
@@ -135,7 +135,7 @@ def gaps(field: Field, solutions: Solutions) -> Iterator[Comparison]:
 
 
 def claims_held_out(field: Field) -> tuple[Claim, ...]:
-    """What these flights can decide."""
+    """The claims that these flights can decide."""
     found = []
     for how in ("one", "others"):
         if not _flights(field, how):

@@ -95,11 +95,11 @@ class Field:
         return Source.joined(told, [each.source for each in self.flights])
 
     def tuned_outcome(self, flight: Flight, law: Tuned, solutions: Solutions) -> Outcome:
-        """What a law, tuned on the first flight, makes of a flight."""
+        """The outcome of a law on a flight, tuned on the first flight."""
         return self.outcome(flight, law, tuned_values(best(law, solutions)))
 
     def outcome(self, flight: Flight, law: Tuned, values: dict[str, Any]) -> Outcome:
-        """What a law makes of a flight with tuned numbers."""
+        """The outcome of a law on a flight, with tuned values."""
         key = flight.name, law, tuple((k, float(v)) for k, v in values.items())
         if key not in self._outcomes:
             self._outcomes[key] = self._run(flight, law, values)

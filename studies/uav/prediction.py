@@ -38,7 +38,7 @@ class Predicted(NamedTuple):
 
 
 def predicted(flight: Flight, outcome: Outcome) -> Predicted:
-    """What follows from all that is known at a time t0, and from gyroscopes and speed after it.
+    """The prediction from all that is known at a time t0, and from gyroscopes and speed after it.
 
     The last measured attitude is that of t0 - 1 s, for it needs the position at t0. From there on
     gyroscopes less their estimated bias turn it; from t0 on the speed, which the GPS tells, moves

@@ -20,7 +20,7 @@ from tuner.problem.space import Space
 Tuned = Literal["constant", "fuzzy"]
 LAWS: tuple[Tuned, ...] = get_args(Tuned)
 PROCESS = {"constant": "Q", "fuzzy": "floor"}
-"""What a law's free numbers are called: the noise itself, or the least that it may be."""
+"""Names of a law's free parameters: the noise itself, or its lower limit."""
 
 
 @dataclass(frozen=True)
@@ -100,12 +100,12 @@ def problem(flight: Flight, law: Tuned, measured: tuple[Angle, ...]) -> Problem:
 
 
 def fold_name(flight: str) -> str:
-    """What the problem is called that leaves a flight out."""
+    """The name of the problem that leaves a flight out."""
     return f"without_{flight}"
 
 
 def alone_name(flight: str) -> str:
-    """What the problem is called that is tuned on one flight, which is judged by it as well."""
+    """The name of the problem that is tuned on one flight, and judged on the same."""
     return f"alone_{flight}"
 
 
@@ -116,5 +116,5 @@ def start_values(law: Tuned, measured: tuple[Angle, ...]) -> dict[str, Array]:
 
 
 def parameters(flight: Flight, law: Tuned, values: Mapping[str, Array | float]) -> GpsAidedNoise:
-    """What the filter takes on a flight, of tuned numbers."""
+    """The filter's parameters on a flight, from tuned values."""
     return Build(law, tuple(flight.first.tolist()))(values)

@@ -33,11 +33,11 @@ CHANNELS = {
     "speed": Channel("m/s", "by the GPS", ("over ground", "down")),
     "angles": Channel("rad", "the autopilot's, a reference and no truth", ("phi", "theta", "psi")),
 }
-"""What a flight's record holds, each on a clock of its own; there may be no angles."""
+"""Channels of a flight's record, each on a clock of its own; angles are optional."""
 
 
 class Units(NamedTuple):
-    """What accelerometers and gyroscopes are in."""
+    """Units of accelerometers and gyroscopes."""
 
     acc: str = "m/s^2"
     gyr: str = "rad/s"
@@ -51,7 +51,7 @@ class Delays(NamedTuple):
 
 
 class Recording(NamedTuple):
-    """What one flight's files hold: :data:`CHANNELS`, and how late those of the GPS are."""
+    """The content of one flight's files: :data:`CHANNELS`, and the delays of those of the GPS."""
 
     record: Record
     delays: Delays

@@ -1,4 +1,4 @@
-"""What a filter makes of the flights in many runs."""
+"""Errors of a filter on the flights, in many runs."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields
@@ -44,7 +44,7 @@ class Case(NamedTuple):
 
 
 PARAMETERS = ("K1", "K2", "Q_k", "R_k", "P0", "threshold")
-"""What the settings say of the filter."""
+"""The filter's parameters that are settings."""
 
 
 def known(settings: Settings, flight: Flown, start: Start) -> dict[str, Any]:
@@ -56,7 +56,7 @@ def known(settings: Settings, flight: Flown, start: Start) -> dict[str, Any]:
 
 
 def gains(settings: Settings, flight: Flown, start: Start, values: Mapping[str, Any]) -> PiGains:
-    """What the filter takes: what is known, and parameters given by name."""
+    """The filter's parameters: known ones, and those given by name."""
     made: PiGains = assembled(PiComplementary, known(settings, flight, start) | dict(values))
     return made
 
@@ -144,13 +144,13 @@ class Bench:
 
     @cached_property
     def train(self) -> tuple[PiSample, np.ndarray]:
-        """What is tuned on: inputs ``(N, k, ...)`` and truth ``(N, 2)``."""
+        """Training data: inputs ``(N, k, ...)`` and truth ``(N, 2)``."""
         flight = self.flights[self.settings.trajectory]
         errors = sensor_errors(self.settings, self.seed, self.settings.train)
         return measured(flight, errors), flight.truth
 
     def shown(self) -> Iterator[PiSample]:
-        """What the sensors show in all runs: those that are tuned on, and then the others."""
+        """Sensor readings of all runs: those that are tuned on, and then the others."""
         yield self.train[0]
         flight = self.flights[self.settings.trajectory]
         for errors in self._chunks(self.settings.runs):

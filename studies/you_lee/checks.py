@@ -1,4 +1,4 @@
-"""What no filter could make sense of: no attitude in flight, or a switch that never switches."""
+"""Checks of the settings: an attitude in flight, and a switch that can switch."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What the sensors show of the flights: table 1's errors on them."""
+"""Sensor readings of the flights, with the errors of table 1."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -18,7 +18,7 @@ ALL = slice(None)
 
 @dataclass(frozen=True, eq=False)
 class Flown:
-    """What filters start from and are held against; sensors are exact at mid-interval.
+    """Initial values and reference of a flight; exact sensor readings are at mid-interval.
 
     Attributes:
         angles0, velocity0: true ones at the start, rad and ft/s.
@@ -102,7 +102,7 @@ def sensor_errors(settings: Settings, first: int, count: int, part: slice = ALL)
 
 
 def measured(flight: Flown, errors: Errors) -> PiSample:
-    """What the sensors show of a flight in k runs, ``(N, k, ...)``."""
+    """Sensor readings of a flight in k runs, ``(N, k, ...)``."""
     # In NumPy: nothing has to be compiled for so many runs.
     force, rate = np.asarray(flight.sensed.force), np.asarray(flight.sensed.rate)
     u = np.asarray(flight.sensed.velocity)[:, :1]

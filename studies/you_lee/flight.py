@@ -19,7 +19,7 @@ TRAJECTORIES: tuple[Trajectory, ...] = get_args(Trajectory)
 
 
 class Course(NamedTuple):
-    """What is flown.
+    """A trajectory to be flown.
 
     Attributes:
         speed: ft/s.

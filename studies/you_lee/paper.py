@@ -1,4 +1,4 @@
-"""What the paper gives of the filter, and its units."""
+"""The paper's values of the filter, and its units."""
 
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ PER_HOUR = float(np.radians(1.0)) / 3600
 MICRO = 1e-6 * GRAVITY
 """1 ug in ft/s^2."""
 PUBLISHED = {"K1": 0.08, "K2": 0.0125, "Q_k": 2e-9, "R_k": 100.0, "threshold": 2.5e-3}
-"""What the paper gives of the filter."""
+"""The filter's parameters as the paper prints them."""
 PRINTED = 0.07
 """How far a gain with one printed digit, .08, may be off by rounding."""
 MISREAD = (("K1", 0.05),)

@@ -29,7 +29,7 @@ AIDS: dict[str, Aid] = {
 """The filter that each problem tunes."""
 HELD = {"angles0": "rad", "gravity": "ft/s^2"}
 AIDED = {"R_k": "(ft/s)^2", "threshold": "rad/s", "x0": "ft/s", "P0": "(ft/s)^2"}
-"""What is not tuned, of any filter and of the velocity filter, with its unit."""
+"""Parameters that are not tuned, of any filter and of the velocity filter, with their units."""
 
 
 def with_gains(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -50,7 +50,7 @@ def build(values: dict[str, Array]) -> PiGains:
 
 
 def derived(values: dict[str, Array]) -> dict[str, Array]:
-    """What the gains stand for."""
+    """Gains, damping and natural frequency that follow from tuned parameters."""
     params = build(values)
     return {"K1": params.K1, "K2": params.K2, **_poles(params)}
 
@@ -71,7 +71,7 @@ def poles(params: PiGains) -> tuple[Quantity, ...]:
 
 
 def spaces(settings: Settings) -> dict[str, Space]:
-    """What is tuned in each problem.
+    """The tuned parameters of each problem.
 
     R_k stays: it shares a scale with Q_k and P0. P0 stays: where Q_k is free, it is soon forgotten.
     The limits of the damping are the problem's own.

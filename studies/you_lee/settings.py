@@ -1,4 +1,4 @@
-"""What can be set: the flight, the sensors of table 1, the filter, and the effort."""
+"""The settings: the flight, the sensors of table 1, the filter, and the effort."""
 
 from typing import Literal
 
@@ -89,7 +89,7 @@ class Settings(StudySettings):
 
     @property
     def course(self) -> Course:
-        """What is flown, rad."""
+        """The trajectory to be flown, angles in rad."""
         bank, tilt = float(np.radians(self.bank)), float(np.radians(self.tilt))
         return Course(self.speed, bank, tilt, self.level, self.turn, self.ramp, GRAVITY)
 

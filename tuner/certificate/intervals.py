@@ -129,7 +129,7 @@ def _intervals(
 
 
 def _farthest(problem: Problem, at: int) -> tuple[float, float]:
-    """What stands for an end that was not reached: the parameter's own limit, or infinity."""
+    """Ends of an interval where none was reached: the parameter's own limits, or infinity."""
     low, high = problem.space.box()
     if problem.space.limited()[at]:
         return float(low[at]), float(high[at])

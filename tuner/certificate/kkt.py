@@ -1,4 +1,4 @@
-"""What constraints and limits do at a point: their multipliers, and the directions they leave."""
+"""Constraints and limits at a point: their multipliers, and the directions they leave."""
 
 from typing import NamedTuple
 

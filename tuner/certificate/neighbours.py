@@ -22,7 +22,7 @@ FINE = 1e-3
 
 
 class Neighbours(NamedTuple):
-    """What the neighbours of a point say.
+    """The values of a point's neighbours, and their verdict on it.
 
     Attributes:
         lower: the lowest of them, ``(n,)``, where one lies lower by more than is negligible.

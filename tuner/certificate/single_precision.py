@@ -111,7 +111,7 @@ def _strays(
 
 
 def _difference(near: np.ndarray, right: np.ndarray, fact: Channel | None) -> np.ndarray:
-    """What is between them: of angles within half a turn, of quaternions whatever their sign."""
+    """The difference: of angles within half a turn, of quaternions whatever their sign."""
     if fact is not None and fact.kind == "attitude":
         turned = np.sum(near * right, axis=-1, keepdims=True) < 0
         near = np.where(turned, -near, near)

@@ -1,4 +1,4 @@
-"""What a solver returns: the best point, how it ended, and what speaks for it."""
+"""A solver's result: the best point, how it ended, and the evidence for it."""
 
 from dataclasses import dataclass, field
 from enum import Enum
@@ -27,7 +27,7 @@ class Status(Enum):
 
     @property
     def sentence(self) -> str:
-        """What the status means."""
+        """The meaning of the status."""
         return _SENTENCES[self]
 
     @property
@@ -113,7 +113,7 @@ class Starts:
 
 @dataclass(frozen=True)
 class Certificate:
-    """What speaks for a solution, in unconstrained coordinates z.
+    """The evidence for a solution, in unconstrained coordinates z.
 
     A likelihood is counted in nats of the whole record, everything else in shares of the value.
 

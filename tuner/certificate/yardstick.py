@@ -23,7 +23,7 @@ FLOOR = 1e-6
 
 
 class Yardstick(NamedTuple):
-    """What a difference of an objective's values means.
+    """The scale on which differences of an objective's values are judged.
 
     Attributes:
         kind: of the objective.

@@ -60,7 +60,7 @@ CALLS = {
         ]
     },
 }
-"""What the functions of math.h are called, for double."""
+"""Names of the functions of math.h, for double."""
 
 
 def operation(op: str, operands: list[str], kinds: list[Kind], precision: Precision) -> str:

@@ -40,7 +40,7 @@ class Field:
         return int(np.prod(self.shape, dtype=int))
 
     def place(self, index: tuple[int, ...]) -> str:
-        """What an entry is called in its struct."""
+        """An entry's name in its struct."""
         if not self.shape:
             return self.name
         if not self.half:
@@ -101,7 +101,7 @@ def _leaves(tree: Any, path: tuple[str, ...], note: str = "") -> Iterator[Any]:
 
 
 def _notes(kind: type[Any]) -> dict[str, str]:
-    """What a docstring says of each field under ``Attributes:``."""
+    """Descriptions of each field, from ``Attributes:`` in a docstring."""
     _, _, part = (inspect.getdoc(kind) or "").partition("Attributes:")
     found = re.findall(r"^ {4}(\w+): ((?:.+\n?(?: {8}.*\n?)*))", part, re.MULTILINE)
     plain = {name: " ".join(text.split()).replace("``", "") for name, text in found}

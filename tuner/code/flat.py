@@ -65,7 +65,7 @@ class Statements:
                 self._declare(entry, told)
 
     def _live(self, roots: Collection[int]) -> list[int]:
-        """What has to be worked out, without what stands somewhere already."""
+        """The entries that have yet to be computed."""
         seen, open_ = set[int](), list(roots)
         while open_:
             entry = open_.pop()
@@ -76,7 +76,7 @@ class Statements:
         return sorted(k for k in seen if self.graph.nodes[k].op != "constant")
 
     def _branches(self, entry: int) -> tuple[int, ...]:
-        """What is worked out whichever way a choice goes: every step takes the same time."""
+        """Both branches of a choice, which are always computed: every step takes the same time."""
         node = self.graph.nodes[entry]
         return node.args[1:] if node.op == "choose" else ()
 

@@ -29,7 +29,7 @@ _LARGEST = 20_000
 
 
 class Form(NamedTuple):
-    """What was written, and what it is tried on."""
+    """The written code, and the samples it is tested on."""
 
     written: Written
     tried: Tried

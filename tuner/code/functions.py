@@ -111,7 +111,7 @@ def _cells(group: str, fields: Iterable[Field], nodes: Arrays) -> Iterator[tuple
 
 
 def _hoisted(program: Program, roots: list[int]) -> list[int]:
-    """What a step takes that follows from the parameters alone."""
+    """Subexpressions of a step that depend on the parameters alone."""
     graph = program.graph
     alone = _of_parameters(graph)
     live = graph.reached(roots)

@@ -28,5 +28,5 @@ def literal(value: Any, kind: Kind, precision: Precision) -> str:
 
 
 def type_of(kind: Kind, precision: Precision) -> str:
-    """What C calls it."""
+    """The type's name in C."""
     return {"real": precision, "truth": "bool", "whole": "int"}[kind]

@@ -79,7 +79,7 @@ def _by_index(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
     (entries,) = objects(algebra, [table])
 
     def part(axis: int, before: tuple[int, ...]) -> np.ndarray:
-        """What the index of this axis and those behind it choose."""
+        """The part chosen by the index of this axis and of those after it."""
         if axis == len(ways):
             whole = [slice(at, at + size) for at, size in zip(before, sizes, strict=True)]
             return entries[tuple(whole)]

@@ -1,4 +1,4 @@
-"""What a graph of scalars is made of, and what is asked of one to put it simpler."""
+"""Nodes of a graph of scalars, and the queries that simplification needs."""
 
 from typing import Any, NamedTuple, Protocol
 

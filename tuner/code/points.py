@@ -18,7 +18,7 @@ from tuner.code.operations import COMPARE, in_numpy
 COUNT = 8
 _SMALL = 1e-6
 _NOTHING, _ENDLESS = 0.739, 61.7
-"""What stands for NaN and for infinity: any number does."""
+"""Stand-ins for NaN and for infinity: any number will do."""
 _ANY: Mapping[str, Callable[..., Any]] = {
     "sqrt": lambda x: np.sqrt(np.abs(x)),
     "log": lambda x: np.log(np.abs(x)),
@@ -47,8 +47,8 @@ _ANY: Mapping[str, Callable[..., Any]] = {
         for k, name in enumerate(sorted(COMPARE), 1)
     },
 }
-"""What does not exist everywhere or decides, by other functions: what is the same formula of one
-is the same of any."""
+"""Substitutes for functions that decide or are not defined everywhere: formulas that are equal with
+one function are equal with any."""
 
 
 class Points:

@@ -1,4 +1,4 @@
-"""What each operation of JAX is on arrays of entries."""
+"""The operations of JAX on arrays of entries."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -146,7 +146,7 @@ _NUMBERS: Mapping[str, Callable[..., Any]] = {
     "add_any": np.add,
     "square": np.square,
 }
-"""What NumPy does as JAX does, of real numbers: without compiling anything."""
+"""NumPy's equivalents of JAX's operations on real numbers: nothing has to be compiled."""
 
 RULES: Mapping[str, Rule] = {
     **{name: _plain(name) for name in (*UNARY, *BINARY) if name != "isnan"},

@@ -36,7 +36,7 @@ _VIEWS = frozenset(
         "gather",
     ]
 )
-"""What gives no name to what it moves."""
+"""Operations that only move values, and give them no name."""
 
 
 @dataclass(frozen=True, eq=False)

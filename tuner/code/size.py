@@ -21,7 +21,7 @@ class Size(NamedTuple):
 
 
 def size(header: str, source: str, include: str) -> Size | None:
-    """What a compiler makes of a source file; None where there is none that tells.
+    """Code size and stack of a compiled source file; None where no compiler tells them.
 
     Args:
         header: text of the header.

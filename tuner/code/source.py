@@ -67,7 +67,7 @@ def _libraries() -> tuple[str, ...]:
 
 @cache
 def _assigned(file: str) -> dict[Span, Said]:
-    """What a file assigns, by where the value stands; of what it returns, no name."""
+    """Names that a file assigns, by the position of the value; no name for returned values."""
     try:
         text = Path(file).read_text("utf-8")
         tree = ast.parse(text)

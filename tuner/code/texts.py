@@ -53,7 +53,7 @@ class Texts:
         return Text(text if _is_call(text) else f"({text})", kind)
 
     def _simpler(self, op: str, entries: tuple[Text, ...], kind: Kind) -> Text | None:
-        """What is the same with fewer operations; None where there is nothing."""
+        """An equivalent with fewer operations; None where there is none."""
         if op == "ne" and entries[0] == entries[1] and entries[0].kind == "real":
             return self.apply("isnan", entries[0])
         for one, other in (entries, entries[::-1]) if len(entries) == 2 else ():

@@ -1,4 +1,4 @@
-"""What a filter is tried on where it runs: a few samples, and what JAX makes of them."""
+"""Test data of a filter for its target: a few samples, and JAX's results."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ SAMPLES = 50
 _SHARE = {"double": 1e-9, "float": 4e-6}
 """Of a number's size, what it may be off whatever the filter makes of rounding errors."""
 _ROUNDING = {"double": 1e-12, "float": 1e-6}
-"""What is so far below the largest number of the state is left of rounding."""
+"""Values this far below the largest number of the state are due to rounding."""
 
 
 _QUICKLY = {"xla_backend_optimization_level": 0, "xla_llvm_disable_expensive_passes": True}

@@ -21,7 +21,7 @@ Rule: TypeAlias = "Callable[[Algebra, Any, Arrays], Arrays]"
 
 
 class Algebra(Protocol):
-    """What the entries are."""
+    """Operations on the entries of arrays."""
 
     def constant(self, value: Any) -> Any:
         """The entry that is a number."""
@@ -100,7 +100,7 @@ class Walk:
         return self.rules[name](self.algebra, equation, given)
 
     def known(self, equation: Any, given: Arrays) -> Arrays:
-        """What is known already: by NumPy where that does the same, else JAX has to compile it."""
+        """A result of known operands: by NumPy where it equals JAX, else compiled by JAX."""
         name = equation.primitive.name
         if name in self.moves:
             return self.moves[name](self.algebra, equation, given)

@@ -1,4 +1,4 @@
-"""What is written of one form of a filter: its declarations, its definitions, and what it took."""
+"""The code of one form of a filter: its declarations, its definitions, and its cost."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass

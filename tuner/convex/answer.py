@@ -1,4 +1,4 @@
-"""What a convex program came to."""
+"""The answer of a convex program."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ Report: TypeAlias = Callable[["Answer"], dict[str, float]]
 
 @dataclass(frozen=True)
 class Answer:
-    """What a convex program came to.
+    """The answer of a convex program.
 
     Attributes:
         status: how it ended.

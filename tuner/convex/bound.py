@@ -11,7 +11,7 @@ MARGIN = 10.0
 
 
 def dual_bound(data: dict[str, Any], x: np.ndarray, z: np.ndarray, s: np.ndarray) -> float | None:
-    """What z proves about min x'Px / 2 + c'x with b - Ax in K; None for cones not checked here.
+    """The bound from z on min x'Px / 2 + c'x with b - Ax in K; None for cones not checked here.
 
     From Px + c + A'z = r and z in K* follows the bound -x'Px/2 - b'z + r'y for every admissible
     y; the dual residual r and z's distance from K* are made up for by the size of x and s.

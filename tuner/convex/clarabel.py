@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import cvxpy as cp
 
 TOLERANCES = (1e-10, 1e-8, 1e-6)
-"""What the solver is asked for, one after the other until it gets there."""
+"""Tolerances asked of the solver, one after the other until it converges."""
 
 NEAR = 1e3
 """Sides and costs up to this size, and down to its inverse, are near 1: they stay as they are."""
@@ -44,7 +44,7 @@ def building() -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Descent:
-    """What the solver came to.
+    """The outcome of a run of the solver.
 
     Attributes:
         ended: its own word for how it ended.
@@ -82,7 +82,7 @@ def _has_point(ended: str) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What Clarabel found, named as cvxpy reads it.
+    """Clarabel's solution, with the names that cvxpy reads.
 
     Attributes:
         status: its own word for how it ended.
@@ -116,7 +116,7 @@ class Compiled:
     inverse: Any
 
     def run(self, data: dict[str, Any], tolerance: float) -> "Found":
-        """What Clarabel finds for some data; it gets sides, or costs, all far from 1, near it.
+        """Clarabel's solution of some data; sides, or costs, that are all far from 1 are scaled.
 
         Its tolerances are absolute below 1, and its proofs of infeasibility are lost in large
         sides. Cones do not mind: of x / size the sides are b / size, and the objective, over

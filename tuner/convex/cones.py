@@ -6,7 +6,7 @@ import numpy as np
 
 
 def kind_of(data: dict[str, Any]) -> str:
-    """What compiled data amount to: lp, qp, socp, sdp, or conic for what is more."""
+    """The class of compiled data: lp, qp, socp, sdp, or conic for any other."""
     dims = data["dims"]
     if dims.exp or dims.p3d or getattr(dims, "pnd", None):
         return "conic"

@@ -113,7 +113,7 @@ class ConvexProgram:
 
     @property
     def kind(self) -> str:
-        """What it amounts to for its own values: lp, qp, socp, sdp, or conic for what is more."""
+        """The class for its own values: lp, qp, socp, sdp, or conic for any other."""
         with self.lock:
             self._assign({})
             return kind_of(compiled(self.problem).data)

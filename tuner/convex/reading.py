@@ -20,11 +20,11 @@ _WITHOUT_POINT = {Status.INFEASIBLE: np.inf, Status.UNBOUNDED: -np.inf}
 
 
 class Readable(Protocol):
-    """What a program says of itself: its name, and its parts by theirs."""
+    """A program's name, its variables and its constraints."""
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """The program's name."""
         ...
 
     @property

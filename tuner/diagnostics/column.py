@@ -13,7 +13,7 @@ CLIP, CLIPPED = 3.0, 0.97334
 AFTERMATH, SMALL = 10, 2.0
 """Numbers after an outlier that it may have disturbed, and what is small again."""
 Varying: TypeAlias = Literal["", "time", "level"]
-"""What the noise changes with."""
+"""The variable that the noise changes with."""
 PARTS = 10
 FEW = 20
 

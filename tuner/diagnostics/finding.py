@@ -1,4 +1,4 @@
-"""What a test of the innovations found, and by which chance it counts as a failure."""
+"""The result of a test of the innovations, and the chance by which it counts as a failure."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -12,7 +12,7 @@ from tuner.diagnostics.column import Column
 
 @dataclass(frozen=True, eq=False)
 class Innovations:
-    """What a filter did not foretell over N samples of k recordings with m measurements.
+    """Innovations of a filter over N samples of k recordings with m measurements.
 
     Attributes:
         value: measured less foretold, ``(N, k, m)``.

@@ -15,7 +15,7 @@ NEIGHBOURS = 10
 
 
 class Scores(NamedTuple):
-    """What the sizes of numbers would be if they were normal: by their ranks, less the mean.
+    """Normal scores of the sizes of numbers: by their ranks, less the mean.
 
     Attributes:
         values: ``(n,)``.

@@ -19,7 +19,7 @@ _TOLD = {
     for sensor in ("gyroscope", "gyroscope bias", "accelerometer", "accelerometer bias")
 }
 _AT_REST = {told: told.partition("_")[2] for told in _TOLD}
-"""What a record at rest exports them as: noise_density, random_walk."""
+"""Names of the exports of a record at rest: noise_density, random_walk."""
 
 
 class Amount(NamedTuple):
@@ -47,7 +47,7 @@ class Amount(NamedTuple):
 
 
 class Known(NamedTuple):
-    """What a run has found of an amount.
+    """A run's result for an amount.
 
     Attributes:
         told: what it is.
@@ -99,8 +99,8 @@ def amounts(
 
 
 def _known(tuned: Collection[Tuned], findings: list[Finding]) -> dict[tuple[str, str], Known]:
-    """What findings say by filter and quantity: ``z.gyroscope_random_walk.likelihood`` of a record
-    at rest, ``q.gyroscope_noise_density`` of a parameter, whose filter is the run's only one."""
+    """Findings by filter and quantity: ``z.gyroscope_random_walk.likelihood`` of a record at rest,
+    ``q.gyroscope_noise_density`` of a parameter, whose filter is the run's only one."""
     names = {filter.name for filter in tuned}
     found = {}
     for finding in findings:

@@ -30,7 +30,7 @@ class Setting(NamedTuple):
 
     @property
     def warning(self) -> str:
-        """What was changed to fit; "" where nothing was."""
+        """The change that made the value fit; "" without one."""
         if self.value == self.found:
             return ""
         return (
@@ -41,7 +41,7 @@ class Setting(NamedTuple):
 
 @dataclass(frozen=True)
 class Wish:
-    """What a person says of the numbers.
+    """A person's choices of keys for the numbers.
 
     Attributes:
         maps: keys by the amounts' names.

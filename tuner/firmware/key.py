@@ -1,4 +1,4 @@
-"""What a firmware's file has names for."""
+"""A key of a firmware's file."""
 
 from dataclasses import dataclass
 from typing import Literal

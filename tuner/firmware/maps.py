@@ -1,4 +1,4 @@
-"""What a person says that numbers are: NAME=KEY."""
+"""A person's assignments of numbers to keys: NAME=KEY."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 

@@ -1,4 +1,4 @@
-"""What is asked of a firmware's file, and what all of them say."""
+"""A request for a firmware's file, and the statements common to all of them."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from tuner.firmware.key import Key
 
 @dataclass(frozen=True)
 class Asked:
-    """What is asked for.
+    """A request for a firmware's file.
 
     Attributes:
         tuned: the filters whose numbers are written.
@@ -33,7 +33,7 @@ class Asked:
 
     @property
     def source(self) -> str:
-        """What the numbers are of."""
+        """The origin of the numbers."""
         names = ", ".join(each.name for each in self.tuned)
         first = self.tuned[0].provenance
         return f"{names} ({first.study}" + f", {first.log_name}" * bool(first.log_name) + ")"

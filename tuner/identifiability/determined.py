@@ -1,4 +1,4 @@
-"""What can be known of a problem's noise before anything is fitted."""
+"""Identifiable parameters of a problem's noise, before anything is fitted."""
 
 from dataclasses import dataclass, replace
 
@@ -16,7 +16,7 @@ from tuner.problem.problem import Problem
 
 @dataclass(frozen=True, eq=False)
 class Determined:
-    """What the differences of a record's measurements say of its noise.
+    """The noise parameters that the differences of a record's measurements determine.
 
     Attributes:
         entries: the numbers that enter the noise, by name, as R, Q12 or sigma^2.

@@ -28,7 +28,7 @@ class Estimate:
 
 
 def alone(differences: Differences) -> tuple[np.ndarray, np.ndarray]:
-    """What each number of the noise would be if it caused all differences by itself.
+    """Estimates of each noise parameter, each as if it caused all differences by itself.
 
     Returns:
         By the median of the differences' squares, which outliers do not move, and by their mean,

@@ -46,7 +46,7 @@ class NoiseModel:
 
 @dataclass(frozen=True, eq=False)
 class LinearProblem:
-    """What is unknown of a problem's noise, and its recordings.
+    """The unknown noise parameters of a problem, and its recordings.
 
     Attributes:
         entries: the p numbers, in the order of ``NoiseModel.Q``.

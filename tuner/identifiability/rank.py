@@ -61,7 +61,7 @@ def _reduced(rows: np.ndarray) -> np.ndarray:
 
 
 def said(rank: Rank, names: tuple[str, ...], fixable: tuple[str, ...]) -> tuple[str, ...]:
-    """What is not determined, a sentence for each group of numbers that stand for each other.
+    """Undetermined parameters, a sentence for each group that can replace each other.
 
     Args:
         rank: of the numbers.

@@ -1,4 +1,4 @@
-"""What of a record does not depend on where it began: differences of neighbouring measurements.
+"""Differences of neighbouring measurements, which do not depend on a record's initial state.
 
 P measurements of a linear model are z = O x + e, with the state x before the first of them and
 noise e. A basis A of all rows with A O = 0 leaves differences r = A z that noise alone causes, of
@@ -182,7 +182,7 @@ def _alike(C: np.ndarray) -> np.ndarray:
 
 
 def _sizes(models: list[NoiseModel], scale: np.ndarray) -> np.ndarray:
-    """What each unknown at 1 adds to the measurements in n steps, if nothing cancels, ``(p,)``."""
+    """Size of each parameter's share of n steps' measurements, without cancellation, ``(p,)``."""
     first = models[0]
     H = np.abs(first.H) / scale[:, None]
     F = np.median(np.abs(first.F[first.which]), axis=0)

@@ -1,4 +1,4 @@
-"""What can be said of an expression without numbers: folding, linearity, factors."""
+"""Symbolic properties of expressions: folding, linearity, factors."""
 
 import math
 import operator

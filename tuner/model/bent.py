@@ -18,7 +18,7 @@ from tuner.model.straight import driving_names, one_step
 
 
 class Known(NamedTuple):
-    """What the equations of a sample are worked out with.
+    """Known quantities in the equations of a sample.
 
     Attributes:
         params: the filter's parameters.
@@ -77,7 +77,7 @@ class Equations:
         return integral
 
     def measure(self, known: Known, x: Array, u: Given) -> Array:
-        """What is foretold, ``(m,)``."""
+        """The predicted measurement, ``(m,)``."""
         return self._at(known, x, u.now).vector(self.model.h)  # type: ignore[no-any-return]
 
     @property

@@ -1,4 +1,4 @@
-"""What a model document describes: a model with its noise, as expressions."""
+"""The content of a model document: a model with its noise, as expressions."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

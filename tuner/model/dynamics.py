@@ -1,4 +1,4 @@
-"""What a model document says of its states: how they move, what disturbs them, where they begin."""
+"""The states of a model document: dynamics, process noise, and initial values."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -15,7 +15,7 @@ MOST_DOUBLINGS = 20
 
 
 class Step(NamedTuple):
-    """What a sample time does to a linear model.
+    """The discretised linear model of one sample time.
 
     Attributes:
         F: transition, ``(n, n)``.

@@ -27,7 +27,7 @@ COMPARISONS = tuple(_COMPARED.values())
 
 
 class ExpressionError(ValueError):
-    """What is wrong with one expression, without where it stands."""
+    """A mistake in one expression, without its place."""
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from tuner.model.quantities import Quantity
 
 
 class ModelState(NamedTuple):
-    """What a filter of a model keeps.
+    """The state of a model's filter.
 
     Attributes:
         estimate: of the states, with its covariance.
@@ -43,7 +43,7 @@ class Now(NamedTuple):
 
 
 def inputs_now(model: Model, held: tuple[Array, ...], inputs: Any) -> Now:
-    """What a sample brings, with the last value where an input is missing."""
+    """The inputs of a sample, with the last value where one is missing."""
     given, absent = {}, {}
     driving = [name for name in model.input_names if name in model.driving]
     last = dict(zip(driving, held, strict=True))
@@ -69,7 +69,7 @@ def held_of(model: Model, inputs: dict[str, Array]) -> tuple[Array, ...]:
 
 
 def values(params: Any, library: Any = jnp, **more: Any) -> Values:
-    """What expressions are worked out with: parameters, and inputs or states by name."""
+    """Values for the symbols in expressions: parameters, and inputs or states by name."""
     given = params._asdict()
     return Values(given | more, library, jnp.result_type(*given.values()))
 
@@ -107,7 +107,7 @@ def _spread(model: Model, at: Values) -> Array:
 
 
 class ModelFilter:
-    """What the classes of models have in common.
+    """The common base of the classes of models.
 
     Attributes:
         model: what it is the filter of.

@@ -146,7 +146,7 @@ class _Form:
 
 
 def _deviations(model: Model) -> tuple[Node, ...] | None:
-    """What of each variance the record tells; () for nothing, None where it is no factor."""
+    """Factors of each variance that the record gives; () for none, None where it is no factor."""
     inputs = model.input_names
     if not any(names_in(node) & set(inputs) for row in model.R.rows for node in row):
         return ()

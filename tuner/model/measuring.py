@@ -1,4 +1,4 @@
-"""What a model document says of its measurements: channels, h, and R."""
+"""The measurements of a model document: channels, h, and R."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

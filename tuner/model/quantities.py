@@ -19,7 +19,7 @@ MOST = 60
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 _TAKEN = frozenset((*FUNCTIONS, *CONSTANTS, "dt", "t", "unit", "inf", "nan"))
 _OUTPUTS = frozenset(("innovation", "variance", "P", "count", "index"))
-"""What a filter puts out beside its states, and what tuples have of their own."""
+"""Outputs of a filter beside its states, and attributes of every tuple."""
 
 
 @dataclass(frozen=True)

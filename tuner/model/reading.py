@@ -106,7 +106,7 @@ def _kinds(
     inputs: Sequence[Quantity],
     states: Sequence[Quantity],
 ) -> dict[str, str]:
-    """What each name is; one that is two things is noted."""
+    """The kind of each name; one with two kinds is noted."""
     found = {"dt": "dt"}
     named: list[tuple[str, str, tuple[str, ...]]] = [
         ("parameter", each.name, (each.name,)) for each in parameters

@@ -38,7 +38,7 @@ def nilpotent(A: Rows) -> int | None:
 
 
 def one_step(model: Model, at: Values, dt: Any) -> Step:
-    """What one sample time does: exactly of a continuous model, of a discrete one as it says."""
+    """One step: exact for a continuous model, as stated for a discrete one."""
     assert model.moved is not None
     A, _ = model.moved
     matrix, noise = at.matrix(A), at.matrix(model.noise)

@@ -60,7 +60,7 @@ def compiler() -> Compiler:
 
 @cache
 def _asked(program: tuple[str, ...]) -> Compiler | NoCodeError:
-    """What a compiler says of itself; it is asked once."""
+    """A compiler's own description; it is asked once."""
     try:
         told = _ran([*program, "--version"]).decode(errors="replace").splitlines()
     except NoCodeError as error:
@@ -79,7 +79,7 @@ def _asked(program: tuple[str, ...]) -> Compiler | NoCodeError:
 
 
 def _ran(command: list[str], cwd: Path | None = None) -> bytes:
-    """What a program prints; it is stopped with all that it started where it takes too long."""
+    """The output of a program, which is stopped with all its children where it takes too long."""
     name, pipe = Path(command[0]).name, subprocess.PIPE
     try:
         process = subprocess.Popen(

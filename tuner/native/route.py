@@ -31,11 +31,11 @@ _BACKWARDS = 3
 _MOST = 4000
 """Operations of a step beyond which there is no C for it."""
 _NO_WAY = (ValueError, TypeError, LookupError, AttributeError, OSError, MemoryError, NoCodeError)
-"""What keeps a loop from being written as C: nothing of it may end a search."""
+"""Errors that prevent C code of a loop: none of them may end a search."""
 
 
 def use() -> Use:
-    """What ``TUNER_NATIVE`` says; ``auto`` where it says nothing.
+    """The value of ``TUNER_NATIVE``; ``auto`` where it is not set.
 
     Raises:
         ValueError: for another word.
@@ -47,7 +47,7 @@ def use() -> Use:
 
 
 class Static(Hashable, Protocol):
-    """What is compiled for; equal ones share one compilation."""
+    """The static part of a compilation; equal ones share one."""
 
     @property
     def filter(self) -> AnyFilter | None:
@@ -55,7 +55,7 @@ class Static(Hashable, Protocol):
 
     @property
     def objective(self) -> Objective:
-        """What judges it."""
+        """The objective."""
 
     def built(self, z: Array) -> Any:
         """The filter's parameters at a point."""

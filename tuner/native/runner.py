@@ -1,4 +1,4 @@
-"""What runs in a time loop, from leaves to leaves, and its functions with derivatives."""
+"""The content of a time loop, from leaves to leaves, and its functions with derivatives."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ Leaves: TypeAlias = Sequence[Any]
 
 @dataclass(frozen=True, eq=False)
 class Runner:
-    """What runs in a time loop.
+    """The content of a time loop.
 
     Attributes:
         start: from parameters to the state before the first sample.
@@ -76,7 +76,7 @@ def with_slopes(
 def runner_of(
     filter: AnyFilter, objective: Objective, build: Callable[[Array], Any], z: Array, data: Data
 ) -> Runner:
-    """What runs in the loop of a filter that is judged by an objective.
+    """The loop of a filter that is judged by an objective.
 
     An objective that takes part in the loop is asked for its sum in the end; for another one those
     outputs are kept that it looks at.

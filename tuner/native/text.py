@@ -83,7 +83,7 @@ class _Source:
         return self.lines
 
     def _turn(self) -> list[str]:
-        """What is done of a sample."""
+        """The code of one sample."""
         self.lines = []
         carried = self.loop.carried
         for k, (_, column) in self._inputs("u"):
@@ -100,7 +100,7 @@ class _Source:
         return self.lines
 
     def _after(self) -> list[str]:
-        """What is asked for in the end."""
+        """The code after the last sample."""
         self.lines = []
         for n, cell in enumerate(self.loop.carried):
             self.names[cell.input] = f"S{n}"
@@ -237,7 +237,7 @@ def _of(graph: Graph, groups: set[str]) -> set[int]:
 
 
 def _in_depth(graph: Graph, roots: Iterable[int]) -> list[int]:
-    """What roots are made of, each part just before what it is for."""
+    """Nodes that the roots depend on, each just before the first that needs it."""
     done, order = set[int](), list[int]()
     for root in roots:
         ahead = [(root, False)]

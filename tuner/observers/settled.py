@@ -29,7 +29,7 @@ _DEADBEAT = 20.0  # poles that decay by e^-20 a sample are as good as gone
 
 @dataclass(frozen=True, eq=False)
 class Settling:
-    """What is left of the error that counts once a time is over, whichever state began it.
+    """The error that counts after a given time, whichever state it began in.
 
     Attributes:
         system: the system.

@@ -49,7 +49,7 @@ class Corner(NamedTuple):
     certain: bool
 
     def spare(self, sides: np.ndarray) -> np.ndarray:
-        """What every row is above its side here, ``(rows,)``."""
+        """The amount by which each row exceeds its side here, ``(rows,)``."""
         return np.asarray(self.shares @ sides.take(self.rows) - sides)
 
 

@@ -18,7 +18,7 @@ from tuner.regression.corners import Corner, corners
 from tuner.regression.window import Window
 
 TOLERANCES = (1e-8, 1e-12)
-"""What Clarabel is asked for, the second where the first does not tell tight from slack."""
+"""Clarabel's tolerances, the second where the first does not tell tight from slack."""
 PATIENT = 2000
 """So many corners are tried where the interior-point method fails too."""
 EXACT = 1e-10

@@ -12,7 +12,7 @@ from tuner.regression.window import Window, window
 
 
 class Outcome(Enum):
-    """What a regression came to."""
+    """The outcome of a regression."""
 
     UNIQUE = "unique"
     SEVERAL = "several optima"

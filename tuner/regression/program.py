@@ -56,7 +56,7 @@ def tanaka_program(t: ArrayLike, h: float = 0.0) -> ConvexProgram:
 
 
 def _refuse(of: Regressors) -> None:
-    """What is not determined, or too large or small to be solved as it stands."""
+    """Refuses regressors that determine too little, or are too large or small to be solved for."""
     if of.rank < len(of.scale):
         raise ValueError(
             f"{len(of.columns)} samples whose t has rank {of.rank} with the intercept do not "

@@ -18,7 +18,7 @@ _RANK = 1e-11
 
 @dataclass(frozen=True, eq=False)
 class Regressors:
-    """What the regression makes of t alone: m samples of k regressors, n = k + 1 columns.
+    """Quantities that depend on t alone: m samples of k regressors, n = k + 1 columns.
 
     The program's unknowns z are the center's coordinates, as many as the rank of t, and (1 - h)
     times the spreads of the columns that are not zero throughout.
@@ -189,7 +189,7 @@ def one(size: int) -> np.ndarray:
 
 
 def _rows(center: np.ndarray, spread: np.ndarray) -> np.ndarray:
-    """What has to be at least (x + e', e' - x, 0), with e' = (1 - h) e, of z."""
+    """Rows of (x + e', e' - x, 0), with e' = (1 - h) e, as linear functions of z."""
     (m, rank), used = center.shape, spread.shape[1]
     rows = np.zeros((2 * m + used, rank + used))
     rows[:m, :rank], rows[m : 2 * m, :rank] = center, -center

@@ -10,7 +10,7 @@ from objectives import LinearSystem
 
 @dataclass(frozen=True)
 class Design:
-    """What an observer is designed for.
+    """The system of an observer, and the errors that it is designed for.
 
     Attributes:
         system: the system.

@@ -88,7 +88,7 @@ def fastest_observer(
 
 
 def _outside(own: Scaled, found: Ended, seconds: float) -> FastestObserver:
-    """What was found for the inner design, for the outer one."""
+    """The result for the outer design, from that for the inner one."""
     covariance = own.covariance(found.gain)
     return FastestObserver(
         status=found.status,

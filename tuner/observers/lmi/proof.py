@@ -1,4 +1,4 @@
-"""What is proved about a least variance: its lower bound, and whether an observer reaches it."""
+"""Proofs about a least variance: its lower bound, and whether an observer reaches it."""
 
 from itertools import pairwise
 
@@ -17,7 +17,7 @@ CAPS = (1e1, 1e2, 1e3)
 """Bounds on Y, in the own units of a system, that show whether an optimum is reached."""
 
 ROUNDING = 1e-11
-"""What rounding may take from an inequality in the own units of a system."""
+"""Tolerance of an inequality for rounding, in the own units of a system."""
 
 
 def proved(design: Design, gain: np.ndarray, primal: Answer, dual: Answer) -> float:
@@ -49,7 +49,7 @@ def met(value: float, lower: float) -> tuple[Status, str]:
 
 
 def limit(design: Design, lower: float) -> tuple[np.ndarray, Status, str]:
-    """What happens as Y may grow: whether the optimum is a limit that no observer reaches.
+    """The optimum as Y may grow: whether it is a limit that no observer reaches.
 
     It is where each cap holds Y, and where the dual of each proves it worse than the next.
 

@@ -1,4 +1,4 @@
-"""What is found at one decay rate: the least share of all bounds, and what it proves."""
+"""The problem at one decay rate: the least share of all bounds, and what it proves."""
 
 from dataclasses import dataclass
 
@@ -17,7 +17,7 @@ KEPT = 1e-6
 
 @dataclass(frozen=True)
 class Point:
-    """What was found at one rate.
+    """The result at one rate.
 
     Attributes:
         alpha: the rate.

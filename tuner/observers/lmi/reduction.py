@@ -56,7 +56,7 @@ class Reduction:
 
 
 def reduction(design: Design) -> Reduction | None:
-    """What remains of a continuous system with measurements free of noise; None without such."""
+    """The reduced system where some measurements are free of noise; None where none are."""
     system = design.system
     values, vectors = np.linalg.eigh(system.V)
     free = values <= CLEAN * max(values[-1], 1.0)
@@ -116,7 +116,7 @@ def largest_decay(design: Design, tolerance: float, bounds: np.ndarray) -> Ended
 
 
 def _all_shown(step: Reduction) -> Ended:
-    """What a search comes to where nothing is left to be found out."""
+    """The result of a search in which no state remains to be estimated."""
     nothing = np.zeros(step.reduced.sizes[:2])
     return Ended(
         status=Status.UNBOUNDED,

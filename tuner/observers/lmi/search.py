@@ -15,7 +15,7 @@ from tuner.observers.lmi.design import Design
 from tuner.observers.lmi.rates import Point, Rates
 
 ROOM = 0.01
-"""What share of the rate is given away where only infinite gains reach all of it."""
+"""Share of the rate that is given up where only infinite gains reach all of it."""
 
 FASTEST = 1e4
 """A decay rate beyond this, in the own unit of time of a system, counts as any."""
