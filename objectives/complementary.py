@@ -41,7 +41,7 @@ class SensorNoise(NamedTuple):
 
 
 class ComplementaryLoop(NamedTuple):
-    """A complementary filter by its gains; K2 = 0 is one of first order, time constant 1/K1.
+    """A complementary filter by its gains; K2 = 0 makes it first-order, with time constant 1/K1.
 
     Everything is differentiable in the gains, and of their shape. Gains of another sign make a
     filter that is not stable: damping and frequency are NaN then, and the variance is infinite.
@@ -86,9 +86,9 @@ class ComplementaryLoop(NamedTuple):
 
     @property
     def poles(self) -> Array:
-        """Both, complex, ``(..., 2)``, the faster first; 0 stands for an integral that is not used.
+        """Both poles, complex, ``(..., 2)``, the faster first; 0 stands for an unused integral.
 
-        At a double pole their derivative is not finite: they part as a root.
+        At a double pole their derivative is not finite: they split as a square root.
         """
         spread = jnp.sqrt(jnp.asarray(self.K1**2 - 4 * self.K1 * self.K2).astype(complex))
         fast = -(self.K1 + spread) / 2
@@ -110,7 +110,7 @@ class ComplementaryLoop(NamedTuple):
         return Transfer(jnp.where(second, s, 1.0) / bottom, top / bottom)
 
     def variance(self, noise: SensorNoise) -> Array:
-        """Of the angle's error once the start is forgotten, rad^2; infinite for a walk at K2 = 0.
+        """Steady variance of the angle's error, rad^2; infinite for a random walk at K2 = 0.
 
         >>> float(ComplementaryLoop(jnp.array(0.5), jnp.array(0.5)).variance(SensorNoise(rate=2.0)))
         2.0

@@ -13,7 +13,7 @@ Kind: TypeAlias = Literal["likelihood", "mean square", "root mean square", "cost
 
 
 class Additive(Protocol):
-    """An objective that is made of what each number of a record adds: a sum over a count.
+    """An objective that is a sum of terms, one for each number of a record, over their count.
 
     Attributes:
         kind: a likelihood's value is the mean itself, in nats a number; a root mean square is the
@@ -38,5 +38,5 @@ def kind_of(objective: Any) -> Kind:
 
 
 def is_additive(objective: Any) -> TypeGuard[Additive]:
-    """Whether an objective tells what each number adds."""
+    """Whether an objective provides the term of each number."""
     return kind_of(objective) != "cost"

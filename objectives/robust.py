@@ -1,4 +1,4 @@
-"""Laws of innovations of which some are wrong: behind a gate, and with heavy tails."""
+"""Distributions of innovations with outliers: behind a gate, and with heavy tails."""
 
 from dataclasses import dataclass
 from math import log, pi
@@ -51,7 +51,7 @@ class PartlyWrong:
 
 @dataclass(frozen=True)
 class HeavyTails:
-    """Innovations of Student's t distribution, of a filter that weighs by it.
+    """Innovations with Student's t distribution, of a filter that weighs by it.
 
     The m innovations of a sample are one draw of a multivariate t distribution of nu degrees of
     freedom and the scales c s_i, c by :func:`filters.student.spread`; each number adds the negative

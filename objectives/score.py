@@ -14,18 +14,18 @@ from objectives.kinds import Additive
 
 
 class Fold(Protocol):
-    """An objective that takes part in the time loop: it sums up what it can and keeps the rest."""
+    """An objective inside the time loop: it accumulates a sum, and may keep values of samples."""
 
     def init(self) -> Any:
         """The sum before the first sample, any pytree."""
         ...
 
     def update(self, total: Any, output: Any, truth: Any) -> tuple[Any, Any]:
-        """One sample: the new sum, and what has to be kept of this sample (None: nothing)."""
+        """One sample: the new sum, and the values to be kept of this sample (None: nothing)."""
         ...
 
     def value(self, total: Any, kept: Any) -> Array:
-        """One number from the finished sum and what was kept, stacked along time."""
+        """One number from the final sum and the kept values, stacked along time."""
         ...
 
 
@@ -49,7 +49,7 @@ class Data(NamedTuple):
 
     Attributes:
         inputs: the filter's inputs, a pytree whose leaves have time first, ``(N, ...)``.
-        truth: what the outputs are held against; for a :class:`Fold`, with time first.
+        truth: the reference of the outputs; for a :class:`Fold`, with time first.
     """
 
     inputs: Any
@@ -58,7 +58,7 @@ class Data(NamedTuple):
 
 @dataclass(frozen=True)
 class Folded:
-    """A filter with an objective in its loop: the state is the pair, the output is what is kept."""
+    """A filter with an objective in its loop: the state is the pair, the output the kept values."""
 
     filter: AnyFilter
     fold: Fold
@@ -131,7 +131,7 @@ def score_and_gradient(
 def judged(
     objective: Objective, data: Data, collected: tuple[Any, Any], tangents: tuple[Any, Any]
 ) -> tuple[Array, Array]:
-    """The score of what a time loop collected, and its gradient.
+    """The score from the results of a time loop, and its gradient.
 
     Args:
         objective: the objective.
@@ -165,7 +165,7 @@ def scores_and_gradients(
 
 @dataclass(frozen=True)
 class _Adding:
-    """A filter whose output is what an objective adds for each sample."""
+    """A filter whose output is the objective's terms of each sample."""
 
     filter: AnyFilter
     objective: Additive
@@ -175,7 +175,7 @@ class _Adding:
         return self.filter.init(params)
 
     def step(self, params: Any, state: Any, inputs: Data) -> tuple[Any, tuple[Array, Array]]:
-        """One sample of the filter, and what it adds."""
+        """One sample of the filter, and its terms."""
         state, output = self.filter.step(params, state, inputs.inputs)
         return state, self.objective.added(output, inputs.truth)
 
@@ -208,7 +208,7 @@ def contributions(
 
 
 def kept_bytes(filter: AnyFilter | None, objective: Objective, params: Any, data: Data) -> int:
-    """How much memory one run keeps for after its time loop."""
+    """Memory in bytes that one run keeps beyond its time loop."""
     _, kept = _collected.eval_shape(filter, objective, params, data)
     return sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(kept))
 
@@ -229,7 +229,7 @@ def _collect(
     data: Data,
     over: Callable[..., tuple[Any, Any]] = run,
 ) -> tuple[Any, Any]:
-    """The loop's part: the objective's sum and what was kept, or all outputs."""
+    """The loop's part: the objective's sum and the kept values, or all outputs."""
     if filter is None:
         return None, params
     if is_fold(objective):

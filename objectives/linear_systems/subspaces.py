@@ -13,7 +13,7 @@ from objectives.linear_systems.model import LinearSystem
 from objectives.linear_systems.scaling import balance
 
 MOST_SLACK = 1e-6
-"""Of the rates: where rounding leaves a chain of two."""
+"""Largest tolerance of an eigenvalue, as a share of the rates: rounding of a chain of two."""
 _EPS = float(np.finfo(np.float64).eps)
 _NOTHING = 1e-10  # of a scaled model's entries: far above rounding, far below any use
 
@@ -79,7 +79,7 @@ def _hidden(A: np.ndarray, C: np.ndarray, discrete: bool) -> _Hidden:
 
 
 def _lasting(A: np.ndarray, C: np.ndarray, discrete: bool, grows: bool) -> Subspace:
-    """The invariant subspace of A in the kernel of C with eigenvalues that do not die out."""
+    """The invariant subspace of A in the kernel of C whose modes do not decay."""
     basis, inner, size, scale, rounding = _hidden(A, C, discrete)
     if not inner.size:
         return Subspace(np.zeros(0), basis, scale)
@@ -98,7 +98,7 @@ def _lasting(A: np.ndarray, C: np.ndarray, discrete: bool, grows: bool) -> Subsp
 
 
 def _slack(inner: np.ndarray, rounding: float) -> float:
-    """How far rounding moves an eigenvalue: more where left and right vectors are orthogonal."""
+    """Perturbation of an eigenvalue by rounding: large if left and right vectors are orthogonal."""
     _, left, right = scipy.linalg.eig(inner, left=True)
     angle = np.abs((left.conj() * right).sum(axis=0)).min()
     return float(min(64 * rounding / max(angle, _EPS), max(MOST_SLACK, 64 * rounding)))
@@ -123,6 +123,6 @@ def _kernel(M: np.ndarray, nothing: float) -> np.ndarray:
 
 
 def _scale(A: np.ndarray, C: np.ndarray) -> np.ndarray:
-    """Units of the states as powers of two, which do not round; a pole has no say in them."""
+    """Units of the states as powers of two, which do not round, independent of the poles."""
     between = A - np.diag(np.diag(A))
     return np.asarray(2.0 ** np.round(np.log2(balance(between, C).states)))

@@ -34,7 +34,7 @@ class Answer:
         violation: the largest violation of a constraint at the point, over one plus the size of
             the constraint's terms; computed from the variables, not taken from the solver.
         iterations: of the solver, over all its runs.
-        seconds: how long it all took.
+        seconds: total time.
     """
 
     status: Status

@@ -1,4 +1,4 @@
-"""The lower bound that a dual point proves, computed again from the program's data."""
+"""The lower bound that a dual point proves, recomputed from the program's data."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ import numpy as np
 from tuner.convex.cones import kind_of, outside
 
 MARGIN = 10.0
-"""How much larger than the solution a point may be for the lower bound to hold for it."""
+"""Size, relative to the solution, of the points for which the lower bound holds."""
 
 
 def dual_bound(data: dict[str, Any], x: np.ndarray, z: np.ndarray, s: np.ndarray) -> float | None:

@@ -11,7 +11,7 @@ from tuner.observers.lmi.design import Design
 from tuner.observers.lmi.inequalities import gain_of, variance_program
 
 AGREEMENT = 1e-6
-"""Two sides of a certificate that are nearer than this, relative, count as one."""
+"""Relative tolerance at which both sides of a certificate agree."""
 
 CAPS = (1e1, 1e2, 1e3)
 """Bounds on Y, in the own units of a system, that show whether an optimum is reached."""
@@ -73,7 +73,7 @@ def limit(design: Design, lower: float) -> tuple[np.ndarray, Status, str]:
 
 
 def _held(answer: Answer, cap: float) -> bool:
-    """Whether a cap on Y holds it."""
+    """Whether a cap on Y is active."""
     return "Y" in answer.variables and np.linalg.eigvalsh(answer.variables["Y"])[-1] > 0.99 * cap
 
 

@@ -1,4 +1,4 @@
-"""Measurements free of noise: what they show is followed, and the rest is designed for.
+"""Measurements free of noise: the states they show are followed, the rest is designed for.
 
 Such a measurement may be followed arbitrarily fast, so that its error vanishes, and its derivative
 is the next measurement (Luenberger, IEEE TAC 11, 1966): what the matrix inequalities come to as Z,
@@ -102,7 +102,7 @@ def largest_decay(design: Design, tolerance: float, bounds: np.ndarray) -> Ended
         return replace(
             ended,
             status=Status.FAILED,
-            message="no finite gain was found that keeps the bounds",
+            message="no finite gain was found that meets the bounds",
             gain=np.full(design.sizes[:2], np.nan),
         )
     if ended.status is Status.CONVERGED:
@@ -132,7 +132,7 @@ def _all_shown(step: Reduction) -> Ended:
 
 
 def _followed(step: Reduction, gain: np.ndarray) -> np.ndarray | None:
-    """The slowest of a few speeds that takes at most half the room below the bounds."""
+    """The slowest of a few speeds that takes at most half the margin below the bounds."""
     inner, full = step.reduced, step.full
     used = np.zeros(len(full.M)) if step.complete else inner.variances_under(gain)
     for speed in 2.0 ** np.arange(0, 60):
