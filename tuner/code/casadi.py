@@ -77,7 +77,7 @@ class _Scalars:
         return function(*entries)
 
     def choose(self, condition: Any, no: Any, yes: Any) -> Any:
-        """One of two; both are worked out."""
+        """One of two; both are evaluated."""
         import casadi
 
         return casadi.if_else(condition, yes, no)

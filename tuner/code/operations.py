@@ -1,4 +1,4 @@
-"""The operations of scalars: what each is in NumPy, and what it gives."""
+"""The operations of scalars in NumPy, and the kinds of their results."""
 
 import math
 from collections.abc import Callable

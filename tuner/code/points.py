@@ -1,4 +1,4 @@
-"""Whether two nodes are the same formula: they have to agree at random points.
+"""Equality of formulas, tested at random points.
 
 Formulas that agree at random points of all that goes into them agree everywhere, as polynomials
 do. A truth value is a number between 0 and 1 here, and what it chooses is a mean with that weight:
@@ -52,11 +52,11 @@ one function are equal with any."""
 
 
 class Points:
-    """Values of nodes at random points, worked out as far as somebody asks.
+    """Values of nodes at random points, computed on demand.
 
     Args:
         nodes: of a graph, which may grow.
-        close: how far the values of one formula may be apart, relative: what rounding makes of the
+        close: relative tolerance of the values of one formula, by rounding of the
             constants in it.
     """
 

@@ -1,4 +1,4 @@
-"""How large code becomes: by the compiler that is there."""
+"""The size of compiled code, by the installed compiler."""
 
 import re
 import shutil
@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 
 class Size(NamedTuple):
-    """Of a source file, compiled for size on this machine.
+    """The size of a source file compiled for size on this machine.
 
     Attributes:
         code: bytes of code and constants.
