@@ -14,7 +14,7 @@ from tuner.solvers import Alternating, Gradient
 from tuner.solvers.solver import Solver
 
 ROOMS = ("room", "room_now")
-"""With a lead and without: others are held against the one that has the same freedom."""
+"""With a lead and without: others are compared with the one that has the same freedom."""
 ENOUGH = 3e-4
 """Slope of ln error at which a search may end: a tenth of a factor e more changes nothing."""
 STILL = 1e-4
@@ -37,7 +37,7 @@ class Case:
 
 
 def case_of(settings: Settings) -> Case:
-    """The trials of the folder, and who competes on them.
+    """The trials of the folder, and the competing filters.
 
     Raises:
         ValueError: for a folder or a trial that cannot be used, and for filters that need a

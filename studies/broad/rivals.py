@@ -1,4 +1,4 @@
-"""Other filters beside the room filter, each held against the one that has the same freedoms."""
+"""Other filters, each compared with the room filter that has the same freedoms."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -18,7 +18,7 @@ PACKAGE = "the package vqf is not installed: it comes with the extra 'peers'"
 
 
 class Room(NamedTuple):
-    """The room filter's errors that others are held against.
+    """The room filter's errors, with which others are compared.
 
     Attributes:
         at: the trials, by index.
@@ -62,21 +62,21 @@ def each(case: Case, solutions: Solutions, name: str, posed: Callable[[str], str
     """The errors of a filter on trials that each have a problem of their own, deg.
 
     Args:
-        case: what is compared.
+        case: the comparison.
         solutions: of the problems.
         name: of the filter.
-        posed: from a trial's name to its problem's.
+        posed: the map from a trial's name to its problem's.
     """
     contest, folds = case.contest, case.folds
     names = [posed(contest.trials[at].name) for at in folds]
     found = dict(zip(folds, (tuned_values(best(n, solutions)) for n in names), strict=True))
-    some = found[folds[0]]  # for trials that were never left out, and are not asked for
+    some = found[folds[0]]  # for trials that were never left out, and are not needed
     values = [found.get(at, some) for at in range(len(contest.trials))]
     return contest.judged_each(name, values).inclination[list(folds)]
 
 
 def judged_at(name: str, contest: Contest, solutions: Solutions) -> Outcome:
-    """How a filter does with the parameters tuned on all trials."""
+    """A filter's errors with the parameters tuned on all trials."""
     return contest.judged(name, tuned_values(best(name, solutions)))
 
 
@@ -136,7 +136,7 @@ def vqf_name(state: str) -> str:
 
 
 def default(case: Case, solutions: Solutions, *, name: str) -> Comparison:
-    """A filter where its search began."""
+    """A filter with the start values of its search."""
     gains = "published gains" if name.startswith(("mahony", "madgwick")) else "start values"
     found = case.contest.judged(name, start(name))
     return _state(f"inclination_{name}_default_deg", name, gains, found, case, solutions)

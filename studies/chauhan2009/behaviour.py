@@ -10,7 +10,7 @@ from studies.chauhan2009.settings import Settings
 
 
 class Behaviour(NamedTuple):
-    """How single records went, ``(k,)`` each; per cent of the step.
+    """Behaviour on single records, ``(k,)`` each, in per cent of the step.
 
     Attributes:
         peak: largest error within 60 s after the step, %.
@@ -30,7 +30,7 @@ def behaviour(pitch: np.ndarray, found: Records, settings: Settings, step: float
 
     Args:
         pitch: estimated, rad, ``(N, k)``.
-        found: the records; errors are looked at where there is a measurement.
+        found: the records; errors count where there is a measurement.
         settings: for the time line.
         step: the final pitch, deg.
     """

@@ -1,4 +1,4 @@
-"""Pictures of a design: how an error is forgotten, and the poles."""
+"""Figures of a design: the response to an error, and the poles."""
 
 from collections.abc import Iterator
 
@@ -23,7 +23,7 @@ def figures(posed: Posed, solutions: Solutions) -> Iterator[Figure]:
 
 
 def _poles(poles: np.ndarray, *, discrete: bool) -> Chart:
-    """Where they lie, beside the edge of what is stable: the unit circle, or the imaginary axis."""
+    """The poles, with the stability limit: the unit circle, or the imaginary axis."""
     angle = np.linspace(0, 2 * np.pi, CURVE)
     reach = max(1.2 * float(np.abs(poles).max()), 1e-9)
     edge = (

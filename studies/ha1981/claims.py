@@ -1,4 +1,4 @@
-"""The paper's numbers and claims, and what decides them: one function a claim."""
+"""The paper's numbers and claims, each decided by one function."""
 
 from functools import partial
 from typing import TypeAlias
@@ -24,7 +24,7 @@ from tuner.run.comparison import Comparison, Verdict, claim, number
 from tuner.run.study import Claim, Solutions, best
 
 INSENSITIVE = 0.1
-"""A relative change of a parameter that changes the variance by less than a tenth of it."""
+"""Sensitivity below which the variance is insensitive to a parameter."""
 REACHED = 1.02
 """The conventional loop ends above its bound by the floor; within 2 % counts as there."""
 
@@ -45,7 +45,7 @@ def _K2(case: Case, solutions: Solutions) -> Comparison:
 
 
 def _K3(case: Case, solutions: Solutions) -> Comparison:
-    """K3 of the fastest loop, and what a matrix inequality proves of its decay."""
+    """K3 of the fastest loop, and the bound on its decay by a matrix inequality."""
     least = solutions["conventional_lmi", "sdp"].certificate.lower_bound or np.inf
     ratio = solutions["conventional", "ipopt"].value / least
     return _loop_gain(

@@ -16,7 +16,7 @@ from tuner.solvers import fminsearch
 
 TOLERANCE = 0.05
 NEARLY = 1.01
-"""A search has found the optimum if it ends at a cost of at most this much of the lowest."""
+"""Ratio to the lowest cost up to which a search has found the optimum."""
 WHY_ACC = (
     "white noise of Table 1's variance stands in for the paper's record, whose accelerometer held "
     "harmonics from 50 to 500 Hz, and the reading of (10)'s second term is inferred"

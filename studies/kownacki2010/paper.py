@@ -1,4 +1,4 @@
-"""Kownacki's two sensors, and what he published of them."""
+"""Kownacki's two sensors, with their published values."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,12 +21,12 @@ class Sensor:
     """One of the paper's two sensors: its filter and its published values.
 
     Attributes:
-        name: what its rows and files are called.
-        channel: what ``--map`` calls its record.
+        name: of its rows and files.
+        channel: of its record, for ``--map``.
         unit: of its record; the paper prints none.
         filter: its filter, (8) or (9).
         steady: its steady gains in closed form.
-        states: what the filter estimates; the accelerometer's velocity is not observable.
+        states: estimated ones; the accelerometer's velocity is not observable.
         table1: R and Q from a motionless record.
         table2: R and Q from the optimisation.
     """

@@ -1,4 +1,4 @@
-"""Allan curve, and noise against latency."""
+"""The Allan curve, and noise against latency."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ POINTS = 200
 
 
 def figures(rests: tuple[Rest, ...], solutions: Solutions) -> Iterator[Figure]:
-    """Both of every axis."""
+    """Both figures of every axis."""
     for rest in rests:
         yield _allan(rest)
         K = None

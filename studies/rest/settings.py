@@ -11,7 +11,7 @@ REQUIREMENTS: tuple[Asked, ...] = get_args(Asked)
 
 
 class Settings(StudySettings):
-    """For which rate R and Q are given, and what the filter has to do, if there is to be one."""
+    """The rate for R and Q, and the requirement on a filter, if any."""
 
     rate_hz: float | None = Field(
         None, gt=0, description="of the machine that filters; the record's own if unset"

@@ -19,11 +19,11 @@ from tuner.run.comparison import Comparison, Verdict, claim, number, undecided
 from tuner.run.study import Claim, Solutions, best
 
 LARGE = 2.0
-"""An error in the turn is large from so many times the level flight's on."""
+"""Ratio to the level flight's error from which an error in the turn is large."""
 MUCH = 0.5
 """"Much reduced": the largest share of the error that may remain, of roll and of pitch."""
 FLAT = 0.01
-"""A parameter is not determined where the error changes by less over four decades and 0."""
+"""Change of the error over four decades, and 0, below which a parameter is not determined."""
 SETTLES = 3.0
 """Time constants of the filter after which an error is settled."""
 VANISHES = 1e-9
@@ -52,7 +52,7 @@ def tau_of_K2(bench: Bench, solutions: Solutions, printed: TwoGains = PRINTED_GA
 
 
 def one_tau(bench: Bench, solutions: Solutions, printed: TwoGains = PRINTED_GAINS) -> Comparison:
-    """Whether both are one."""
+    """Whether both time constants are equal."""
     K1, K2 = printed
     return _of_15(
         printed,
@@ -256,7 +256,7 @@ def better_tuned(bench: Bench, solutions: Solutions, *, problem: str) -> Compari
 
 
 def _published(settings: Settings, case: Case) -> Case:
-    """The same filter as the paper gives it; only what the settings change has to be said."""
+    """The same filter with the paper's parameters, given only where settings differ."""
     changed = (kv for kv in PUBLISHED.items() if getattr(settings, kv[0]) != kv[1])
     return case._replace(values=tuple(changed))
 
@@ -283,4 +283,4 @@ CLAIMS = (
         for problem in AIDS
     ),
 )
-"""Those of problems that are not posed leave."""
+"""The claims; those of problems that are not posed are dropped."""

@@ -13,7 +13,7 @@ MICRO = 1e-6 * GRAVITY
 PUBLISHED = {"K1": 0.08, "K2": 0.0125, "Q_k": 2e-9, "R_k": 100.0, "threshold": 2.5e-3}
 """The filter's parameters as the paper prints them."""
 PRINTED = 0.07
-"""How far a gain with one printed digit, .08, may be off by rounding."""
+"""Relative rounding error of a gain with one printed digit, .08."""
 MISREAD = (("K1", 0.05),)
 """K1 = .08 may be a misread .05, for which (15) holds with K2 = .0125."""
 
@@ -26,7 +26,7 @@ class TwoGains(NamedTuple):
 
     @property
     def tau_of_K1(self) -> float:
-        """In s."""
+        """Time constant from K1, s."""
         return 2 / self.K1
 
     @property
@@ -36,5 +36,5 @@ class TwoGains(NamedTuple):
 
     @property
     def agree(self) -> bool:
-        """Whether both are one, as well as they are printed."""
+        """Whether both time constants agree to the printed digits."""
         return abs(self.tau_of_K1 / self.tau_of_K2 - 1) <= PRINTED

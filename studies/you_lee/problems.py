@@ -61,7 +61,7 @@ def _poles(params: PiGains) -> dict[str, Array]:
 
 
 def poles(params: PiGains) -> tuple[Quantity, ...]:
-    """Damping and natural frequency, as they are exported beside the gains."""
+    """Damping and natural frequency, exported beside the gains."""
     units = {"damping": "", "natural_frequency": "rad/s"}
     found = _poles(params)
     return tuple(
@@ -98,7 +98,7 @@ def spaces(settings: Settings) -> dict[str, Space]:
 
 
 def _limited(settings: Settings, omega: float, damping: float) -> Space:
-    """The damping between limits, one of which may be left open."""
+    """The space with limits of the damping, one of which may be open."""
     low, high = settings.zeta_low, settings.zeta_high
     if low is None:
         low = 0.1 if high is None else min(0.1, high / 10)
@@ -116,13 +116,13 @@ def _limited(settings: Settings, omega: float, damping: float) -> Space:
 
 
 def _of_filter(**own: Any) -> Space:
-    """Some of the filter's parameters, with what it declares of them."""
+    """Some of the filter's parameters, as it declares them."""
     whole = dict(Space.of_filter(PiComplementary, **own).parameters)
     return Space(tuple((name, whole[name]) for name in own))
 
 
 def posed(bench: Bench) -> dict[str, Problem]:
-    """All of them on the same runs: root mean square of roll and pitch, the turn included."""
+    """All problems on the same runs: root mean square of roll and pitch, the turn included."""
     return {name: _problem(bench, name, space) for name, space in spaces(bench.settings).items()}
 
 

@@ -10,13 +10,13 @@ from studies.you_lee.paper import GRAVITY, PUBLISHED
 from tuner.run.settings import StudySettings
 
 HELD_OUT = 1000
-"""Seeds of the Monte Carlo runs lie this far above those that are tuned on."""
+"""Offset of the Monte Carlo runs' seeds from those that are tuned on."""
 
 Start = Literal["zero", "true"]
 
 
 class Settings(StudySettings):
-    """The flight, the sensors (table 1), the filter as published, and how hard it is tuned."""
+    """The flight, the sensors (table 1), the published filter, and the effort of the tuning."""
 
     trajectory: Trajectory = Field("T1", description="what is tuned on: T0, T1 or T2")
     start: Start = Field("zero", description="v, w that the velocity filter starts from")
@@ -95,5 +95,5 @@ class Settings(StudySettings):
 
     @property
     def samples(self) -> int:
-        """Of one run."""
+        """Number of samples in a run."""
         return round((self.level + self.turn) * self.rate_hz)

@@ -67,7 +67,7 @@ class _Source:
         return "\n".join([head, *functions, "\n".join(main), ""])
 
     def _before(self) -> list[str]:
-        """The code of parameters, of values that follow from them alone, and of the initial state."""
+        """The code of parameters, of values that follow from them, and of the initial state."""
         self.lines = []
         for k, value in self._inputs("p", "dp"):
             self._load(k, value)
