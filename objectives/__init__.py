@@ -1,4 +1,4 @@
-"""Objectives: how good a filter's run or a design is, as one differentiable number."""
+"""Objectives: the quality of a filter's run, or of a design, as one differentiable number."""
 
 from objectives.angle_rmse import AngleRmse
 from objectives.attitude import (

@@ -31,7 +31,7 @@ class AngleRmse:
     kind: ClassVar[Kind] = "root mean square"
 
     def init(self) -> Squares:
-        """Nothing yet."""
+        """The empty sum."""
         return Squares.none()
 
     def added(self, output: HasAngles, truth: Array) -> tuple[Array, Array]:
@@ -47,7 +47,7 @@ class AngleRmse:
         return total.plus(*self.added(output, truth)), None
 
     def value(self, total: Squares, kept: None) -> Array:
-        """The root of the mean, ``()``; NaN where nothing counts."""
+        """The root mean square, ``()``; NaN where nothing counts."""
         return jnp.degrees(total.root_mean())
 
     def __call__(self, outputs: HasAngles, truth: Array) -> Array:

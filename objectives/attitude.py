@@ -1,4 +1,4 @@
-"""How wrong an attitude is: in all, in heading and in inclination; and sums of such errors.
+"""Errors of an attitude: total, heading and inclination; and their root mean squares.
 
 Source: Laidig, Caruso, Cereatti and Seel, Data 6(7):72, 2021 (the three angles).
 """
@@ -73,7 +73,7 @@ class AttitudeRmse:
     kind: ClassVar[Kind] = "root mean square"
 
     def init(self) -> Squares:
-        """Nothing yet."""
+        """The empty sum."""
         return Squares.none()
 
     def added(self, output: Any, truth: Array) -> tuple[Array, Array]:
@@ -81,7 +81,7 @@ class AttitudeRmse:
         shape = truth.shape[:-1]
         estimate, truth = _attitude(output).reshape(-1, 4), truth.reshape(-1, 4)
         seen = ~jnp.isnan(truth).any(axis=1)
-        # Unseen samples get a truth of their own, so that no NaN enters the derivative.
+        # Samples without truth get a dummy one, so that no NaN enters the derivative.
         filled = jnp.where(seen[:, None], truth, jnp.array([1.0, 0.0, 0.0, 0.0]))
         error = getattr(jax.vmap(attitude_error)(estimate, filled), self.part)
         return jnp.where(seen, error**2, 0.0).reshape(shape), seen.reshape(shape)
@@ -91,7 +91,7 @@ class AttitudeRmse:
         return total.plus(*self.added(output, truth)), None
 
     def value(self, total: Squares, kept: None) -> Array:
-        """The root of the mean, ``()``; NaN where nothing counts."""
+        """The root mean square, ``()``; NaN where nothing counts."""
         return jnp.degrees(total.root_mean())
 
     def __call__(self, outputs: Any, truth: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Objectives by name, for a filter and a record: what ``--objective`` may say.
+"""Objectives by name, for a filter and a record: the values of ``--objective``.
 
 Each is a function of the output that is judged: its name among the filter's outputs, "" where they
 are one array; and its declared channel, None where there is no truth. Other packages add theirs to

@@ -1,4 +1,4 @@
-"""What a complementary filter does to the errors of its sensors, over frequency and in variance.
+"""Errors of a complementary filter due to its sensors, over frequency and in variance.
 
 The filter follows a rate, and is drawn to a measured angle by K1 times the difference and by K1 K2
 times its integral (:class:`filters.PiComplementary`). Its error is then
@@ -41,7 +41,7 @@ class SensorNoise(NamedTuple):
 
 
 class ComplementaryLoop(NamedTuple):
-    """A complementary filter by its gains; K2 = 0 is one of first order, time constant 1/K1.
+    """A complementary filter by its gains; K2 = 0 makes it first-order, with time constant 1/K1.
 
     Everything is differentiable in the gains, and of their shape. Gains of another sign make a
     filter that is not stable: damping and frequency are NaN then, and the variance is infinite.
@@ -86,16 +86,16 @@ class ComplementaryLoop(NamedTuple):
 
     @property
     def poles(self) -> Array:
-        """Both, complex, ``(..., 2)``, the faster first; 0 stands for an integral that is not used.
+        """Both poles, complex, ``(..., 2)``, the faster first; 0 stands for an unused integral.
 
-        At a double pole their derivative is not finite: they part as a root.
+        At a double pole their derivative is not finite: they split as a square root.
         """
         spread = jnp.sqrt(jnp.asarray(self.K1**2 - 4 * self.K1 * self.K2).astype(complex))
         fast = -(self.K1 + spread) / 2
         return jnp.stack([fast, self.K1 * self.K2 / fast], axis=-1)
 
     def transfer(self, omega: Array) -> Transfer:
-        """What is left of sinusoidal errors, omega in rad/s, broadcast against the gains.
+        """Transfer of sinusoidal errors, omega in rad/s, broadcast against the gains.
 
         >>> both = ComplementaryLoop.critical(jnp.array(40.0)).transfer(jnp.array(0.0))
         >>> [float(abs(part)) for part in both]
@@ -110,7 +110,7 @@ class ComplementaryLoop(NamedTuple):
         return Transfer(jnp.where(second, s, 1.0) / bottom, top / bottom)
 
     def variance(self, noise: SensorNoise) -> Array:
-        """Of the angle's error once the start is forgotten, rad^2; infinite for a walk at K2 = 0.
+        """Steady variance of the angle's error, rad^2; infinite for a random walk at K2 = 0.
 
         >>> float(ComplementaryLoop(jnp.array(0.5), jnp.array(0.5)).variance(SensorNoise(rate=2.0)))
         2.0
@@ -123,11 +123,11 @@ class ComplementaryLoop(NamedTuple):
         return jnp.where(self._stable, white + drift, jnp.inf)
 
     def bias_error(self, bias: Array) -> Array:
-        """What a constant error of the rate leaves, rad: nothing, or bias / K1 where K2 = 0."""
+        """The steady error due to a constant rate bias, rad: 0, or bias / K1 where K2 = 0."""
         return jnp.where(jnp.asarray(self.K2) > 0, 0.0, bias / self.K1)
 
     def ramp_error(self, slope: Array) -> Array:
-        """What an error of the rate that grows by slope rad/s^2 leaves, rad, (8); see K2 = 0."""
+        """The steady error due to a rate error growing by slope rad/s^2, rad, (8); see K2 = 0."""
         second = jnp.asarray(self.K2) > 0
         left = slope / (self.K1 * jnp.where(second, self.K2, 1.0))
         return jnp.where(second, left, jnp.where(slope == 0, 0.0, jnp.sign(slope) * jnp.inf))

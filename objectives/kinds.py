@@ -1,4 +1,4 @@
-"""What an objective's value is, which decides how far a number can be trusted.
+"""Kinds of objective: they decide how far a value can be trusted.
 
 A likelihood counts in nats that add up over the numbers of a record, so that a difference has a
 meaning of its own. A mean square is a mean over samples whose scatter can be seen. Of any other
@@ -13,7 +13,7 @@ Kind: TypeAlias = Literal["likelihood", "mean square", "root mean square", "cost
 
 
 class Additive(Protocol):
-    """An objective that is made of what each number of a record adds: a sum over a count.
+    """An objective that is a sum of terms, one for each number of a record, over their count.
 
     Attributes:
         kind: a likelihood's value is the mean itself, in nats a number; a root mean square is the
@@ -23,7 +23,7 @@ class Additive(Protocol):
     kind: Kind
 
     def added(self, output: Any, truth: Any) -> tuple[Array, Array]:
-        """What each number adds to the sum, and whether it counts: of one shape, ``(...,)``."""
+        """Each number's term of the sum, and whether it counts: of one shape, ``(...,)``."""
         ...
 
 
@@ -38,5 +38,5 @@ def kind_of(objective: Any) -> Kind:
 
 
 def is_additive(objective: Any) -> TypeGuard[Additive]:
-    """Whether an objective tells what each number adds."""
+    """Whether an objective provides the term of each number."""
     return kind_of(objective) != "cost"

@@ -18,7 +18,7 @@ class Likely(NamedTuple):
 
 
 class Law(Protocol):
-    """The law of innovations: what each number of a sample adds to the likelihood."""
+    """The distribution of innovations, which gives each number's term of the likelihood."""
 
     def added(self, output: Any, wanted: Array) -> tuple[Array, Array]:
         """The nats of each number, 0 where it does not count, and whether it counts, ``(m,)``."""
@@ -71,7 +71,7 @@ class InnovationLikelihood:
     kind: ClassVar[Kind] = "likelihood"
 
     def init(self) -> Likely:
-        """Nothing yet."""
+        """The empty sum."""
         return Likely(jnp.zeros(()), jnp.zeros(()))
 
     def added(self, output: Any, truth: Array) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""Two objectives at once, weighed: what a front between them is made of."""
+"""Weighed combinations of two objectives, which make up a Pareto front."""
 
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -16,7 +16,7 @@ class Both(NamedTuple):
     The weight travels with the data, so that all points of a front share one compilation.
 
     Attributes:
-        first, second: what each objective holds the outputs against.
+        first, second: the reference of each objective.
         weight: of the second, from 0 to 1, the same at every sample, ``(N,)``.
     """
 
@@ -26,7 +26,7 @@ class Both(NamedTuple):
 
 
 class Sums(NamedTuple):
-    """Of each objective what it has summed up, and the weight."""
+    """The sum of each objective, and the weight."""
 
     first: Any
     second: Any
@@ -50,7 +50,7 @@ class WeighedPair:
     second: Fold
 
     def init(self) -> Sums:
-        """Nothing yet."""
+        """The empty sums."""
         return Sums(self.first.init(), self.second.init(), jnp.zeros(()))
 
     def update(self, total: Sums, output: Any, truth: Both) -> tuple[Sums, tuple[Any, Any]]:
@@ -65,7 +65,7 @@ class WeighedPair:
         return jnp.exp((1 - total.weight) * one + total.weight * other)
 
     def logarithms(self, total: Sums, kept: tuple[Any, Any]) -> tuple[Array, Array]:
-        """The logarithm of either."""
+        """The logarithms of both."""
         values = self.first.value(total.first, kept[0]), self.second.value(total.second, kept[1])
         return logarithm(self.first, values[0]), logarithm(self.second, values[1])
 

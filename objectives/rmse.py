@@ -66,7 +66,7 @@ class ChannelRmse:
         return cls("" if alone else name, kind, max(1, len(facts[name].axes)))
 
     def init(self) -> Squares:
-        """Nothing yet."""
+        """The empty sum."""
         return Squares.none()
 
     def added(self, output: Any, truth: Array) -> tuple[Array, Array]:
@@ -89,7 +89,7 @@ class ChannelRmse:
         return total.plus(*self.added(output, truth)), None
 
     def value(self, total: Squares, kept: None) -> Array:
-        """The root of the mean, ``()``; NaN where nothing counts."""
+        """The root mean square, ``()``; NaN where nothing counts."""
         return jnp.sqrt(float(self.parts)) * total.root_mean()
 
     def __call__(self, outputs: Any, truth: Array) -> Array:
@@ -117,7 +117,7 @@ class InnovationRmse:
     kind: ClassVar[Kind] = "root mean square"
 
     def init(self) -> Squares:
-        """Nothing yet."""
+        """The empty sum."""
         return Squares.none()
 
     def added(self, output: Any, truth: Array) -> tuple[Array, Array]:
@@ -132,5 +132,5 @@ class InnovationRmse:
         return total.plus(*self.added(output, truth)), None
 
     def value(self, total: Squares, kept: None) -> Array:
-        """The root of the mean, ``()``; NaN where nothing counts."""
+        """The root mean square, ``()``; NaN where nothing counts."""
         return total.root_mean()

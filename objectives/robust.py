@@ -1,4 +1,4 @@
-"""Laws of innovations of which some are wrong: behind a gate, and with heavy tails."""
+"""Distributions of innovations with outliers: behind a gate, and with heavy tails."""
 
 from dataclasses import dataclass
 from math import log, pi
@@ -41,7 +41,7 @@ class PartlyWrong:
     share: float = 1e-3
 
     def added(self, output: Any, wanted: Array) -> tuple[Array, Array]:
-        """What each number adds, nats, and whether it counts, ``(m,)``."""
+        """Each number's term, nats, and whether it counts, ``(m,)``."""
         seen = wanted & (output.foretold != 0)
         s = jnp.where(seen, output.foretold, 1.0)
         right = log(1 - self.share) - (output.offered**2 / s + jnp.log(s) + log(2 * pi)) / 2
@@ -51,7 +51,7 @@ class PartlyWrong:
 
 @dataclass(frozen=True)
 class HeavyTails:
-    """Innovations of Student's t distribution, of a filter that weighs by it.
+    """Innovations with Student's t distribution, of a filter that weighs by it.
 
     The m innovations of a sample are one draw of a multivariate t distribution of nu degrees of
     freedom and the scales c s_i, c by :func:`filters.student.spread`; each number adds the negative
@@ -71,7 +71,7 @@ class HeavyTails:
     nu: float = 4.0
 
     def added(self, output: Any, wanted: Array) -> tuple[Array, Array]:
-        """What each number adds, nats, and whether it counts, ``(m,)``."""
+        """Each number's term, nats, and whether it counts, ``(m,)``."""
         seen = wanted & (output.foretold != 0)
         s = jnp.where(seen, output.foretold, 1.0)
         k = jnp.cumsum(seen) - seen  # those before it

@@ -1,4 +1,4 @@
-"""What an objective is, and how a filter is scored by one."""
+"""Objectives, and the score of a filter by one."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,18 +14,18 @@ from objectives.kinds import Additive
 
 
 class Fold(Protocol):
-    """An objective that takes part in the time loop: it sums up what it can and keeps the rest."""
+    """An objective inside the time loop: it accumulates a sum, and may keep values of samples."""
 
     def init(self) -> Any:
         """The sum before the first sample, any pytree."""
         ...
 
     def update(self, total: Any, output: Any, truth: Any) -> tuple[Any, Any]:
-        """One sample: the new sum, and what has to be kept of this sample (None: nothing)."""
+        """One sample: the new sum, and the values to be kept of this sample (None: nothing)."""
         ...
 
     def value(self, total: Any, kept: Any) -> Array:
-        """One number from the finished sum and what was kept, stacked along time."""
+        """One number from the final sum and the kept values, stacked along time."""
         ...
 
 
@@ -45,11 +45,11 @@ Build: TypeAlias = Callable[[Array], Any]
 
 
 class Data(NamedTuple):
-    """What a filter is scored on.
+    """The data that a filter is scored on.
 
     Attributes:
         inputs: the filter's inputs, a pytree whose leaves have time first, ``(N, ...)``.
-        truth: what the outputs are held against; for a :class:`Fold`, with time first.
+        truth: the reference of the outputs; for a :class:`Fold`, with time first.
     """
 
     inputs: Any
@@ -58,7 +58,7 @@ class Data(NamedTuple):
 
 @dataclass(frozen=True)
 class Folded:
-    """A filter with an objective in its loop: the state is the pair, the output is what is kept."""
+    """A filter with an objective in its loop: the state is the pair, the output the kept values."""
 
     filter: AnyFilter
     fold: Fold
@@ -133,7 +133,7 @@ def score_and_gradient(
 def judged(
     objective: Objective, data: Data, collected: tuple[Any, Any], tangents: tuple[Any, Any]
 ) -> tuple[Array, Array]:
-    """The score of what a time loop collected, and its gradient.
+    """The score from the results of a time loop, and its gradient.
 
     Args:
         objective: the objective.
@@ -167,7 +167,7 @@ def scores_and_gradients(
 
 @dataclass(frozen=True)
 class _Adding:
-    """A filter whose output is what an objective adds for each sample."""
+    """A filter whose output is the objective's terms of each sample."""
 
     filter: AnyFilter
     objective: Additive
@@ -177,7 +177,7 @@ class _Adding:
         return self.filter.init(params)
 
     def step(self, params: Any, state: Any, inputs: Data) -> tuple[Any, tuple[Array, Array]]:
-        """One sample of the filter, and what it adds."""
+        """One sample of the filter, and its terms."""
         state, output = self.filter.step(params, state, inputs.inputs)
         return state, self.objective.added(output, inputs.truth)
 
@@ -185,7 +185,7 @@ class _Adding:
 def contributions(
     filter: AnyFilter, objective: Additive, params: Any, data: Data
 ) -> tuple[Array, Array]:
-    """What each sample adds to an objective, and how many of its numbers count.
+    """Contribution of each sample to an objective, and the number of terms that count.
 
     Args:
         filter: the filter.
@@ -210,7 +210,7 @@ def contributions(
 
 
 def kept_bytes(filter: AnyFilter | None, objective: Objective, params: Any, data: Data) -> int:
-    """How much memory one run keeps for after its time loop."""
+    """Memory in bytes that one run keeps beyond its time loop."""
     _, kept = _collected.eval_shape(filter, objective, params, data)
     return sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(kept))
 
@@ -234,7 +234,7 @@ def _collect(
     data: Data,
     over: Callable[..., tuple[Any, Any]] = run,
 ) -> tuple[Any, Any]:
-    """The loop's part: the objective's sum and what was kept, or all outputs."""
+    """The loop's part: the objective's sum and the kept values, or all outputs."""
     if filter is None:
         return None, params
     if is_fold(objective):

@@ -1,4 +1,4 @@
-"""Sums of squares, and their root: what the objectives of this package are made of."""
+"""Sums of squares, and their root: the building blocks of this package's objectives."""
 
 from typing import NamedTuple
 
@@ -7,23 +7,23 @@ from jax import Array
 
 
 class Squares(NamedTuple):
-    """A sum of squares, and of how many samples, ``()`` each."""
+    """A sum of squares, and the number of samples in it, ``()`` each."""
 
     total: Array
     samples: Array
 
     @classmethod
     def none(cls) -> "Squares":
-        """Before the first sample."""
+        """The empty sum."""
         return cls(jnp.zeros(()), jnp.zeros(()))
 
     def plus(self, squares: Array, seen: Array) -> "Squares":
-        """With the squares of some samples, of which those count that are seen; equal shapes."""
+        """The sum with further squares, of which those marked as seen count; equal shapes."""
         counted = jnp.where(seen, squares, 0.0).sum()
         return Squares(self.total + counted, self.samples + seen.sum().astype(squares.dtype))
 
     def root_mean(self) -> Array:
-        """The root of the mean, ``()``; NaN where nothing counts.
+        """The root mean square, ``()``; NaN where nothing counts.
 
         >>> Squares.none().plus(jnp.array([9.0, 16.0]), jnp.array([True, False])).root_mean().item()
         3.0

@@ -1,4 +1,4 @@
-"""Kownacki's cost (10): how slowly a filter follows a step, plus how much noise it lets through.
+"""Kownacki's cost (10): the lag of a filter behind a step, plus the noise it lets through.
 
 The paper leaves open what its second term integrates. Three readings are offered by name; see
 docs/kownacki2010.md for what each of them implies.
@@ -16,7 +16,7 @@ from objectives.welch import Welch
 
 
 class Reading(Enum):
-    """What the second integral of (10) is taken over."""
+    """The integrand of the second integral of (10)."""
 
     R1 = "power spectral density of the whole output, step included: (10) to the letter"
     R2 = "power spectral density of the output's noise alone"
@@ -24,7 +24,7 @@ class Reading(Enum):
 
 
 class Crossing(Enum):
-    """Where the first integral of (10) ends."""
+    """The end of the first integral of (10)."""
 
     HINGE = "nowhere, but only the part below the step counts: differentiable"
     FIRST = "at the first sample that reaches the step, as printed; has jumps"
@@ -43,7 +43,7 @@ class StepCost(NamedTuple):
 
 
 class StepTruth(NamedTuple):
-    """What each sample is held against, ``(N,)`` each.
+    """The reference of each sample, ``(N,)`` each.
 
     Attributes:
         step: the step signal S.
@@ -60,7 +60,7 @@ class StepTruth(NamedTuple):
 
 
 class StepSum(NamedTuple):
-    """Both integrals so far, and whether the output has reached the step."""
+    """Both partial integrals, and whether the output has reached the step."""
 
     inertia: Array
     power: Array
@@ -79,7 +79,7 @@ class StepResponse:
     Attributes:
         dt: sample time, s.
         welch: how the spectrum is estimated.
-        reading: what the second integral is taken over.
+        reading: the integrand of the second integral.
         crossing: where the first integral ends.
         weight: factor on the second integral; the paper's is 1.
     """
@@ -115,7 +115,7 @@ class StepResponse:
         return StepTruth(*(jnp.asarray(column) for column in columns))
 
     def init(self) -> StepSum:
-        """Nothing yet, and the step not reached."""
+        """Empty integrals, and the step not reached."""
         return StepSum(jnp.zeros(()), jnp.zeros(()), jnp.zeros((), bool))
 
     def update(
@@ -135,7 +135,7 @@ class StepResponse:
         return inertia + self.weight * noise
 
     def parts(self, total: StepSum, kept: Array | None) -> StepCost:
-        """Both integrals apart, the second without its weight."""
+        """Both integrals, the second without its weight."""
         if kept is None:
             return StepCost(total.inertia, total.power)
         resolution = 1 / (self.welch.nfft * self.dt)

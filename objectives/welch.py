@@ -39,7 +39,7 @@ def window(name: str, length: int, *, symmetric: bool) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Welch:
-    """How a spectrum is estimated: averaged periodograms of overlapping, windowed segments.
+    """Parameters of Welch's estimate: averaged periodograms of overlapping, windowed segments.
 
     Source: Welch, IEEE Trans. Audio Electroacoustics 15(2), 1967. Every option means what it
     means in ``scipy.signal.welch``, and the result is the same.
@@ -50,7 +50,7 @@ class Welch:
         nfft: length of the transform, at least ``segment``; the rest is filled with zeros.
         window: boxcar, hann, hamming, blackman or blackmanharris.
         symmetric: the symmetric window (MATLAB's default) instead of the periodic one (scipy's).
-        detrend: what is taken off each segment first: nothing, its mean or its line.
+        detrend: what is subtracted from each segment first: nothing, its mean or its line.
         scaling: density (unit^2/Hz) or spectrum (unit^2).
         average: mean or (bias-corrected) median over the segments.
     """

@@ -1,13 +1,13 @@
-"""What makes matrices a covariance, and covariances and dynamics a linear system."""
+"""Checks that matrices are a covariance, and covariances and dynamics a linear system."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 ROUNDING = 1e-9
-"""What rounding, or a few printed digits, may leave where each variance is 1."""
+"""Tolerance for rounding, or few printed digits, where each variance is 1."""
 SINGULAR = 1e-12
-"""An eigenvalue below it is none, where each variance is 1."""
+"""An eigenvalue below it counts as 0, where each variance is 1."""
 
 
 def covariance(value: object, *, definite: bool = False) -> np.ndarray:
@@ -51,7 +51,7 @@ def is_definite(matrix: np.ndarray) -> bool:
 
 
 def check_shapes(matrices: Mapping[str, np.ndarray], states: Sequence[str]) -> None:
-    """Refuse matrices that are no linear system: A, C, W, V and S.
+    """Refuse matrices A, C, W, V and S that do not form a linear system.
 
     Raises:
         ValueError: for entries that are not finite, shapes that do not fit, or too few names.
@@ -97,7 +97,7 @@ def noise(W: np.ndarray, V: np.ndarray, S: np.ndarray) -> tuple[np.ndarray, np.n
 
 
 def _correlation(matrix: np.ndarray) -> np.ndarray:
-    """A covariance in units in which its diagonal is 1; a direction without variance stays."""
+    """A covariance scaled to a unit diagonal; directions without variance stay as they are."""
     deviation = np.sqrt(np.abs(np.diag(matrix)))
     unit = np.where(deviation > 0, deviation, 1.0)
     return np.asarray(matrix / unit / unit[:, None])

@@ -115,13 +115,13 @@ def _both_sides(A: Array, X: Array) -> Array:
 def improved(A: Array, Q: Array, X: Array) -> Array:
     """The Lyapunov equation's solution from an approximation X; not for differentiation.
 
-    What X leaves over is solved for by Cayley's transform, whose own rounding then counts little.
+    The residual of X is solved for by Cayley's transform, whose rounding errors are then small.
     """
     return _transform(A).improved(Q, X)
 
 
 class _Cayley(NamedTuple):
-    """A, with the matrices and the rate that make a Stein equation of a Lyapunov equation."""
+    """A, with the matrices and the rate that turn a Lyapunov equation into a Stein equation."""
 
     A: Array
     inverse: Array
@@ -143,7 +143,7 @@ def _transform(A: Array) -> _Cayley:
 
 @traced_once
 def _twice(A: Array, Q: Array) -> Array:
-    """From nothing, then from that; in a loop, which is compiled once."""
+    """The solution from X = 0, improved once; in a loop, which is compiled once."""
     cayley = _transform(A)
     X: Array = jax.lax.fori_loop(0, 2, lambda _, X: cayley.improved(Q, X), jnp.zeros_like(Q))
     return X

@@ -1,4 +1,4 @@
-"""A linear system with white noise: what every design without data starts from.
+"""A linear system with white noise, the basis of every design without data.
 
 The system is x' = A x + w, y = C x + v; its observer x^' = A x^ + L (y - C x^), whose error moves
 by A - L C. In discrete time the observer is the predictor x^(k+1) = A x^(k) + L (y(k) - C x^(k)),
@@ -28,12 +28,12 @@ class LinearSystem:
 
     Attributes:
         A: dynamics, ``(n, n)``: 1/s, or over one sample where ``dt`` is given.
-        C: what is measured, ``(m, n)``.
+        C: measurement matrix, ``(m, n)``.
         W: spectral density of w (two-sided, unit^2 s), or covariance a sample, ``(n, n)``.
         V: the same of v, ``(m, m)``; zero where a measurement has no noise.
         dt: sample time, s; None where the system is continuous.
         states: their names; x1, x2, ... where none are given.
-        S: what both noises share, ``(n, m)``: E w v'; zero where it is not given.
+        S: cross-covariance of both noises, ``(n, m)``: E w v'; zero where it is not given.
 
     Raises:
         ValueError: where shapes do not fit, an entry is not finite, noise is no covariance, or the
@@ -78,7 +78,7 @@ class LinearSystem:
 
     @property
     def discrete(self) -> bool:
-        """Whether the system steps by samples."""
+        """Whether the system is in discrete time."""
         return self.dt is not None
 
     @property
@@ -119,7 +119,7 @@ class LinearSystem:
         return solve(jnp.asarray(self.A - L @ self.C), self._driving(L))
 
     def _driving(self, L: Array | np.ndarray) -> Array:
-        """What drives the error: w - L v, ``(n, n)``."""
+        """Covariance of the noise that drives the error, w - L v, ``(n, n)``."""
         shared = self.S @ L.T
         return jnp.asarray(self.W + L @ self.V @ L.T - shared - shared.T)
 
@@ -146,7 +146,7 @@ class LinearSystem:
         return derived(parts, None if self.dt is None else self.dt / time)
 
     def restricted(self, T: np.ndarray, states: Sequence[str]) -> "LinearSystem":
-        """How T'x moves and shows, where T is an orthonormal basis ``(n, r)`` that allows it."""
+        """The system of T'x, where T is an orthonormal basis ``(n, r)`` that allows it."""
         W, S = T.T @ self.W @ T, T.T @ self.S
         parts = {"A": T.T @ self.A @ T, "C": self.C @ T, "W": W, "V": self.V, "S": S}
         return derived(parts, self.dt, tuple(states))
@@ -159,7 +159,7 @@ class LinearSystem:
             V: covariance of a sample's measurement noise, ``(m, m)``; a density does not say it.
 
         Raises:
-            ValueError: for a system of samples, noises that share something, or a V that is none.
+            ValueError: for a discrete system, correlated noises, or a V that is not a covariance.
 
         >>> walk = LinearSystem([[0.0]], [[1.0]], [[2.0]], [[0.0]]).sampled(0.5, [[3.0]])
         >>> walk.W.item(), walk.V.item(), walk.dt
@@ -167,21 +167,21 @@ class LinearSystem:
         """
         if self.discrete:
             raise ValueError(
-                f"the system steps by samples of {self.dt:g} s; sample a continuous one"
+                f"the system is discrete, with samples of {self.dt:g} s; sample a continuous one"
             )
         self._refuse_shared("be sampled")
         step = _van_loan(self.A, np.eye(len(self.A)), self.W, dt)
         return LinearSystem(step.F, self.C, step.Q, V, dt=dt, states=self.states)
 
     def filter_model(self, P0: ArrayLike, x0: ArrayLike | None = None) -> LinearModel:
-        """The model that :class:`filters.LinearKalman` and the covariance filters take.
+        """The model for :class:`filters.LinearKalman` and the covariance filters.
 
         Args:
             P0: covariance of the start, ``(n, n)``.
             x0: the start, ``(n,)``; zero where it is not given.
 
         Raises:
-            ValueError: for a continuous system, or noises that share something.
+            ValueError: for a continuous system, or correlated noises.
 
         >>> walk = LinearSystem([[1.0]], [[1.0]], [[2.0]], [[3.0]], dt=1.0)
         >>> walk.filter_model([[1.0]]).R.tolist()
@@ -189,7 +189,7 @@ class LinearSystem:
         """
         if not self.discrete:
             raise ValueError(
-                "a filter steps by samples; make them of the system with sampled(dt, V)"
+                "a filter needs a discrete system; discretise this one with sampled(dt, V)"
             )
         self._refuse_shared("become a filter's model")
         n, variances = len(self.A), np.diag(self.V)
@@ -204,7 +204,7 @@ class LinearSystem:
 
     def _refuse_shared(self, what: str) -> None:
         if self.S.any():
-            raise ValueError(f"w and v share noise (S is not zero), so the system cannot {what}")
+            raise ValueError(f"w and v are correlated (S is not zero), so the system cannot {what}")
 
 
 def derived(

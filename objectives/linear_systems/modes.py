@@ -1,4 +1,4 @@
-"""Why a Kalman filter has no steady state, in words: modes that are unseen, or undriven.
+"""Modes that keep a Kalman filter from a steady state: undetectable, or undriven ones.
 
 NumPy, not traced. :func:`objectives.steady_kalman` is the steady filter of what is left.
 """
@@ -13,13 +13,13 @@ from objectives.linear_systems.subspaces import MOST_SLACK, Subspace, undriven, 
 
 
 class Mode(NamedTuple):
-    """One way in which a model moves on its own.
+    """A mode of a model.
 
     Attributes:
         eigenvalue: of A, 1/s where it is continuous, else per sample.
         direction: unit vector by states: where an unseen mode moves, which combination of states
             an undriven one is; of a complex pair the absolute values.
-        kind: why it stands in the way of a steady filter.
+        kind: why it prevents a steady filter.
         discrete: whether the eigenvalue is per sample.
     """
 
@@ -53,12 +53,12 @@ class Mode(NamedTuple):
 
 
 class Reduction(NamedTuple):
-    """What is left of a system.
+    """A system reduced to some of its states.
 
     Attributes:
-        T: orthonormal basis of the states that are left, ``(n, r)``.
+        T: orthonormal basis of the remaining states, ``(n, r)``.
         system: how T'x moves; a state that is left alone keeps its name. It may have no states.
-        modes: what was taken out.
+        modes: the removed ones.
     """
 
     T: np.ndarray
@@ -67,7 +67,7 @@ class Reduction(NamedTuple):
 
 
 def unseen_modes(system: LinearSystem) -> tuple[Mode, ...]:
-    """The modes that do not die out and that no measurement shows: their covariance grows.
+    """The undetectable modes: no measurement shows them, they do not decay, their covariance grows.
 
     By the staircase of unobservable subspaces, with singular values, in scaled units; so a chain
     (a ramp: two states) is found whole.
@@ -81,7 +81,7 @@ def unseen_modes(system: LinearSystem) -> tuple[Mode, ...]:
 
 
 def undriven_modes(system: LinearSystem) -> tuple[Mode, ...]:
-    """The modes that neither grow nor die out and that no noise drives.
+    """The neutral modes that no noise drives: they neither grow nor decay.
 
     Their covariance falls as 1/t for ever, so the Riccati equation has no solution that makes the
     filter stable.
@@ -95,10 +95,10 @@ def undriven_modes(system: LinearSystem) -> tuple[Mode, ...]:
 
 
 def require_detectable(system: LinearSystem) -> None:
-    """Refuse a system of which no observer is stable.
+    """Refuse a system that has no stable observer.
 
     Raises:
-        ValueError: names the modes that do not die out and show in no measurement.
+        ValueError: names the modes that do not decay and show in no measurement.
     """
     modes = unseen_modes(system)
     if modes:
@@ -110,7 +110,7 @@ def require_detectable(system: LinearSystem) -> None:
 
 
 def without_undriven(system: LinearSystem) -> Reduction:
-    """The system on the states that its undriven modes leave, an invariant subspace of A.
+    """The system on the states without its undriven modes, an invariant subspace of A.
 
     >>> walks = LinearSystem(np.zeros((2, 2)), np.eye(2), np.diag([1.0, 0.0]), np.eye(2))
     >>> found = without_undriven(walks)
@@ -124,7 +124,7 @@ def without_undriven(system: LinearSystem) -> Reduction:
 
 
 def without_unseen(system: LinearSystem) -> Reduction:
-    """The system modulo the states that grow unseen: T'x moves on its own and is all that shows.
+    """The system modulo its undetectable states: T'x is autonomous and determines all outputs.
 
     >>> system = LinearSystem([[0.0, 1.0], [0.0, 0.0]], [[0.0, 1.0]], np.eye(2), [[1.0]])
     >>> without_unseen(system).T.ravel().tolist()
@@ -154,7 +154,7 @@ def _modes(
 
 
 def _reduced(system: LinearSystem, gone: np.ndarray, modes: tuple[Mode, ...]) -> Reduction:
-    """The system on the orthogonal complement of what is gone."""
+    """The system on the orthogonal complement of the removed states."""
     n, count = gone.shape
     if not count:
         return Reduction(np.eye(n), system, modes)

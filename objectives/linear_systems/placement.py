@@ -1,4 +1,4 @@
-"""Poles as coordinates: gains that put an observer's poles where factors of a polynomial say.
+"""Poles as coordinates: observer gains from the factors of a characteristic polynomial.
 
 Every polynomial whose roots all decay at least as fast as a given rate is a product of the factors
 below with coordinates inside simple limits, and every such product is one. So the slowest pole,
@@ -28,7 +28,7 @@ class Factors:
 
     Attributes:
         degree: of the polynomial.
-        discrete: which of the two.
+        discrete: whether time is discrete.
     """
 
     degree: int
@@ -36,12 +36,12 @@ class Factors:
 
     @property
     def pairs(self) -> int:
-        """How many factors of degree two there are."""
+        """Number of factors of degree two."""
         return self.degree // 2
 
     @property
     def odd(self) -> bool:
-        """Whether there is a factor of degree one."""
+        """Whether one factor has degree one."""
         return self.degree % 2 == 1
 
     def coefficients(
@@ -122,7 +122,7 @@ def place(A: Array, c: Array, coefficients: Array) -> Array:
         coefficients: of the monic polynomial p, highest power first, ``(n + 1,)``.
 
     Returns:
-        ``(n,)``; not finite where c does not see every state.
+        ``(n,)``; not finite where c does not observe every state.
 
     >>> A, c = jnp.array([[0.0, 1.0], [0.0, 0.0]]), jnp.array([1.0, 0.0])
     >>> place(A, c, jnp.array([1.0, 3.0, 2.0])).tolist()

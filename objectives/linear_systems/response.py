@@ -1,4 +1,4 @@
-"""How good a linear design is, without any data: poles, settling, error and variance.
+"""Quality of a linear design without any data: poles, settling, error and variance.
 
 The error of an observer with gain L moves as x' = A x, A being the plant's dynamics less L C. All
 functions are differentiable and can be batched with ``jax.vmap``.
@@ -12,7 +12,7 @@ from jax.scipy.linalg import expm
 from objectives.linear_systems.lyapunov import lyapunov, stein
 
 HORIZON = 40.0
-"""How many time constants of the slowest pole a response is followed: e^-40 is nothing."""
+"""Length of a response in time constants of the slowest pole: e^-40 is negligible."""
 _DOUBLINGS = 11  # samples of a response, as a power of two; twice, coarse and fine
 
 
@@ -42,7 +42,7 @@ def spectral_radius(F: Array) -> Array:
 
 
 def settling_time(A: Array, x0: Array, c: Array, band: float) -> Array:
-    """When c x(t) has come to stay within a band around zero, ``()``, s; infinite if unstable.
+    """The time from which c x(t) stays within a band around zero, ``()``, s; infinite if unstable.
 
     The last crossing is bracketed on a grid and refined by Newton's method; its derivative is that
     of the crossing. Where a ripple just touches the band, the time jumps: give such an objective
@@ -93,7 +93,7 @@ def ise(A: Array, x0: Array, c: Array) -> Array:
 
 
 def steady_variance(A: Array, W: Array, c: Array, *, discrete: bool = False) -> Array:
-    """Variance of c x once the start is forgotten, ``()``; NaN where A is unstable.
+    """Steady variance of c x, ``()``; NaN where A is unstable.
 
     Args:
         A: dynamics ``(n, n)``, 1/s; a transition where ``discrete``.
@@ -119,6 +119,6 @@ def _last_outside(F: Array, x: Array, c: Array, level: Array) -> tuple[Array, Ar
 
 
 def _outward(A: Array, x: Array, c: Array) -> Array:
-    """How fast c x moves away from zero where x moves as A x."""
+    """Rate at which c x moves away from zero where dx/dt = A x."""
     slope: Array = jnp.sign(c @ x) * (c @ A @ x)
     return slope

@@ -21,7 +21,7 @@ _MOST_DOUBLINGS = 50
 _MOST_STEPS = 30  # Newton's: two or three from a good start, more where R is tiny
 # A change of P as a share of the states' standard deviations: Newton's next would be its square.
 _SETTLED, _ACCEPTED = 1e-9, 1e-6
-_MOST_TOLD = 1e8  # by the measurements, as a share of what the noise drives
+_MOST_TOLD = 1e8  # by the measurements, as a share of the process noise
 _TRACE = 1e-12
 
 
@@ -59,7 +59,7 @@ def dare(F: Array, H: Array, Q: Array, R: Array) -> Array:
 
 
 def steady_gain(P: Array, H: Array, R: Array) -> Array:
-    """K = P H' (H P H' + R)^-1, ``(n, m)``: what the filter adds of an innovation, P predicted.
+    """K = P H' (H P H' + R)^-1, ``(n, m)``: the gain on an innovation, with P predicted.
 
     >>> one = jnp.eye(1)
     >>> steady_gain(3 * one, one, one).tolist(), updated(3 * one, one, one).tolist()
@@ -210,7 +210,7 @@ class _Steps(NamedTuple):
 
 
 def _newton(improve: Callable[[Array], Array], start: Array) -> Array:
-    """P with P = improve(P); NaN where it does not settle."""
+    """The fixed point P = improve(P); NaN where the iteration does not converge."""
 
     def more(state: _Steps) -> Array:
         return (state.change > _SETTLED) & (state.rounds < _MOST_STEPS)

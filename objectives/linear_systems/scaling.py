@@ -1,4 +1,4 @@
-"""Units that a linear system itself suggests: in other ones of the user's they are the same."""
+"""Units that follow from a linear system itself, whichever units the user chose."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -37,7 +37,7 @@ def balance(
     Args:
         A: dynamics, ``(n, n)``, per unit of time.
         C: measurements, ``(m, n)``.
-        W, V: densities of their noise, of which the variances count; none if they shall not decide.
+        W, V: densities of their noise, whose variances count; None: they do not count.
         M: errors that count, ``(k, n)``.
         fixed_time: whether the unit of time stays, as for a system of samples.
         fixed_errors: whether the errors' unit stays.

@@ -18,13 +18,13 @@ class SteadyKalman(NamedTuple):
     """A Kalman filter in its steady state.
 
     Attributes:
-        predicted: covariance before a measurement, ``(n, n)``; zero along what was taken out.
+        predicted: covariance before a measurement, ``(n, n)``; zero along removed modes.
         updated: after it, ``(n, n)``; of a continuous filter the same.
         gain: K on a measurement, ``(n, m)``; of a continuous filter in 1/s.
         predictor: L of the observer x^' = A x^ + L (y - C x^), ``(n, m)``: A K in discrete time
             where w and v share nothing, K in continuous time.
-        poles: eigenvalues of the filter's error dynamics, without what was taken out, ``(r,)``.
-        removed: the undriven modes that were taken out: in the end the filter knows them.
+        poles: eigenvalues of the filter's error dynamics, without removed modes, ``(r,)``.
+        removed: the undriven modes, which the filter knows in the end.
     """
 
     predicted: np.ndarray
@@ -53,9 +53,8 @@ def steady_kalman(system: LinearSystem) -> SteadyKalman:
     """
     if not (system.discrete or system.noisy):
         raise ValueError(
-            "a measurement has no noise (the matrix of v is singular) and may be followed ever "
-            "faster, so no gain is the best one; give the noise that it has, or the "
-            "sample time of the measurements"
+            "a measurement has no noise (the matrix of v is singular), so no gain is the best one; "
+            "give its noise, or the sample time of the measurements"
         )
     require_detectable(system)
     noisy, shared = _independent(_with_noise(system))
@@ -74,7 +73,7 @@ def steady_kalman(system: LinearSystem) -> SteadyKalman:
 
 
 def _with_noise(system: LinearSystem) -> LinearSystem:
-    """The system with a trace of noise in discrete measurements that have none."""
+    """The system with negligible noise in discrete measurements that have none."""
     if system.noisy:
         return system
     size = np.diag(system.C @ system.W @ system.C.T) + np.diag(system.V)
@@ -83,7 +82,7 @@ def _with_noise(system: LinearSystem) -> LinearSystem:
 
 
 def _independent(system: LinearSystem) -> tuple[LinearSystem, np.ndarray]:
-    """The system with w less what it shares with v, and S V^-1 by which y then drives it."""
+    """The system with the part of w independent of v, and S V^-1 by which y then drives it."""
     shared = np.zeros_like(system.S)
     if not system.S.any():
         return system, shared
@@ -104,7 +103,7 @@ def _filtered(system: LinearSystem) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     if np.isnan(P).any():
         raise ValueError(
             "the Riccati equation was not solved, although every mode is seen and driven; the "
-            f"model lies too near to one without a steady filter: its poles are {_listed(system.A)}"
+            f"model is close to one without a steady filter: its poles are {_listed(system.A)}"
         )
     after, gain = map(np.asarray, _measured(P, system.C, system.V, system.discrete))
     return P, after, gain
@@ -124,7 +123,7 @@ def _solved(system: LinearSystem) -> np.ndarray:
 
 
 def _by_schur(system: LinearSystem) -> np.ndarray:
-    """scipy's solution by ordered Schur vectors, for noise a factor 1e12 apart; NaN where none."""
+    """SciPy's solution by ordered Schur vectors, for noises 1e12 apart; NaN where none is found."""
     solve = (
         scipy.linalg.solve_discrete_are if system.discrete else scipy.linalg.solve_continuous_are
     )

@@ -1,4 +1,4 @@
-"""What of a linear model shows in its measurements, and what its noise drives, as subspaces.
+"""Unobservable and undriven subspaces of a linear model.
 
 Decisions are taken in units in which the entries of the model are alike, so the units of states
 and of time do not decide.
@@ -13,7 +13,7 @@ from objectives.linear_systems.model import LinearSystem
 from objectives.linear_systems.scaling import balance
 
 MOST_SLACK = 1e-6
-"""Of the rates: where rounding leaves a chain of two."""
+"""Largest tolerance of an eigenvalue, as a share of the rates: rounding of a chain of two."""
 _EPS = float(np.finfo(np.float64).eps)
 _NOTHING = 1e-10  # of a scaled model's entries: far above rounding, far below any use
 
@@ -33,7 +33,7 @@ class Subspace(NamedTuple):
 
 
 def unobservable(system: LinearSystem) -> Subspace:
-    """What shows in no measurement, dying out or not.
+    """The unobservable subspace, decaying modes included.
 
     >>> A, C = [[-1.0, 0.0], [0.0, -2.0]], [[1.0, 0.0]]
     >>> found = unobservable(LinearSystem(A, C, np.eye(2), [[1.0]]))
@@ -47,12 +47,12 @@ def unobservable(system: LinearSystem) -> Subspace:
 
 
 def unseen(system: LinearSystem) -> Subspace:
-    """What does not die out and shows in no measurement."""
+    """The undetectable subspace: unobservable, and not decaying."""
     return _lasting(system.A, system.C, system.discrete, grows=True)
 
 
 def undriven(system: LinearSystem) -> Subspace:
-    """What no noise drives and neither grows nor dies out: combinations y = scaled / scale."""
+    """Neutral modes that no noise drives: combinations y = scaled / scale."""
     values, basis, scale = _lasting(system.A.T, system.W, system.discrete, grows=False)
     return Subspace(values, basis, 1 / scale)
 
@@ -79,7 +79,7 @@ def _hidden(A: np.ndarray, C: np.ndarray, discrete: bool) -> _Hidden:
 
 
 def _lasting(A: np.ndarray, C: np.ndarray, discrete: bool, grows: bool) -> Subspace:
-    """The invariant subspace of A in the kernel of C with eigenvalues that do not die out."""
+    """The invariant subspace of A in the kernel of C whose modes do not decay."""
     basis, inner, size, scale, rounding = _hidden(A, C, discrete)
     if not inner.size:
         return Subspace(np.zeros(0), basis, scale)
@@ -98,7 +98,7 @@ def _lasting(A: np.ndarray, C: np.ndarray, discrete: bool, grows: bool) -> Subsp
 
 
 def _slack(inner: np.ndarray, rounding: float) -> float:
-    """How far rounding moves an eigenvalue: more where left and right vectors are orthogonal."""
+    """Perturbation of an eigenvalue by rounding: large if left and right vectors are orthogonal."""
     _, left, right = scipy.linalg.eig(inner, left=True)
     angle = np.abs((left.conj() * right).sum(axis=0)).min()
     return float(min(64 * rounding / max(angle, _EPS), max(MOST_SLACK, 64 * rounding)))
@@ -123,6 +123,6 @@ def _kernel(M: np.ndarray, nothing: float) -> np.ndarray:
 
 
 def _scale(A: np.ndarray, C: np.ndarray) -> np.ndarray:
-    """Units of the states as powers of two, which do not round; a pole has no say in them."""
+    """Units of the states as powers of two, which do not round, independent of the poles."""
     between = A - np.diag(np.diag(A))
     return np.asarray(2.0 ** np.round(np.log2(balance(between, C).states)))

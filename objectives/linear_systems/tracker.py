@@ -1,4 +1,4 @@
-"""The gains of a tracking filter by the names that trackers have for them."""
+"""The gains of a tracking filter by their usual names: alpha, beta, gamma."""
 
 from math import factorial
 
@@ -15,7 +15,7 @@ def tracker_gains(F: np.ndarray, C: np.ndarray, K: np.ndarray, dt: float) -> dic
 
     Args:
         F: transition, ``(n, n)``.
-        C: what is measured, ``(m, n)``.
+        C: measurement matrix, ``(m, n)``.
         K: gain on a measurement, ``(n, m)``.
         dt: sample time, s.
 

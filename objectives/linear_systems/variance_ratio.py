@@ -1,4 +1,4 @@
-"""How an error's variance does over a whole history, not only at its end."""
+"""The variance of an error over a whole history, not only at its end."""
 
 from dataclasses import dataclass
 
@@ -17,7 +17,7 @@ class VarianceRatio:
     may end well.
 
     Attributes:
-        state: whose variance, its place in the state.
+        state: index of the state whose variance counts.
         samples: how many samples count (those with a reference that is not NaN).
     """
 
@@ -25,7 +25,7 @@ class VarianceRatio:
     samples: int
 
     def init(self) -> Array:
-        """Nothing yet."""
+        """The empty sum."""
         return jnp.zeros(())
 
     def update(self, total: Array, output: Uncertainty, truth: Array) -> tuple[Array, None]:

@@ -1,7 +1,7 @@
 """BROAD: inclination of a moving inertial sensor, on real recordings with optical truth.
 
 The benchmark is that of Laidig, Caruso, Cereatti and Seel, Data 6(7):72, 2021; its files stay where
-the user has them. docs/broad.md tells what was found.
+the user has them. docs/broad.md reports the findings.
 """
 
 from studies.broad.claims import claims_of

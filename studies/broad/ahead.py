@@ -16,7 +16,7 @@ LEAD = Param("s", "how far ahead of the last sample the attitude is wanted", typ
 
 @dataclass(frozen=True)
 class Ahead:
-    """A filter's attitude, turned on at the last sample's rate for the lead.
+    """A filter's attitude, extrapolated at the last sample's rate for the lead.
 
     The rate is taken as it is, without the bias that the filter may know: a bias of 0.01 rad/s
     turns 2 ms by 0.001 deg.
@@ -50,7 +50,7 @@ class Ahead:
         return self.filter.init(params.inner)
 
     def step(self, params: Any, state: Any, inputs: Any) -> tuple[Any, Array]:
-        """The filter's own step; its attitude is turned on."""
+        """The filter's own step, with its attitude extrapolated."""
         state, found = self.filter.step(params.inner, state, inputs)
         turn = from_rotation_vector(jnp.nan_to_num(inputs.gyr) * params.lead)
         attitude: Any = getattr(found, "att", found)
@@ -61,5 +61,5 @@ class Ahead:
 def _with_lead(inner: type[Any]) -> type[Any]:
     """One class for each inner one, for JAX tells trees apart by it."""
     fields = [("inner", inner), ("lead", Annotated[Array, LEAD])]
-    made: Any = NamedTuple  # called, for its fields are only known here
+    made: Any = NamedTuple  # called, for its fields are known only here
     return cast("type[Any]", made(f"{inner.__name__}Ahead", fields))

@@ -1,4 +1,4 @@
-"""What was reached, beside other filters and what others publish: by claims."""
+"""The results beside other filters and published ones, by claims."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -16,9 +16,9 @@ from tuner.run.comparison import Comparison, claim, number, undecided
 from tuner.run.study import Claim, Solutions, best, tuned_values
 
 CLOSE = 0.02
-"""How closely a filter has to repeat what is published of it, relative."""
+"""Relative tolerance for reproducing a filter's published errors."""
 NEAR = 3e-4
-"""How near the tuned lead has to be to what gyroscopes are late, s."""
+"""Tolerance of the tuned lead against the gyroscopes' delay, s."""
 PUBLISHED = {
     "madgwick": "their code takes the reference field at half its length, and the length of its "
     "gradient depends on which earth axis is north",
@@ -28,7 +28,7 @@ PUBLISHED = {
 
 
 def _published(case: Case, solutions: Solutions, *, name: str) -> Iterator[Comparison]:
-    """A filter with a magnetometer at the published gains, beside what is published."""
+    """A filter with a magnetometer at the published gains, beside the published errors."""
     contest = case.contest
     names = [trial.name for trial in contest.trials]
     why = _incomparable(contest)
@@ -51,7 +51,7 @@ def _published(case: Case, solutions: Solutions, *, name: str) -> Iterator[Compa
 
 
 def _incomparable(contest: Contest) -> str:
-    """Why published errors say nothing about these trials; "" where they do."""
+    """The reason why published errors do not apply to these trials; "" where they do."""
     foreign = [trial.name for trial in contest.trials if trial.name not in paper.NAMES]
     if foreign:
         return f"nothing is published of {', '.join(foreign)}"
@@ -79,7 +79,7 @@ def _transferred(case: Case, solutions: Solutions) -> Comparison:
 
 
 def _sensor(case: Case, solutions: Solutions) -> Comparison:
-    """Which part of the delay is the sensor's."""
+    """The sensor's part of the delay."""
     quantity, where = "delay_sensor_ms", "gyroscopes are later than accelerometers on every trial"
     found = 1e3 * np.array([late(trial) for trial in case.contest.trials])
     found = found[~np.isnan(found).any(axis=1)]
@@ -103,7 +103,7 @@ def _sensor(case: Case, solutions: Solutions) -> Comparison:
 
 
 def _lead(case: Case, solutions: Solutions) -> Comparison:
-    """Whether the tuned lead is what the gyroscopes are late."""
+    """Whether the tuned lead equals the gyroscopes' delay."""
     quantity = "delay_lead_ms"
     where = f"the tuned lead and half a sample are the gyroscopes' delay, within {1e3 * NEAR:g} ms"
     found = np.array([late(trial).gyroscopes for trial in case.contest.trials])
@@ -124,7 +124,7 @@ def _lead(case: Case, solutions: Solutions) -> Comparison:
 
 
 def claims_of(case: Case) -> tuple[Claim, ...]:
-    """What these trials can decide."""
+    """The claims that these trials can decide."""
     left_out = (fold_name("*"),)
     found = [Claim("inclination_loo_deg", mean_left_out, left_out)] if case.folds else []
     found += claims_held_out(case)

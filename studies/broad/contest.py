@@ -1,4 +1,4 @@
-"""Trials side by side, the problems that filters are tuned by on them, and how they do."""
+"""Trials in a batch, the tuning problems on them, and the filters' errors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -36,7 +36,7 @@ class Error:
 
 
 class Outcome(NamedTuple):
-    """How a filter did on k trials, deg.
+    """Errors of a filter on k trials, deg.
 
     Attributes:
         errors: root mean square errors by trial, ``(k,)``: the inclination's, and for a filter with
@@ -55,7 +55,7 @@ class Outcome(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Contest:
-    """Trials of one sample rate; data that filters take, and what came of them, is made once.
+    """Trials of one sample rate; filters' data and results are computed once.
 
     Attributes:
         trials: at least one.
@@ -74,11 +74,11 @@ class Contest:
 
     @property
     def rate_hz(self) -> float:
-        """The sample rate that all have."""
+        """The common sample rate."""
         return self.trials[0].rate_hz
 
     def data(self, name: str) -> Data:
-        """The trials as a filter takes them."""
+        """The trials as data of a filter."""
         if takes_field(name):
             return self._with_field
         if name.startswith("room"):
@@ -105,11 +105,11 @@ class Contest:
         return Source.joined(f"{len(parts)} trials of BROAD", parts)
 
     def judged(self, name: str, values: dict[str, Array]) -> Outcome:
-        """How a filter does with parameters that all trials share."""
+        """A filter's errors with parameters that all trials share."""
         return self.judged_each(name, [values] * len(self.trials))
 
     def judged_each(self, name: str, values: Sequence[dict[str, Array]]) -> Outcome:
-        """How a filter does with parameters for every trial: one time loop for all."""
+        """A filter's errors with parameters for each trial, in one time loop."""
         filter = filter_of(name, self.rate_hz)
         starts = [np.array(q) for q in self._starts(name)]
         rows = [assembled(filter, v | {"q0": q}) for v, q in zip(values, starts, strict=True)]
@@ -124,7 +124,7 @@ class Contest:
         return self._outcomes[key]
 
     def _starts(self, name: str) -> tuple[tuple[float, ...], ...]:
-        """Where a filter begins on each trial: with a field at its attitude, otherwise level."""
+        """A filter's initial attitude on each trial: by gravity and field, otherwise level."""
         starts = [trial.start if takes_field(name) else None for trial in self.trials]
         return tuple(LEVEL if q is None else tuple(q.tolist()) for q in starts)
 
@@ -149,7 +149,7 @@ class Contest:
 
 
 def side_by_side(name: str, trials: Sequence[Trial], samples: int = 0) -> Data:
-    """Trials as a filter takes them, up to the last sample that counts in any, or to ``samples``.
+    """Trials as data of a filter, up to the last sample that counts in any, or to ``samples``.
 
     Shorter ones are filled up with their last sample at rest.
     For the room filter samples are in blocks, for the gravity filters averaged in groups, whose
@@ -167,7 +167,7 @@ def side_by_side(name: str, trials: Sequence[Trial], samples: int = 0) -> Data:
 
 
 def end(trial: Trial) -> int:
-    """How many samples there are up to the last that counts."""
+    """Number of samples up to the last that counts."""
     return int(np.flatnonzero(~np.isnan(trial.truth).any(axis=1))[-1]) + 1
 
 

@@ -1,4 +1,4 @@
-"""The filters that compete: their parameters, where a search begins, and by what it is judged."""
+"""The competing filters: their parameters, start values, and sample rates."""
 
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -20,15 +20,15 @@ from tuner.problem.parameters import Limited, Parameter, Positive
 from tuner.problem.space import Space
 
 BLOCK = 0.196
-"""How often the room filter corrects, s; 10 to 200 ms give the same errors."""
+"""Interval of the room filter's corrections, s; 10 to 200 ms give the same errors."""
 THINNED = 60.0
 """Rate at which the gravity filters run, Hz; rates and forces are averaged down to it."""
 SPEED = 0.3
 """Held: all noises of the room filter share a scale that only the start's deviations see."""
 GYROSCOPE = 1e-4
-"""Held: the same of the gravity filters, rad^2/s."""
+"""Held: the same for the gravity filters, rad^2/s."""
 LEVEL = (0.0, 0.0, 0.0, 0.0)
-"""No attitude to begin with: the first samples say where up is."""
+"""No initial attitude: the first samples determine the vertical."""
 
 Contestant = Literal[
     "room",
@@ -99,7 +99,7 @@ SPACES = _PLAIN | {
     f"{name}_lead": Space((*_PLAIN[name].parameters, ("lead", replace(LEAD, unit="s"))))
     for name in _OTHERS
 }
-"""What is tuned, and where it begins: round numbers, or the gains published for the benchmark.
+"""Tuned parameters and their start values: round numbers, or the benchmark's published gains.
 
 room and those that end in _lead are given the sensor's delay back; the others, room_now among
 them, give the attitude of the last sample, whatever that delay.
@@ -107,24 +107,24 @@ them, give the attitude of the last sample, whatever that delay.
 
 
 def start(name: str) -> dict[str, Array]:
-    """Where a filter's search begins."""
+    """The start values of a filter's search."""
     space = SPACES[name]
     return space.constrain(jnp.asarray(space.start()))
 
 
 def takes_field(name: str) -> bool:
-    """Whether a filter takes the magnetometer too."""
+    """Whether a filter also uses the magnetometer."""
     return "_field" in name
 
 
 def has_lead(name: str) -> bool:
-    """Whether a filter's attitude is turned on by a lead, which is tuned."""
+    """Whether a filter's attitude is extrapolated by a tuned lead."""
     return name == "room" or name.endswith("_lead")
 
 
 @dataclass(frozen=True)
 class Build:
-    """From parameters by name to those of k filters side by side, each with a start of its own.
+    """The map from parameters by name to those of k filters in a batch, each with its own start.
 
     Attributes:
         filter: the filter.
@@ -135,7 +135,7 @@ class Build:
     starts: tuple[tuple[float, ...], ...]
 
     def __call__(self, values: dict[str, Array]) -> Any:
-        """The same for every trial but for where it begins."""
+        """Equal parameters for all trials, except for the start."""
         each = [assembled(self.filter, values | {"q0": jnp.asarray(q)}) for q in self.starts]
         return jax.tree.map(lambda *leaves: jnp.stack(leaves), *each)
 
@@ -157,12 +157,12 @@ def filter_of(name: str, rate_hz: float) -> AnyFilter:
 
 
 def group(name: str, rate_hz: float) -> int:
-    """How many samples a step of a filter takes."""
+    """Number of samples in a filter's step."""
     if name.startswith("room"):
         return max(round(BLOCK * rate_hz), 1)
     return max(round(rate_hz / THINNED), 1) if _kind(name) in ("gravity", "two_step") else 1
 
 
 def _kind(name: str) -> str:
-    """The filter's, whatever it takes and however its attitude is turned on."""
+    """The kind of a filter, whatever its sensors and its lead."""
     return name.removesuffix("_lead").removesuffix("_field")

@@ -12,7 +12,7 @@ from tuner.run.figure import Chart, Figure, Line
 from tuner.run.study import Solutions
 
 WINDOW = 1.0
-"""Errors in time are root mean squares over so many seconds: single samples only blacken."""
+"""Window of the root mean squares in time, s: single samples would fill the figure."""
 
 
 def figures(case: Case, solutions: Solutions) -> Iterator[Figure]:
@@ -52,7 +52,7 @@ def _figures(case: Case, solutions: Solutions, names: Sequence[str], end: str) -
 
 
 def _numbers(contest: Contest) -> tuple[np.ndarray, str]:
-    """Where trials stand along the axis: at the numbers that their names begin with, if all do."""
+    """Positions of the trials: the numbers that their names begin with, if all do."""
     heads = [trial.name.split("_")[0] for trial in contest.trials]
     if len(set(heads)) == len(heads) and all(head.isdecimal() for head in heads):
         return np.array(heads, float), "number of the trial"

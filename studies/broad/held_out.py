@@ -1,4 +1,4 @@
-"""What tuning is worth on trials that were not tuned on, and what a filter is worth at all."""
+"""The benefit of tuning on held-out trials, and the benefit of a filter at all."""
 
 from functools import partial
 from typing import NamedTuple
@@ -71,7 +71,7 @@ def helps(case: Case, solutions: Solutions, *, name: str) -> Comparison:
 
 
 def gap(case: Case, solutions: Solutions) -> Comparison:
-    """What is left to each trial's own optimum."""
+    """The gap to each trial's own optimum."""
     found = left_out(case, solutions)
     own = each(case, solutions, "room", alone_name)
     untuned = case.contest.judged("room", start("room")).inclination[list(case.folds)]
@@ -99,7 +99,7 @@ def nothing(case: Case, solutions: Solutions, *, name: str) -> Comparison:
 
 
 def claims_held_out(case: Case) -> tuple[Claim, ...]:
-    """What can be decided."""
+    """The claims that these trials can decide."""
     held = needed(case, "none")
     nothings = [
         Claim(f"inclination_{name}_deg", partial(nothing, name=name), held) for name in ALONE

@@ -1,4 +1,4 @@
-"""How late gyroscopes and accelerometers are against the optical truth.
+"""Delays of gyroscopes and accelerometers against the optical truth.
 
 Both come with the same times. What both are late may be the truth's clock; what the gyroscopes are
 later than the accelerometers is the sensor's.
@@ -16,25 +16,24 @@ from scipy.spatial.transform import Rotation
 from studies.broad.trials import GRAVITY, Trial
 
 SMOOTH = 0.02
-"""Deviation of the bell by which all signals are smoothed alike, s: a second derivative is noisy.
-"""
+"""Deviation of the Gaussian that smooths all signals, s: a second derivative is noisy."""
 CLEAR = 6
-"""So many of these deviations lie between a sample that counts and a gap of the truth."""
+"""Least distance of a counted sample from a gap of the truth, in these deviations."""
 LATEST = 0.02
-"""Delays are sought up to here, s."""
+"""Largest delay of the search, s."""
 FEWEST = 200
-"""So many samples have to count."""
+"""The fewest samples that have to count."""
 
 
 class Late(NamedTuple):
-    """Delays of a trial's sensors against the truth, s; NaN where nothing tells."""
+    """Delays of a trial's sensors against the truth, s; NaN where they are not determined."""
 
     gyroscopes: float
     accelerometers: float
 
 
 def late(trial: Trial) -> Late:
-    """By which shift rate and force are what the truth says, up to a constant matrix and a bias.
+    """The shifts that fit rate and force to the truth, up to a constant matrix and a bias.
 
     The force takes the truth's places twice differentiated; the arm from the optical markers to the
     accelerometers, whose turning pushes them, is fitted along.
@@ -47,7 +46,7 @@ def late(trial: Trial) -> Late:
     at = _clear(seen, int(np.ceil(CLEAR * width)))
     if len(at) < FEWEST:
         return Late(np.nan, np.nan)
-    every = max(int(width / 2), 1)  # smoothed neighbours say the same
+    every = max(int(width / 2), 1)  # smoothed neighbours are redundant
     at = at[::every]
 
     def smooth(values: np.ndarray) -> np.ndarray:
@@ -78,7 +77,7 @@ def _clear(seen: np.ndarray, margin: int) -> np.ndarray:
 
 
 def _one_sign(q: np.ndarray, seen: np.ndarray) -> np.ndarray:
-    """Quaternions without jumps to their negatives, where they are known."""
+    """Quaternions without sign changes, where they are known."""
     found = q.copy()
     known = q[seen]
     same = np.where((known[1:] * known[:-1]).sum(axis=1) < 0, -1.0, 1.0)
@@ -87,7 +86,7 @@ def _one_sign(q: np.ndarray, seen: np.ndarray) -> np.ndarray:
 
 
 def _joined(values: np.ndarray, seen: np.ndarray) -> np.ndarray:
-    """With straight lines over the gaps, which do not count."""
+    """Values interpolated over the gaps, which do not count."""
     at = np.flatnonzero(seen)
     whole = np.arange(len(values))
     return np.stack([np.interp(whole, at, column[at]) for column in values.T], axis=1)
@@ -101,7 +100,7 @@ def _rate(q: np.ndarray, step: float) -> np.ndarray:
 
 
 def _arm(rate: np.ndarray, step: float) -> np.ndarray:
-    """The acceleration of a point by its place on the body, ``(N, 3, 3)``: A + W W."""
+    """Factor of a point's acceleration by its position on the body, ``(N, 3, 3)``: A + W W."""
     spin = _skew(rate)
     return np.asarray(_skew(np.gradient(rate, step, axis=0)) + spin @ spin)
 
@@ -113,7 +112,7 @@ def _skew(v: np.ndarray) -> np.ndarray:
 
 
 def _felt(force: np.ndarray, arm: np.ndarray) -> np.ndarray:
-    """What a reading is made of, ``(3, n, 15)``: each axis' matrix and bias, and an arm."""
+    """Regressors of a reading, ``(3, n, 15)``: each axis' matrix and bias, and an arm."""
     known = np.concatenate([force, np.ones((len(force), 1))], axis=1)
     own = np.kron(np.eye(3), known).reshape(3, len(force), 12)
     return np.concatenate([own, arm.transpose(1, 0, 2)], axis=2)
@@ -122,7 +121,7 @@ def _felt(force: np.ndarray, arm: np.ndarray) -> np.ndarray:
 def _shift(
     reading: Callable[[np.ndarray], np.ndarray], t: np.ndarray, columns: np.ndarray
 ) -> float:
-    """By how much a reading is late: where columns ``(3, n, m)`` explain it best, s."""
+    """The delay of a reading: the shift at which columns ``(3, n, m)`` fit it best, s."""
     basis = np.linalg.qr(columns.reshape(-1, columns.shape[-1]))[0]
 
     def left(delay: float) -> float:

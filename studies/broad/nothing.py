@@ -1,4 +1,4 @@
-"""No filter at all: what accelerometers alone and gyroscopes alone say of the vertical."""
+"""No filter at all: the vertical by accelerometers alone and by gyroscopes alone."""
 
 from dataclasses import replace
 
@@ -14,12 +14,12 @@ from studies.broad.trials import Trial
 
 
 def accelerometers(contest: Contest) -> np.ndarray:
-    """Errors by trial, deg, ``(k,)``, each acceleration taken for the vertical."""
+    """Errors by trial, deg, ``(k,)``, with each acceleration taken as the vertical."""
     return np.asarray(_by_acceleration(contest.data("mahony")))
 
 
 def gyroscopes(contest: Contest) -> np.ndarray:
-    """Errors by trial, deg, ``(k,)``, of rates summed up from rest, less their mean at rest."""
+    """Errors by trial, deg, ``(k,)``, of rates integrated from rest, less their mean at rest."""
     still = Contest(tuple(_unbiased(trial) for trial in contest.trials))
     none = {"Kp": jnp.zeros(()), "Ki": jnp.zeros(())}
     return still.judged("mahony", start("mahony") | none).inclination

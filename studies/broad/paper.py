@@ -1,4 +1,4 @@
-"""What the benchmark's authors publish of Madgwick's and Mahony's filter with a magnetometer.
+"""Published errors of Madgwick's and Mahony's filters with a magnetometer.
 
 Source: the files results_madgwick_average_rmse.json and results_mahony_average_rmse.json beside
 their recordings (CC BY 4.0), at the gains with the lowest mean total error: beta = 0.12, and

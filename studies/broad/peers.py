@@ -17,9 +17,9 @@ from studies.broad.contest import Contest, Error
 from tuner.solvers import nelder_mead
 
 TAUS = np.geomspace(1.0, 8.0, 13)
-"""Time constants among which the best is taken where a lead is tuned along, s."""
+"""Grid of time constants where a lead is tuned as well, s."""
 LEADS = (0.0, 3e-3, 6e-3)
-"""Three leads, which give the parabola that the squared error is, s."""
+"""Three leads that determine the parabola of the squared error, s."""
 
 
 class Peer(NamedTuple):
@@ -53,7 +53,7 @@ def vqf(contest: Contest) -> Peer | None:
     return _peer(contest)
 
 
-@cache  # asked for by several claims; of one contest, which is compared by identity
+@cache  # used by several claims; of one contest, which is compared by identity
 def _peer(contest: Contest) -> Peer:
     runs = _Runs(contest)
     best = nelder_mead(
@@ -88,7 +88,7 @@ class _Runs:
     _parabolas: dict[float, np.ndarray] = field(default_factory=dict)
 
     def errors(self, tau: float, lead: float = 0.0) -> np.ndarray:
-        """By trial, deg; the attitude is turned on at the last sample's rate."""
+        """Errors by trial, deg; the attitude is extrapolated at the last sample's rate."""
         data = self.contest.data("mahony")
         q = self._of(tau)
         return np.asarray(_errors(q, data.inputs.gyr, jnp.asarray(lead), data.truth))
@@ -102,7 +102,7 @@ class _Runs:
     def _lead(self, tau: float, trials: list[int]) -> tuple[float, float]:
         """The least mean error, and its lead.
 
-        A lead turns the vertical by a vector in proportion to it, so its square is a parabola.
+        A lead turns the vertical by a proportional vector, so the squared error is a parabola.
         """
         if tau not in self._parabolas:
             squares = np.array([self.errors(tau, lead) ** 2 for lead in LEADS])
@@ -134,7 +134,7 @@ class _Runs:
 
 @jax.jit
 def _errors(q: Array, rate: Array, lead: Array, truth: Array) -> Array:
-    """By trial, deg, of attitudes ``(N, k, 4)`` turned on by a lead."""
+    """Errors by trial, deg, of attitudes ``(N, k, 4)`` extrapolated by a lead."""
     turned = jax.vmap(jax.vmap(multiply))(q, jax.vmap(jax.vmap(from_rotation_vector))(rate * lead))
     return Records(Error()).each(turned, truth)
 

@@ -1,4 +1,4 @@
-"""What is tuned on which trials, and by which solver."""
+"""The tuning problems, their trials, and their solvers."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -14,7 +14,7 @@ from tuner.solvers import Alternating, Gradient
 from tuner.solvers.solver import Solver
 
 ROOMS = ("room", "room_now")
-"""With a lead and without: others are held against the one that has the same freedom."""
+"""With a lead and without: others are compared with the one that has the same freedom."""
 ENOUGH = 3e-4
 """Slope of ln error at which a search may end: a tenth of a factor e more changes nothing."""
 STILL = 1e-4
@@ -23,7 +23,7 @@ STILL = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """What is compared.
+    """A comparison of filters.
 
     Attributes:
         contest: all trials.
@@ -37,7 +37,7 @@ class Case:
 
 
 def case_of(settings: Settings) -> Case:
-    """The trials of the folder, and who competes on them.
+    """The trials of the folder, and the competing filters.
 
     Raises:
         ValueError: for a folder or a trial that cannot be used, and for filters that need a
@@ -86,12 +86,12 @@ def tasks(case: Case, seed: int) -> tuple[Task, ...]:
 
 
 def fold_name(trial: str, name: str = "room") -> str:
-    """What the problem is called that leaves a trial out."""
+    """The name of the problem that leaves a trial out."""
     return f"without_{trial}" if name == "room" else f"{name}_without_{trial}"
 
 
 def alone_name(trial: str) -> str:
-    """What the problem is called that is tuned on one trial, which is judged by it as well."""
+    """The name of the problem that is tuned on one trial, and judged on the same."""
     return f"alone_{trial}"
 
 

@@ -1,4 +1,4 @@
-"""Other filters beside the room filter, each held against the one that has the same freedoms."""
+"""Other filters, each compared with the room filter that has the same freedoms."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -13,12 +13,12 @@ from tuner.run.comparison import Comparison, claim, undecided
 from tuner.run.study import Solutions, best, tuned_values
 
 REACH = 0.70
-"""What a filter of this project has to reach on trials that it was not tuned on, deg."""
+"""The error that a filter of this project has to reach on held-out trials, deg."""
 PACKAGE = "the package vqf is not installed: it comes with the extra 'peers'"
 
 
 class Room(NamedTuple):
-    """The room filter's errors that others are held against.
+    """The room filter's errors, with which others are compared.
 
     Attributes:
         at: the trials, by index.
@@ -43,7 +43,7 @@ def needed(case: Case, name: str) -> tuple[str, ...]:
 
 
 def room(case: Case, solutions: Solutions, name: str) -> Room:
-    """What a filter of that name is held against."""
+    """The errors that a filter of that name is compared with."""
     own = room_of(name)
     said = "the room filter" if has_lead(own) else "the room filter without a lead"
     if case.folds:
@@ -62,21 +62,21 @@ def each(case: Case, solutions: Solutions, name: str, posed: Callable[[str], str
     """The errors of a filter on trials that each have a problem of their own, deg.
 
     Args:
-        case: what is compared.
+        case: the comparison.
         solutions: of the problems.
         name: of the filter.
-        posed: from a trial's name to its problem's.
+        posed: the map from a trial's name to its problem's.
     """
     contest, folds = case.contest, case.folds
     names = [posed(contest.trials[at].name) for at in folds]
     found = dict(zip(folds, (tuned_values(best(n, solutions)) for n in names), strict=True))
-    some = found[folds[0]]  # for trials that were never left out, and are not asked for
+    some = found[folds[0]]  # for trials that were never left out, and are not needed
     values = [found.get(at, some) for at in range(len(contest.trials))]
     return contest.judged_each(name, values).inclination[list(folds)]
 
 
 def judged_at(name: str, contest: Contest, solutions: Solutions) -> Outcome:
-    """How a filter does with the parameters tuned on all trials."""
+    """A filter's errors with the parameters tuned on all trials."""
     return contest.judged(name, tuned_values(best(name, solutions)))
 
 
@@ -131,12 +131,12 @@ def of_vqf(case: Case, solutions: Solutions, *, state: str) -> Comparison:
 
 
 def vqf_name(state: str) -> str:
-    """What VQF is called, as far as it has a lead."""
+    """The name of VQF, with or without a lead."""
     return "vqf_lead" if "lead" in state else "vqf"
 
 
 def default(case: Case, solutions: Solutions, *, name: str) -> Comparison:
-    """A filter where its search began."""
+    """A filter with the start values of its search."""
     gains = "published gains" if name.startswith(("mahony", "madgwick")) else "start values"
     found = case.contest.judged(name, start(name))
     return _state(f"inclination_{name}_default_deg", name, gains, found, case, solutions)

@@ -1,4 +1,4 @@
-"""What can be set."""
+"""The settings."""
 
 from pydantic import Field
 
@@ -8,7 +8,7 @@ from tuner.run.settings import StudySettings
 
 
 class Settings(StudySettings):
-    """Where the recordings are, and what is tuned on them."""
+    """The folder of the recordings, and the filters tuned on them."""
 
     folder: str = Field("", description="folder of the benchmark's .mat files")
     acc_unit: AccUnit = Field("m/s^2", description="unit of imu_acc")

@@ -19,9 +19,9 @@ NEEDED = ("imu_acc", "imu_gyr", "opt_quat", "movement", "sampling_rate")
 MOVES = Channel("", "whether the sensor moves, so that the sample counts")
 PLACE = Channel("m", "optical, in earth axes", ("x", "y", "z"))
 SHORTEST = 1.0
-"""A rest phase before the movement has to last this long, s, so that a filter can begin."""
+"""Shortest rest phase before the movement, s, in which a filter can start."""
 APART = 5.0
-"""At rest the truth's vertical and the accelerometers' may differ by so many degrees."""
+"""Largest angle between the truth's vertical and the accelerometers' at rest, deg."""
 
 AccUnit = Literal["m/s^2", "g"]
 GyrUnit = Literal["rad/s", "deg/s"]
@@ -82,7 +82,7 @@ def read(folder: str, acc_unit: AccUnit, gyr_unit: GyrUnit, seconds: float | Non
 
     Args:
         folder: with the benchmark's .mat files.
-        acc_unit, gyr_unit: in which they are written.
+        acc_unit, gyr_unit: of the files.
         seconds: only so much of each from its beginning; None for all.
 
     Raises:
@@ -220,8 +220,7 @@ def _check_axes(name: str, acc: np.ndarray, truth: np.ndarray) -> None:
     if angle > APART:
         raise ValueError(
             f"at rest the accelerometers of {name} point {angle:.0f} deg away from the truth's "
-            "vertical, so their axes do not match: opt_quat has to turn sensor into earth "
-            "coordinates (w, x, y, z), earth z up"
+            "vertical; give opt_quat from sensor to earth, (w, x, y, z), earth z up"
         )
 
 

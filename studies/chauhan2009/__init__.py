@@ -1,6 +1,6 @@
 """Chauhan, Patil, Sinha and Halder 2009: a process noise that follows the filter's own residuals.
 
-Equation numbers are the paper's; docs/chauhan2009.md tells what was found.
+Equation numbers are the paper's; docs/chauhan2009.md reports the findings.
 """
 
 from studies.chauhan2009 import problems

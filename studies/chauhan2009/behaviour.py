@@ -1,4 +1,4 @@
-"""What is said of a record: how large errors of the pitch are after a step, and for how long."""
+"""Behaviour after a step: how large errors of the pitch are, and for how long."""
 
 from typing import NamedTuple
 
@@ -10,7 +10,7 @@ from studies.chauhan2009.settings import Settings
 
 
 class Behaviour(NamedTuple):
-    """How single records went, ``(k,)`` each; per cent of the step.
+    """Behaviour on single records, ``(k,)`` each, in per cent of the step.
 
     Attributes:
         peak: largest error within 60 s after the step, %.
@@ -26,11 +26,11 @@ class Behaviour(NamedTuple):
 
 
 def behaviour(pitch: np.ndarray, found: Records, settings: Settings, step: float) -> Behaviour:
-    """What is said of estimates.
+    """Peak, settling, ripple and offset of estimates after a step.
 
     Args:
         pitch: estimated, rad, ``(N, k)``.
-        found: the records; errors are looked at where there is a measurement.
+        found: the records; errors count where there is a measurement.
         settings: for the time line.
         step: the final pitch, deg.
     """

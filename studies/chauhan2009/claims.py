@@ -1,4 +1,4 @@
-"""What the paper says in words, and what decides it: one function a claim."""
+"""The paper's statements in words, each decided by one function."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -71,7 +71,7 @@ def _turned(filter: GpsAidedKalman) -> float:
 
 
 def _each(sweep: Sweep, angles: tuple[float, ...]) -> dict[Step, Behaviour]:
-    """What is said of the fuzzy law's errors, by step."""
+    """Behaviour of the fuzzy law, by step."""
     found = {}
     for step in (Step(angle, motion) for angle in angles for motion in MOTIONS):
         made = sweep.made(step)

@@ -1,4 +1,4 @@
-"""Pitch steps of a body that is measured now and then, simulated.
+"""Simulated pitch steps of a body that is measured at intervals.
 
 The paper gives neither R, P0, the gyroscopes' noise nor the time line; those here are settings.
 """
@@ -19,7 +19,7 @@ from tuner.data.source import Source
 
 GRAVITY = 9.81
 BEFORE, RISE = 60.0, 2.0
-"""Level flight before a step, and how long a step takes that the gyroscopes see, s."""
+"""Level flight before a step, and the duration of a step that the gyroscopes measure, s."""
 
 Motion = Literal["silent", "seen"]
 MOTIONS: tuple[Motion, ...] = ("silent", "seen")
@@ -27,14 +27,14 @@ MOTIONS: tuple[Motion, ...] = ("silent", "seen")
 
 @dataclass(frozen=True)
 class Step:
-    """From level to a pitch, deg; the gyroscopes see it, or it is silent: the measurements jump."""
+    """A step from level to a pitch, deg; the gyroscopes measure it, or only the angles jump."""
 
     pitch: float
     motion: Motion
 
 
 class Records(NamedTuple):
-    """k records side by side.
+    """A batch of k records.
 
     Attributes:
         inputs: rates and measured angles, ``(N, k, 3)``.
@@ -46,7 +46,7 @@ class Records(NamedTuple):
 
     @property
     def source(self) -> Source:
-        """What was made up."""
+        """A description of the simulated records."""
         gyr = np.asarray(self.inputs.gyr)
         return Source.simulated(f"{gyr.shape[1]} simulated pitch steps", [gyr], 1 / DT)
 
@@ -59,7 +59,7 @@ def records(settings: Settings, steps: list[Step], seeds: list[int]) -> Records:
 
 
 def times(settings: Settings) -> np.ndarray:
-    """Of the ticks, s, ``(N,)``: the first is at one tick."""
+    """Times of the ticks, s, ``(N,)``: the first is at one tick."""
     return DT * np.arange(1, round(settings.seconds / DT) + 1)
 
 
@@ -81,7 +81,7 @@ def _record(settings: Settings, step: Step, seed: int) -> tuple[np.ndarray, ...]
 
 
 def _constructed(settings: Settings, pitch: np.ndarray, draw: np.random.Generator) -> np.ndarray:
-    """Angles from the last three positions and the force meanwhile: those of one update ago.
+    """Angles from the last three positions and the force between them: those one update ago.
 
     A climb to the north with the speed along the forward axis.
     """

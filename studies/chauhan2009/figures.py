@@ -14,7 +14,7 @@ from tuner.run.study import Solutions, best, tuned_values
 
 
 def figures(sweep: Sweep, solutions: Solutions) -> Iterator[Figure]:
-    """All of them."""
+    """All figures."""
     yield _tracking(sweep)
     yield _steady(sweep)
     for angle in (*DRIVEN, MAGNIFIED):
@@ -66,7 +66,7 @@ def _driven(sweep: Sweep, step: Step, solutions: Solutions) -> Chart:
 
 
 def _swept(sweep: Sweep) -> Iterator[Chart]:
-    """Means over the records, random over lambda beside fuzzy."""
+    """Means over the records: random noise over lambda, beside fuzzy noise."""
     factors = np.array(sweep.settings.factors)
     named = {"peak": "largest error in 60 s, %", "settled": "last error above 5 %, s"}
     named["ripple"] = "deviation over the last 60 s, %"

@@ -1,4 +1,4 @@
-"""What the paper says of its experiments."""
+"""The paper's description of its experiments."""
 
 DT, EVERY = 0.25, 4
 """A tick, s, and ticks between measurements (section 6.1)."""

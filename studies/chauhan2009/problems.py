@@ -1,4 +1,4 @@
-"""The filters that compete: constant, fuzzy and random process noise; and how they are tuned."""
+"""The competing filters, with constant, fuzzy and random process noise, and their tuning."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -24,16 +24,16 @@ FUZZY = GpsAidedKalman(DT, EVERY, "fuzzy")
 RANDOM = GpsAidedKalman(DT, EVERY, "random")
 CONSTANT = GpsAidedKalman(DT, EVERY, "constant")
 BY_HAND = {"quaternion": 1e-4, "bias": 1e-6, "floor": 1e-12, "h": 0.0}
-"""Q until the fuzzy law has one, and its floor: none is in the paper."""
+"""Initial Q of the fuzzy law, and its floor: the paper gives neither."""
 HELD_OUT = 1000
-"""Seeds of held-out records lie this far above those that are tuned on."""
+"""Offset of the held-out records' seeds from those that are tuned on."""
 
 
 def parameters(values: Mapping[str, Array | float]) -> GpsAidedNoise:
-    """The filter's parameters from values by name; those by hand where they are left out.
+    """The filter's parameters from values by name, with hand-made ones for the others.
 
     Args:
-        values: ``angle``, the deviation of the measured angles, deg; and of the others some.
+        values: ``angle``, the deviation of the measured angles, deg; the others are optional.
     """
     given = {name: jnp.asarray(value, float) for name, value in (BY_HAND | {**values}).items()}
     numbers: dict[str, Any] = {k: fact.typical for k, fact in parameter_facts(FUZZY).items()}
@@ -47,20 +47,20 @@ def parameters(values: Mapping[str, Array | float]) -> GpsAidedNoise:
 
 
 def by_hand(settings: Settings) -> dict[str, float]:
-    """Without tuning, the deviation of the measured angles is known."""
+    """The values without tuning: the known deviation of the measured angles."""
     return {"angle": settings.noise}
 
 
 def estimated(
     filter: GpsAidedKalman, inputs: GpsAidedSample, values: Mapping[str, Array | float]
 ) -> GpsAidedOutputs:
-    """A filter's outputs over records side by side."""
+    """A filter's outputs over a batch of records."""
     found: GpsAidedOutputs = _run(Lanes(filter, inputs.gyr.shape[1]), parameters(values), inputs)
     return found
 
 
 def random_scale(Q: np.ndarray, factor: float) -> np.ndarray:
-    """Of the random law on the same data: lambda sqrt(3) times the rms rate of the fuzzy law.
+    """Scale of the random law on the same data: lambda sqrt(3) times the fuzzy law's rms rate.
 
     Both then have one mean of Q at lambda = 1, for a draw u is uniform and E 3 u^2 = 1.
 
@@ -95,7 +95,7 @@ class PitchRmse:
     skipped: int
 
     def __call__(self, outputs: GpsAidedOutputs, truth: Array) -> Array:
-        """Of one record, ``()``."""
+        """The error of one record, ``()``."""
         error = (outputs.angles[:, 1] - truth)[self.skipped :]
         return jnp.degrees(jnp.sqrt((error**2).mean()))
 
@@ -104,7 +104,7 @@ OBJECTIVE = OverRecords(PitchRmse(round(BEFORE / DT)))
 
 
 def space(law: str, noise: float) -> Space:
-    """What is tuned; of the constant law not R as well, which would only scale everything.
+    """The tuned parameters; R of the constant law is held, for it would only scale everything.
 
     Args:
         law: "constant", "fuzzy", or "edge", the fuzzy one with h.
@@ -140,7 +140,7 @@ def tuning_records(settings: Settings, count: int, seed: int) -> Records:
 
 
 def filters(settings: Settings) -> dict[str, tuple[str, GpsAidedKalman]]:
-    """What is tuned, by problem: the law's name in :func:`space`, and the filter."""
+    """The tuned filters by problem: the law's name in :func:`space`, and the filter."""
     found = {"constant": ("constant", CONSTANT)}
     for samples in settings.windows:
         found[f"fuzzy_{samples}"] = ("fuzzy", GpsAidedKalman(DT, EVERY, "fuzzy", samples))
@@ -149,7 +149,7 @@ def filters(settings: Settings) -> dict[str, tuple[str, GpsAidedKalman]]:
 
 
 def posed(settings: Settings, made: Records) -> dict[str, Problem]:
-    """One for each filter, on the same records."""
+    """A problem for each filter, on the same records."""
     return {
         name: Problem(
             name=name,

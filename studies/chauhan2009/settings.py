@@ -1,4 +1,4 @@
-"""What the paper leaves open, and how hard the tuning searches."""
+"""Values that the paper leaves open, and the effort of the search."""
 
 from typing import Annotated, Literal
 
@@ -8,7 +8,7 @@ from tuner.run.settings import StudySettings
 
 
 class Settings(StudySettings):
-    """What the paper leaves open, and how hard the tuning searches."""
+    """Values that the paper leaves open, and the effort of the search."""
 
     seconds: float = Field(300.0, ge=180, le=3600, description="length of a record, s")
     measured: Literal["angles", "gps"] = Field(

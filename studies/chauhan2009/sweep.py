@@ -15,9 +15,9 @@ from studies.chauhan2009.problems import FUZZY, by_hand, estimated, randomly
 from studies.chauhan2009.settings import Settings
 
 Holds: TypeAlias = Callable[[Behaviour, Behaviour], np.ndarray]
-"""A claim about records under the fuzzy and the random law: at which it holds, ``(k,)``."""
+"""A claim that compares the fuzzy and the random law: the records where it holds, ``(k,)``."""
 MOST = 0.5
-"""A claim holds at a lambda where it does for more than this share of the records."""
+"""Share of the records above which a claim holds at a lambda."""
 
 
 class Case(NamedTuple):
@@ -31,7 +31,7 @@ class Case(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """Every driven step, seen and silent, with fuzzy and with random noise over lambda.
+    """Every driven step, sensed by gyroscopes or not, with fuzzy and random noise over lambda.
 
     Attributes:
         settings: of the records.
@@ -43,7 +43,7 @@ class Sweep:
 
     @cached_property
     def cases(self) -> tuple[Case, ...]:
-        """All of them."""
+        """All cases."""
         steps = [Step(angle, motion) for motion in MOTIONS for angle in (*DRIVEN, MAGNIFIED)]
         return tuple(self._case(step) for step in steps)
 
@@ -53,7 +53,7 @@ class Sweep:
         return records(self.settings, [step], seeds)
 
     def fuzzy(self, made: Records) -> GpsAidedOutputs:
-        """The fuzzy law as the notes have it."""
+        """Outputs of the fuzzy law as published."""
         return estimated(FUZZY, made.inputs, by_hand(self.settings))
 
     def _case(self, step: Step) -> Case:
@@ -79,7 +79,7 @@ class Sweep:
 
 
 def ranges(kept: Sequence[float], factors: Sequence[float]) -> str:
-    """Which of the lambdas are kept, in words.
+    """The selected lambdas, in words.
 
     >>> ranges([0.1, 1.0, 10.0], [0.01, 0.1, 1.0, 10.0, 100.0])
     '0.1 to 10'

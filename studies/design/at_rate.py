@@ -1,4 +1,4 @@
-"""A design at another sample rate: the same continuous model, measured as often as that."""
+"""A design at another sample rate of the same continuous model."""
 
 from collections.abc import Collection
 from dataclasses import replace
@@ -22,12 +22,12 @@ def at_rate(settings: Settings, tuned: Tuned, rate_hz: float, densities: Collect
     with the density R it grows with the rate; of a continuous design it is a density as it is.
 
     Raises:
-        ValueError: for a discrete model, and for demands that take a search.
+        ValueError: for a discrete model, and for requirements that need a search.
     """
     if settings.dt is not None:
         raise ValueError(
-            f"this design's A, G and Q are those of samples of {settings.dt:g} s and say nothing "
-            "of another rate; give those of the continuous model, with sample_time in place of dt"
+            f"this design's A, G and Q belong to samples of {settings.dt:g} s; for another rate "
+            "give the continuous model, with sample_time in place of dt"
         )
     if settings.bound is not None or settings.settles_s is not None:
         raise ValueError(
@@ -55,7 +55,7 @@ def at_rate(settings: Settings, tuned: Tuned, rate_hz: float, densities: Collect
 
 
 def _notes(settings: Settings, factor: float, rate_hz: float) -> tuple[str, ...]:
-    """What R was taken for, and what it would be otherwise."""
+    """How R was interpreted, and its value in the other interpretation."""
     if factor != 1:
         return (f"R is {factor:.6g} times what was given: a density times the rate",)
     other = rate_hz * (settings.sample_time or 1.0)

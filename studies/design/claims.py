@@ -1,4 +1,4 @@
-"""What is said beside the gains: whether the proofs agree with them, one function a claim."""
+"""Checks beside the gains: whether the proofs agree with them, one function a claim."""
 
 from studies.design.problems import Posed
 from tuner.certificate.solution import Solution, Status
@@ -6,7 +6,7 @@ from tuner.run.comparison import Comparison, Verdict, claim
 from tuner.run.study import Claim, Solutions, best
 
 AGREE = 1e-7
-"""How closely the matrix inequality has to give the Riccati equation's variance."""
+"""Relative tolerance of the matrix inequality's variance against the Riccati equation's."""
 
 
 def _riccati_is_least(posed: Posed, solutions: Solutions) -> Comparison:
@@ -24,7 +24,7 @@ def _riccati_is_least(posed: Posed, solutions: Solutions) -> Comparison:
 
 
 def _undriven(posed: Posed, solutions: Solutions) -> list[Comparison]:
-    """What has no steady state; no row where everything is driven."""
+    """Modes without a steady state; no row where every mode is driven."""
     if not posed.undriven:
         return []
     return [
@@ -40,7 +40,7 @@ def _undriven(posed: Posed, solutions: Solutions) -> list[Comparison]:
 
 
 def _one_lyapunov_matrix(posed: Posed, solutions: Solutions) -> Comparison:
-    """Which share of the decay rate one Lyapunov matrix for both demands reaches."""
+    """The share of the decay rate that one Lyapunov matrix for both requirements reaches."""
     found, proof = best("fastest_decay", solutions), solutions["fastest_decay_lmi", "sdp"]
     reached = 1 / found.value
     share = 1 / (proof.value * reached)
@@ -74,6 +74,6 @@ FASTEST_DECAY = (
 
 
 def claims_of(problem: str) -> tuple[Claim, ...]:
-    """Of a design by its name; a design that settles in time is held against nothing."""
+    """The claims of a design by its name; one that settles in time has none."""
     known = {"minimum_variance": MINIMUM_VARIANCE, "fastest_decay": FASTEST_DECAY}
     return known.get(problem, ())

@@ -1,4 +1,4 @@
-"""What a design amounts to on the model as it was given: gains, poles, covariance."""
+"""A design expressed for the model as it was given: gains, poles, covariance."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,9 +14,9 @@ from tuner.problem.exported import Exported, Trial, Weighed
 from tuner.problem.steady_form import steady_form
 
 SHORTEST, LONGEST = 100, 2000
-"""On so many samples an observer is tried, within them on eight of its time constants."""
+"""Limits of the samples of an observer's test, which takes eight of its time constants."""
 LARGEST = 1e12
-"""An unstable model's measurements are followed up to here."""
+"""Largest simulated measurement of an unstable model."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,10 +26,10 @@ class Designed:
     Attributes:
         full: the system.
         error: weights of the error that counts, ``(n,)``.
-        part: without what nothing drives, where the design is one of the steady state.
+        part: without undriven modes, where the design is for the steady state.
         T: from the part's states to the system's, ``(n, r)``.
         unit: of the error that counts.
-        seed: of the noise that the observer is tried on.
+        seed: of the simulated noise.
     """
 
     full: LinearSystem
@@ -44,7 +44,7 @@ class Designed:
         return np.asarray(self.T @ np.asarray(observer.L))
 
     def covariance(self, observer: Observer) -> np.ndarray:
-        """Steady covariance of the error, ``(n, n)``; zero along what nothing drives."""
+        """Steady covariance of the error, ``(n, n)``; zero along undriven modes."""
         P = self.part.covariance(np.asarray(observer.L))
         return np.asarray(self.T @ P @ self.T.T)
 
@@ -55,13 +55,13 @@ class Designed:
         return np.linalg.solve(self.full.A, self.gain(observer))
 
     def tracker(self, K: np.ndarray) -> dict[str, float]:
-        """A gain on a sample by the names of trackers, where the model is one of theirs."""
+        """A gain on a sample as alpha, beta and gamma, where the model is a tracker's."""
         full = self.full
         return {} if full.dt is None else tracker_gains(full.A, full.C, K, full.dt)
 
     @property
     def exported(self) -> Exported:
-        """Model, gain, poles and covariance; a discrete observer is tried on simulated samples."""
+        """Model, gain, poles and covariance; a discrete observer is run on simulated samples."""
         dt = self.full.dt or 0.0
         return Exported(
             "Observer",
@@ -116,14 +116,14 @@ class Designed:
         return {"fixed gain": Trial(filter, self.full.filter_model(self.full.W), samples)}
 
     def _machine(self, observer: Observer) -> dict[str, Trial]:
-        """An observer that is discrete, with all its states."""
+        """The test of a discrete observer, with all its states."""
         K = self.sample_gain(observer)
         if K is None or self.full.dt is None:
             return {}
         return {"fixed gain": steady_form(self.full, K, self.full.states)}
 
     def _simulated(self, count: int) -> np.ndarray:
-        """Measurements of the model under its own noise, from zero on, ``(N, m)``."""
+        """Simulated measurements of the model, from zero on, ``(N, m)``."""
         full, draw = self.full, np.random.default_rng(self.seed)
         w, v = (
             draw.standard_normal((count, len(noise))) @ _root(noise).T for noise in (full.W, full.V)

@@ -1,4 +1,4 @@
-"""Pictures of a design: how an error is forgotten, and the poles."""
+"""Figures of a design: the response to an error, and the poles."""
 
 from collections.abc import Iterator
 
@@ -23,7 +23,7 @@ def figures(posed: Posed, solutions: Solutions) -> Iterator[Figure]:
 
 
 def _poles(poles: np.ndarray, *, discrete: bool) -> Chart:
-    """Where they lie, beside the edge of what is stable: the unit circle, or the imaginary axis."""
+    """The poles, with the stability limit: the unit circle, or the imaginary axis."""
     angle = np.linspace(0, 2 * np.pi, CURVE)
     reach = max(1.2 * float(np.abs(poles).max()), 1e-9)
     edge = (
@@ -47,7 +47,7 @@ def _poles(poles: np.ndarray, *, discrete: bool) -> Chart:
 
 
 def _response(designed: Designed, L: np.ndarray) -> Chart:
-    """What an error in each state does to the error that counts."""
+    """Response of the error that counts to an initial error in each state."""
     full = designed.full
     closed = full.A - L @ full.C
     decay = full.decay(L)

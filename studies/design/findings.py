@@ -1,4 +1,4 @@
-"""What is programmed of a design: both gains, named as trackers have them where they are one."""
+"""The gains to be programmed, named as trackers have them where they are one."""
 
 from collections.abc import Iterator
 
@@ -14,7 +14,7 @@ _SHOWN = 3  # of a larger model the exports have the noise
 
 
 def findings(posed: Posed, solutions: Solutions) -> Iterator[Finding]:
-    """The noise a sample, L, and in discrete time K, its names for trackers, and what is left."""
+    """The noise a sample, L, in discrete time K and its tracker names, and the deviation."""
     designed = posed.designed
     observer = posed.problem.params(best(posed.problem.name, solutions))
     full = designed.full
@@ -45,7 +45,7 @@ def _entries(
 
 
 def _tracker(designed: Designed, K: np.ndarray) -> Iterator[Finding]:
-    """Alpha, beta and gamma where the model is one of trackers."""
+    """Alpha, beta and gamma where the model is a tracker's."""
     found = designed.tracker(K)
     what = "constant velocity" if len(found) == 2 else "constant acceleration"
     for name, value in found.items():

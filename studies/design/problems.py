@@ -1,4 +1,4 @@
-"""The two designs, each with what it is held against."""
+"""The two designs, each with its proof."""
 
 from dataclasses import dataclass, replace
 
@@ -17,13 +17,13 @@ from tuner.solvers import Convex, Ipopt
 
 @dataclass(frozen=True, eq=False)
 class Posed:
-    """A design as it is solved.
+    """A design as a problem.
 
     Attributes:
         designed: the model, and the part of it that is designed for.
         problem: the search.
         tasks: the problem and its proof, with their solvers.
-        undriven: modes that nothing drives, in words.
+        undriven: undriven modes, in words.
     """
 
     designed: Designed
@@ -33,10 +33,10 @@ class Posed:
 
 
 def pose(settings: Settings, seed: int) -> Posed:
-    """The fastest observer that keeps the bound; that of least variance, which settles in time.
+    """The fastest observer that meets the bound, or that of least variance, which settles in time.
 
     Raises:
-        ValueError: for a model or a demand that no observer meets.
+        ValueError: for a model or a requirement that no observer meets.
     """
     full = system_of(settings)
     error = Variance.of(full, error_of(settings, full)).error
@@ -54,9 +54,8 @@ def _minimum_variance(
     undriven = tuple(mode.words(full.states) for mode in modes)
     if not (error @ T).any():
         raise ValueError(
-            f"nothing drives {' and '.join(undriven)}: the error that counts falls to zero by "
-            "itself, as 1/t, and no steady gain is needed for it; let Q drive it, name another "
-            "error, or give a bound"
+            f"nothing drives {' and '.join(undriven)}, so the error that counts falls to zero as "
+            "1/t without a gain; let Q drive it, name another error, or give a bound"
         )
     designed = Designed(full, error, driven, T, settings.unit, seed)
     posed = observers.minimum_variance("minimum_variance", driven, error @ T)
@@ -65,7 +64,7 @@ def _minimum_variance(
     proof = MinimumVarianceTask("minimum_variance_lmi", driven, M, ("error",))
     tasks = (
         Task(problem, observers.riccati(driven)),
-        # One start: gains elsewhere than near those of the Riccati equation are mostly unstable.
+        # One start: gains far from those of the Riccati equation are mostly unstable.
         Task(problem, Ipopt(seed=seed, starts=1)),
         Task(proof, Convex("sdp")),
     )

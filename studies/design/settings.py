@@ -1,4 +1,4 @@
-"""What a user says about a model, and the model that follows."""
+"""The user's description of a model, and the model that follows."""
 
 from typing import Annotated
 
@@ -17,7 +17,7 @@ _LARGEST = 1e60
 
 
 class Settings(StudySettings):
-    """The model, and what is wanted of its observer."""
+    """The model, and the requirements on its observer."""
 
     A: Matrix = Field(description="dynamics: dx/dt = A x + G w; x' = A x + G w with dt")
     C: Matrix = Field(description="measurements: y = C x + v")
@@ -83,7 +83,7 @@ class Settings(StudySettings):
 
 
 def system_of(settings: Settings) -> LinearSystem:
-    """The system that is designed for; a sampled continuous one is discretised exactly.
+    """The system of the design; a sampled continuous one is discretised exactly.
 
     Raises:
         ValueError: where a matrix does not fit, noise is no covariance, or a mode is unseen.
@@ -92,8 +92,8 @@ def system_of(settings: Settings) -> LinearSystem:
     G = np.eye(len(A)) if settings.G is None else np.array(settings.G, float)
     if A.shape != (len(A), len(A)) or G.shape != (len(A), len(Q)):
         raise ValueError(
-            f"A {A.shape}, G {G.shape} and Q {Q.shape} do not fit; they are (n, n), (n, p) and "
-            "(p, p), and G is the unit matrix where it is not given"
+            f"A {A.shape}, G {G.shape} and Q {Q.shape} do not fit; give (n, n), (n, p) and (p, p), "
+            "where G is the unit matrix if left out"
         )
     for name, matrix in (("Q", Q), ("R", R)):
         try:

@@ -1,7 +1,7 @@
 """Ha, Kim and Choi 1981: the vertical channel's bias by a conventional loop and a Kalman filter.
 
 Nothing is measured: gains follow from the model. Equation numbers are the paper's;
-docs/ha1981.md tells what was found.
+docs/ha1981.md reports the findings.
 """
 
 from studies.ha1981.channel import Channel
@@ -15,7 +15,7 @@ from tuner.run.study import Plan, Study
 
 
 def plan(settings: Settings, records: tuple[Record, ...], seed: int, storage: str) -> Plan:
-    """Both schemes designed, and what the paper leaves open settled."""
+    """The designs of both schemes, and of the values that the paper leaves open."""
     channel = Channel.of(settings)
     return Plan(
         source=Source.model("none: the model alone", [channel]),

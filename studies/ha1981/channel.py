@@ -1,4 +1,4 @@
-"""The paper's vertical channel with its numbers, and how errors move in it."""
+"""The paper's vertical channel with its numbers, and its error dynamics."""
 
 from dataclasses import dataclass
 
@@ -59,7 +59,7 @@ class Channel:
 
     @classmethod
     def of(cls, s: Settings) -> "Channel":
-        """The paper's values, in the unit that is asked for, where none are given."""
+        """The channel in the requested unit, with the paper's values as defaults."""
         square = 1.0 if s.unit == "ft" else paper.FOOT**2
 
         def given(value: float | None, printed: float) -> float:
@@ -77,12 +77,12 @@ class Channel:
 
     @property
     def eta(self) -> float:
-        """The bound over q_a, 1/s: what the conventional design depends on alone."""
+        """The bound over q_a, 1/s: the only number that the conventional design depends on."""
         return self.bound / self.q_a
 
     @property
     def floor(self) -> float:
-        """What the given altitude's error leaves of the bias: Kgh^2 sigma_hr^2 in (5)."""
+        """The bias's variance due to errors of the given altitude: Kgh^2 sigma_hr^2 in (5)."""
         return self.k_gh**2 * self.sigma2_hr
 
     @property
@@ -123,7 +123,7 @@ class Gains:
     K3: float
 
     def loop(self, k_gh: float) -> LoopGains:
-        """As they are set on the machine."""
+        """The gains as they are programmed."""
         return LoopGains(self.K1, self.K2p + k_gh, self.K3)
 
     def scaled(self, factor: float) -> "Gains":
@@ -150,7 +150,7 @@ FORMS = {
 
 
 def noise_share(K1: Array | float, K2p: Array | float, K3: Array | float) -> Array | float:
-    """The second term of (5) over q_a: what W_a leaves of the bias, 1/s."""
+    """The second term of (5) over q_a: the bias's variance due to W_a, 1/s."""
     return K1 * K3 / (2 * (K1 * K2p - K3))
 
 

@@ -1,4 +1,4 @@
-"""The paper's numbers and claims, and what decides them: one function a claim."""
+"""The paper's numbers and claims, each decided by one function."""
 
 from functools import partial
 from typing import TypeAlias
@@ -24,7 +24,7 @@ from tuner.run.comparison import Comparison, Verdict, claim, number
 from tuner.run.study import Claim, Solutions, best
 
 INSENSITIVE = 0.1
-"""A relative change of a parameter that changes the variance by less than a tenth of it."""
+"""Sensitivity below which the variance is insensitive to a parameter."""
 REACHED = 1.02
 """The conventional loop ends above its bound by the floor; within 2 % counts as there."""
 
@@ -45,7 +45,7 @@ def _K2(case: Case, solutions: Solutions) -> Comparison:
 
 
 def _K3(case: Case, solutions: Solutions) -> Comparison:
-    """K3 of the fastest loop, and what a matrix inequality proves of its decay."""
+    """K3 of the fastest loop, and the bound on its decay by a matrix inequality."""
     least = solutions["conventional_lmi", "sdp"].certificate.lower_bound or np.inf
     ratio = solutions["conventional", "ipopt"].value / least
     return _loop_gain(
@@ -66,7 +66,7 @@ def _loop_gain(name: str, paper: float, ours: float, note: str) -> Comparison:
 
 
 def _printed_bound(case: Case, solutions: Solutions) -> Comparison:
-    """What the bound would come to that is printed."""
+    """Consequences of the bound as printed."""
     channel, _ = case
     huge = paper.SIGMA2_AB / paper.Q_A  # ft and s, whatever the unit of the run
     pole, settles = 16 * huge / 3, 1.409363 / huge
@@ -163,7 +163,7 @@ def _floor(case: Case, solutions: Solutions) -> Comparison:
 
 
 def _insensitive(case: Case, solutions: Solutions, *, name: str) -> Comparison:
-    """What a wrong number of the model costs, with the gains stored."""
+    """The cost of a wrong parameter of the model, with stored gains."""
     channel, settings = case
     end = scheme.reaches(channel, TS)
     key = "sigma2_ab" if name == "sigma_ab" else name
@@ -181,7 +181,7 @@ def _insensitive(case: Case, solutions: Solutions, *, name: str) -> Comparison:
 
 
 def _insensitive_to_period(case: Case, solutions: Solutions) -> Comparison:
-    """What another sampling period costs."""
+    """The cost of another sampling period."""
     channel, at = case[0], 100.0
     coarse, fine = (
         float(kalman_history(channel, Ts, at).P[-1, 0, 0]) for Ts in (TS, scheme.REPLAY)
@@ -261,7 +261,7 @@ def _stages(case: Case, solutions: Solutions) -> Comparison:
 
 
 def _stored(case: Case, solutions: Solutions) -> Comparison:
-    """What a few stored gains cost."""
+    """The cost of storing only a few gains."""
     found = best("kalman_stored", solutions)
     return claim(
         "kalman.stored_gains_sluggish",

@@ -18,7 +18,7 @@ from tuner.problem.space import Space
 from tuner.solvers.known import Known
 
 WIDEST = 100.0
-"""How many times as far out as the slowest pole the others may lie."""
+"""Largest ratio of the other poles' decay rates to the slowest one's."""
 
 
 class Loop(NamedTuple):
@@ -64,7 +64,7 @@ def from_factors(values: dict[str, Array]) -> Loop:
 
 
 def time_constant(loop: Loop, _: None) -> Array:
-    """Of the slowest pole, s."""
+    """Time constant of the slowest pole, s."""
     return 1 / loop.decay
 
 
@@ -75,7 +75,7 @@ class Share:
     q_a: float
 
     def __call__(self, loop: Loop, _: None) -> Array:
-        """In (unit/s^2)^2."""
+        """The share, (unit/s^2)^2."""
         return self.q_a * jnp.asarray(noise_share(loop.K1, loop.K2p, loop.K3))
 
 
@@ -133,7 +133,7 @@ def ise_of_step(loop: Loop, _: None) -> Array:
 
 
 class Stages(NamedTuple):
-    """Triple poles at -16 eta / 3 that take turns.
+    """Triple poles at -16 eta / 3, one after another.
 
     Attributes:
         etas: of each stage, 1/s.
@@ -148,13 +148,13 @@ class Stages(NamedTuple):
 class FinalVariance:
     """The bias's variance at the end of the last stage over the Kalman filter's limit q_a / t.
 
-    It looks at the end alone, so it means something only because the poles are tied together.
+    It evaluates the end alone, which is meaningful only because the poles are tied together.
     """
 
     channel: Channel
 
     def __call__(self, stages: Stages, _: None) -> Array:
-        """At least about 1."""
+        """The ratio, at least about 1."""
         c = self.channel
         P = jnp.diag(jnp.array([c.sigma2_ab, 0.0, 0.0, c.sigma2_hr]))
         noise, density = jnp.array([[0.0], [0.0], [1.0], [0.0]]), jnp.array([[c.q_a]])
@@ -167,7 +167,7 @@ class FinalVariance:
 
 @dataclass(frozen=True)
 class _Staged:
-    """From the space's values to the stages."""
+    """The map from the space's values to the stages."""
 
     end: float
 

@@ -1,4 +1,4 @@
-"""The paper's figures 3 and 5 to 9, and what it does not draw, as data."""
+"""The paper's figures 3 and 5 to 9, and further ones, as data."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -24,7 +24,7 @@ from tuner.run.figure import Chart, Figure, Line
 from tuner.run.study import Solutions, best, tuned_values
 
 FINE = 0.1
-"""Step of what is continuous, s."""
+"""Time step of continuous curves, s."""
 
 
 def figures(case: tuple[Channel, Settings], solutions: Solutions) -> Iterator[Figure]:
@@ -91,7 +91,7 @@ def _schemes(channel: Channel, settings: Settings) -> Iterator[Chart]:
     lines = [Line(name, at, np.asarray(h.P[:, 0, 0])) for name, (at, h) in found.items()]
     yield _over_time(channel, "fig5_kalman", "Kalman scheme: variance of the bias", lines)
     for i, unit in enumerate(("1/s^2", "1/s", "1")):
-        # The continuous filter's gains are per second: another quantity.
+        # The continuous filter's gains are per second: a different quantity.
         gains = [
             Line(name, at, np.asarray(h.K[:, i, 0]))
             for name, (at, h) in found.items()

@@ -1,4 +1,4 @@
-"""What is written down for the machine, and how it does there in single precision."""
+"""The exports, and their deviation in single precision."""
 
 from dataclasses import replace
 from functools import partial
@@ -20,9 +20,9 @@ from tuner.export.tuned import Quantity
 from tuner.problem.exported import Exported, Trial, Weighed, exported_of
 
 LOOP_DT = 0.1
-"""How often the loop is tried, s."""
+"""Sample time of the loop's test, s."""
 BIAS = (1.0, 0.0, 0.0)
-"""Of the state, what both schemes are for."""
+"""The state that both schemes estimate."""
 
 
 def loop(channel: Channel) -> Exported:
@@ -65,7 +65,7 @@ def _altitude(channel: Channel, at: np.ndarray) -> np.ndarray:
 
 
 def stored_gains(channel: Channel, storage: scheme.Storage) -> Exported:
-    """The filter with stored gains: its model, its gains, and those that they stand for."""
+    """The filter with stored gains: its model, its gains, and the Kalman filter's."""
     return Exported(
         "StoredGains",
         tuple(ConventionalLoop.states),

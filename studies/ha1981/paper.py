@@ -1,11 +1,11 @@
-"""What Ha, Kim and Choi print: numbers in feet and seconds, and formulas."""
+"""Values and formulas printed by Ha, Kim and Choi, in feet and seconds."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 FOOT = 0.3048
-"""In metres."""
+"""A foot in metres."""
 Q_A = 0.04
 """Spectral density of W_a, (ft/s^2)^2 s."""
 Q_B = 3.24
@@ -15,7 +15,7 @@ SIGMA2_AB = 4.0
 SIGMA2_HR = 100.0
 """Variance of the given altitude, ft^2."""
 BOUND = 4e-4
-"""Of the bias's variance, (ft/s^2)^2. The paper gives none that makes sense; this is ours."""
+"""Bound of the bias's variance, (ft/s^2)^2. The paper gives no meaningful one; this is ours."""
 TS = 5.0
 """The design value of Ts, s; the printed gains are those."""
 
@@ -25,7 +25,7 @@ class Steady(NamedTuple):
 
     Attributes:
         K1, K2, K3: gains.
-        A, B: the numbers they are made of.
+        A, B: the numbers they are computed from.
     """
 
     K1: float
@@ -55,7 +55,7 @@ def printed_noise(q_a: float, k_gh: float, Ts: float) -> np.ndarray:
     determinant, q_a^2 (cosh sinh)^2 (1 - 1/Ts^2) / Kgh, is negative for Ts < 1.
 
     Raises:
-        ValueError: where it is no covariance, with its eigenvalue.
+        ValueError: where it is not a covariance, with its eigenvalue.
     """
     w = np.sqrt(k_gh)
     middle = np.sinh(2 * w * Ts) / (2 * Ts * w)
@@ -64,7 +64,7 @@ def printed_noise(q_a: float, k_gh: float, Ts: float) -> np.ndarray:
     lowest = float(np.linalg.eigvalsh(Q)[0])
     if lowest < 0:
         raise ValueError(
-            f"the Q printed below (12) has the eigenvalue {lowest:.6g} at Ts = {Ts:g} s, so it is "
-            "no covariance; use that of white noise (Van Loan)"
+            f"the Q printed below (12) has the eigenvalue {lowest:.6g} at Ts = {Ts:g} s; use the "
+            "covariance of white noise (Van Loan)"
         )
     return Q

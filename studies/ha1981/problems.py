@@ -1,4 +1,4 @@
-"""What is posed, and to which solver."""
+"""The problems and their solvers."""
 
 from dataclasses import replace
 
@@ -14,7 +14,7 @@ from tuner.solvers import Convex, Gradient, Ipopt, NelderMead
 
 
 def tasks(channel: Channel, settings: Settings, seed: int) -> tuple[Task, ...]:
-    """Both schemes designed, and what the paper leaves open settled."""
+    """The designs of both schemes, and of the values that the paper leaves open."""
     return (*_conventional(channel, settings, seed), *_kalman(channel, settings, seed))
 
 
@@ -47,6 +47,6 @@ def _kalman(channel: Channel, settings: Settings, seed: int) -> list[Task]:
     searches = Gradient("l-bfgs-b", seed=seed, starts=1), NelderMead(seed=seed, starts=1)
     return [
         *(Task(steady, solver) for solver in (*known, *searches)),
-        # Elsewhere than near the mean gains the filter is unstable: more starts find nothing.
+        # Far from the mean gains the filter is unstable: more starts find nothing.
         Task(stored, searches[0]),
     ]

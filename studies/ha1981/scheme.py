@@ -1,4 +1,4 @@
-"""The Kalman scheme: steady gains, stored gains, and what they cost where the truth is another."""
+"""The Kalman scheme: steady gains, stored gains, and their cost with a wrong model."""
 
 from dataclasses import dataclass, replace
 
@@ -17,9 +17,9 @@ from tuner.problem.space import Space
 from tuner.solvers.known import Known
 
 LONGEST = 1e6
-"""Samples of the longest history that is looked through."""
+"""Samples of the longest history that is searched."""
 TARGETS = ("bias", "velocity", "altitude")
-"""What the three gains correct."""
+"""The quantities corrected by the three gains."""
 OF_GAINS = ("1/s^2", "1/s", "")
 """Their units."""
 REPLAY = 2.5
@@ -65,7 +65,7 @@ class VelocityVariance:
     system: LinearSystem
 
     def __call__(self, K: Array, _: None) -> Array:
-        """In (unit/s)^2; NaN where the gain is unstable."""
+        """The variance, (unit/s)^2; NaN where the gain is unstable."""
         return self.system.steady(jnp.asarray(self.system.A) @ K)[0, 0]
 
 
@@ -124,7 +124,7 @@ class Storage:
         return np.array([K[a:b].mean(axis=0) for a, b in pairs])
 
     def problem(self) -> Problem:
-        """The stored gains that stay nearest to the Kalman filter's variance all along."""
+        """The stored gains whose variance stays nearest to the Kalman filter's."""
         means = self.means
         parameters = {
             f"K{i + 1}_{s}": Positive(
@@ -138,7 +138,7 @@ class Storage:
             for i in range(3)
         }
         reference = np.asarray(self.optimal.P)[:, 0, 0].copy()
-        reference[0] = np.nan  # nothing is known of the bias before a second measurement
+        reference[0] = np.nan  # the bias is unknown before a second measurement
         return Problem(
             name="kalman_stored",
             space=Space.of(**parameters),
@@ -158,7 +158,7 @@ class Storage:
 
 @dataclass(frozen=True, eq=False)
 class _Stored:
-    """From the space's values to a table of gains."""
+    """The map from the space's values to a table of gains."""
 
     storage: Storage
     rows: int
@@ -169,7 +169,7 @@ class _Stored:
 
 
 def reaches(channel: Channel, Ts: float) -> float:
-    """When P11(+) first keeps the bound, s: the end of the scheme's operation.
+    """Time at which P11(+) first meets the bound, s: the end of the scheme's operation.
 
     Raises:
         ValueError: where it has not within a thousand times q_a over the bound, or a million
@@ -214,8 +214,8 @@ def replay(channel: Channel, Ts: float, seconds: float, *, by: str) -> np.ndarra
 
     Args:
         channel: the channel.
-        Ts: what the gains were made for, s.
-        seconds: how long.
+        Ts: sampling period of the gains, s.
+        seconds: duration.
         by: "sample": the k-th gain at the k-th sample; "time": the gain of the same time.
     """
     own = kalman_history(channel, REPLAY, seconds)

@@ -1,4 +1,4 @@
-"""What can be set."""
+"""The settings."""
 
 from typing import Literal
 
@@ -10,7 +10,7 @@ from tuner.run.settings import StudySettings
 
 
 class Settings(StudySettings):
-    """What can be set with ``--set``; what is left out is the paper's."""
+    """Settings for ``--set``; those left out take the paper's values."""
 
     unit: Literal["ft", "m"] = Field("ft", description="of length; settings are in it")
     bound: float | None = Field(

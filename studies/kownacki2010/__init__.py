@@ -1,6 +1,6 @@
 """Kownacki 2010: Q and R of an accelerometer's and a gyroscope's Kalman filter by optimisation.
 
-Equation and table numbers are the paper's; docs/kownacki2010.md tells what was found.
+Equation and table numbers are the paper's; docs/kownacki2010.md reports the findings.
 """
 
 from studies.kownacki2010 import problems
@@ -29,7 +29,7 @@ def plan(settings: Settings, records: tuple[Record, ...], seed: int, storage: st
     posed = [problems.problem(bench) for bench in tested]
     papers = [problems.paper(bench) for bench in tested] if not records else []
     tasks = [Task(problem, solver) for problem in posed + papers for solver in solvers]
-    if not records:  # the literal cost has jumps, which no gradient sees
+    if not records:  # the literal cost has jumps, which do not show in a gradient
         simplex = NelderMead(seed=seed, starts=settings.starts)
         tasks += [Task(problems.literal(bench), simplex) for bench in tested]
     return Plan(

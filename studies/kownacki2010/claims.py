@@ -1,4 +1,4 @@
-"""What the paper says of both sensors, and what it comes to: one function a claim."""
+"""The paper's claims for both sensors, each checked by one function."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -16,7 +16,7 @@ from tuner.solvers import fminsearch
 
 TOLERANCE = 0.05
 NEARLY = 1.01
-"""A search has found the optimum if it ends at a cost of at most this much of the lowest."""
+"""Ratio to the lowest cost up to which a search has found the optimum."""
 WHY_ACC = (
     "white noise of Table 1's variance stands in for the paper's record, whose accelerometer held "
     "harmonics from 50 to 500 Hz, and the reading of (10)'s second term is inferred"
@@ -90,7 +90,7 @@ def _one_by_one(bench: Bench, solutions: Solutions, *, letter: str) -> Compariso
 
 
 def _cost_at_paper(bench: Bench, solutions: Solutions) -> Comparison:
-    """What the cost says of Table 2, in the chosen reading."""
+    """The cost at Table 2 over its minimum, in the chosen reading."""
     name, optimum = bench.sensor.name, best(bench.sensor.name, solutions)
     published = bench.sensor.table2.Q / bench.sensor.table2.R
     at_paper = problems.problem(bench).value(np.log([published * bench.R]))
@@ -105,7 +105,7 @@ def _cost_at_paper(bench: Bench, solutions: Solutions) -> Comparison:
 
 
 def _literal(bench: Bench, solutions: Solutions) -> Comparison:
-    """What the cost says to the letter."""
+    """The optimum of the cost taken to the letter."""
     name = bench.sensor.name
     return number(
         f"{name}.q_over_r_literal",
@@ -151,7 +151,7 @@ def _table1(bench: Bench, letter: str, paper: float, ours: float, note: str = ""
 
 
 def _fminsearch(bench: Bench, solutions: Solutions) -> Comparison:
-    """What fminsearch does from the record's R and Q."""
+    """The outcome of fminsearch from the record's R and Q."""
     posed = problems.paper(bench)
     found = fminsearch(
         lambda v: posed.value(np.log(v)) if (v > 0).all() else np.inf, np.array(bench.noise)
@@ -189,7 +189,7 @@ OfSensor: TypeAlias = Callable[[Bench, Solutions], Comparison]
 
 
 def _claims(sensor: Sensor) -> Iterator[Claim]:
-    """What is said of one sensor, in the order of the rows."""
+    """The claims for one sensor, in the order of the rows."""
     posed, both, literal = ((f"{sensor.name}{of}",) for of in ("", ".paper", ".literal"))
     rows: tuple[tuple[str, OfSensor, tuple[str, ...]], ...] = (
         ("q_over_r", _ratio, posed),

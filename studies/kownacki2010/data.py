@@ -1,4 +1,4 @@
-"""Motionless records, made up or measured, ready for the step test."""
+"""Motionless records, simulated or measured, for the step test."""
 
 from dataclasses import dataclass, replace
 
@@ -18,7 +18,7 @@ from tuner.limits import check_amount
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """A sensor with a record, ready for the step test.
+    """A sensor with a record for the step test.
 
     Attributes:
         sensor: the sensor.
@@ -46,7 +46,7 @@ class Bench:
 
     @property
     def signals(self) -> np.ndarray:
-        """Step and record side by side, ``(N, 2)``: one pass answers both."""
+        """Step and record as two columns, ``(N, 2)``: one pass filters both."""
         return np.stack([self.step, self.record], axis=1)
 
     @property
@@ -61,11 +61,11 @@ class Bench:
 
     @property
     def Q(self) -> float:
-        """Where the search for Q starts."""
+        """The start of the search for Q."""
         return self.noise.Q if self.settings.Q is None else self.settings.Q
 
     def steady(self, q_over_r: float) -> tuple[float, ...]:
-        """K1, K2 and bandwidth in Hz once P0 is forgotten."""
+        """K1, K2 and bandwidth in Hz in the steady state."""
         gains, bandwidth = self.sensor.steady(q_over_r, self.dt)
         return tuple(float(np.asarray(part)) for part in (*gains, bandwidth))
 
@@ -80,7 +80,7 @@ def synthetic(sensor: Sensor, settings: Settings, seed: int) -> np.ndarray:
 
 
 def benches(settings: Settings, records: tuple[Record, ...], seed: int) -> list[Bench]:
-    """The sensors to be tuned: both on made-up records, or those that a recording has.
+    """The sensors to be tuned: both on simulated records, or those of a recording.
 
     Raises:
         ValueError: for several recordings, and one without an even clock or with missing samples.

@@ -17,7 +17,7 @@ from tuner.problem.surface import grid
 from tuner.run.figure import Chart, Figure, Line, Map, merged
 from tuner.run.study import Solutions, best
 
-POINTS = 1000  # samples of a curve; a picture shows no more
+POINTS = 1000  # samples of a curve: the resolution of a picture
 
 
 def figures(benches: list[Bench], solutions: Solutions) -> Iterator[Figure]:
@@ -31,7 +31,7 @@ def figures(benches: list[Bench], solutions: Solutions) -> Iterator[Figure]:
 
 
 def own_figures(benches: list[Bench], solutions: Solutions) -> Iterator[Figure]:
-    """Of a record of one's own: the step response at the optimum, and what the cost trades."""
+    """The figures of a user's record: the step response at the optimum, and the trade-off."""
     for bench in benches:
         ratio = best(bench.sensor.name, solutions).derived["q_over_r"]
         yield _responses(bench, ratio, published=False)
@@ -73,7 +73,7 @@ def _chart(
     chosen: dict[str, KownackiNoise],
     window: tuple[float, float] = (0.0, 1.0),
 ) -> Chart:
-    """What the filter answers to step and record, over a window of the record (from 0 to 1)."""
+    """The filter's response to step and record, over a window of the record (from 0 to 1)."""
     time = np.arange(len(bench.record)) * bench.dt
     first, last = (share * (len(time) - 1) for share in window)
     shown = np.unique(np.linspace(first, last, POINTS).astype(int))

@@ -1,4 +1,4 @@
-"""Kownacki's two sensors, and what he published of them."""
+"""Kownacki's two sensors, with their published values."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,12 +21,12 @@ class Sensor:
     """One of the paper's two sensors: its filter and its published values.
 
     Attributes:
-        name: what its rows and files are called.
-        channel: what ``--map`` calls its record.
+        name: of its rows and files.
+        channel: of its record, for ``--map``.
         unit: of its record; the paper prints none.
         filter: its filter, (8) or (9).
         steady: its steady gains in closed form.
-        states: what the filter estimates; the accelerometer's velocity is not observable.
+        states: estimated ones; the accelerometer's velocity is not observable.
         table1: R and Q from a motionless record.
         table2: R and Q from the optimisation.
     """
@@ -64,7 +64,7 @@ ACC = Sensor(
 
 
 def channels(settings: object) -> dict[str, Channel]:
-    """What ``--map`` may name: a record of either sensor at rest."""
+    """Channels for ``--map``: a record of either sensor at rest."""
     return {
         "omega": Channel("rad/s", "gyroscope: angular rate"),
         "a": Channel("m/s^2", "accelerometer: acceleration"),

@@ -85,7 +85,7 @@ def noise(values: dict[str, Array]) -> KownackiNoise:
 def derived(
     steady: Callable[[Array, float], SteadyState], dt: float, values: dict[str, Array]
 ) -> dict[str, Array]:
-    """What Q and R come to: only their ratio counts once P0 is forgotten."""
+    """Quantities derived from Q and R: only their ratio counts once P0 is forgotten."""
     ratio = values["Q"] / values["R"]
     (K1, K2), bandwidth = steady(ratio, dt)
     return {

@@ -1,4 +1,4 @@
-"""What can be set."""
+"""The settings."""
 
 from typing import Literal
 
@@ -11,7 +11,7 @@ from tuner.solvers import SOLVERS
 
 
 class Settings(StudySettings):
-    """What can be set with ``--set``; the defaults are the paper's wherever it names a value."""
+    """Settings for ``--set``; the defaults are the paper's wherever it names a value."""
 
     step: float = Field(0.2, gt=0, description="height of the step, rad/s or m/s^2")
     reading: Literal["R1", "R2", "R6"] = Field("R6", description="what (10)'s second term means")

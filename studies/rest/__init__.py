@@ -1,6 +1,6 @@
-"""A sensor at rest: how noisy it is, and the filter that a person's requirement makes of it.
+"""A sensor at rest: its noise, and a filter that meets a requirement.
 
-docs/rest.md tells what the numbers mean.
+docs/rest.md explains the numbers.
 """
 
 from collections.abc import Iterator
@@ -19,7 +19,7 @@ from tuner.solvers import Gradient, Ipopt, Known
 
 
 def plan(settings: Settings, records: tuple[Record, ...], seed: int, storage: str) -> Plan:
-    """Noise of every axis, and its filter where something is asked of it."""
+    """Noise of every axis, and its filter where there is a requirement."""
     axes = axes_of(records)
     rests = tuple(rest_of(axis, settings.rate_hz, settings.requirement) for axis in axes)
     tasks = [
@@ -48,20 +48,20 @@ def _closed_form(rest: Rest) -> Known:
 
 
 def channels(settings: Settings) -> dict[str, Channel]:
-    """Any name will do."""
+    """The channels: any name will do."""
     return {}
 
 
 def _notes(rest: Rest) -> Iterator[str]:
-    """What should be known of an axis' numbers."""
+    """Remarks on the numbers of an axis."""
     name, noise, dt = rest.axis.name, rest.noise, 1 / rest.axis.rate_hz
     if not noise.fits:
         yield f"{name}: no part of the Allan curve is white noise, so N and K mean little"
     elif noise.from_s > 1.5 * dt:
         yield (
-            f"{name} is not white below {noise.from_s:.3g} s (the sensor's own filter, vibration "
-            f"or coarse steps): N is read from {noise.from_s:.3g} s to {noise.to_s:.4g} s on, and "
-            f"R = N^2 rate is that of white noise, not the variance of a sample"
+            f"{name} is not white below {noise.from_s:.3g} s: N is read from there to "
+            f"{noise.to_s:.4g} s, and R = N^2 rate is that of white noise, not the variance of a "
+            "sample"
         )
     step = resolution(rest.axis.values)
     if step is not None and step > 0.5 * rest.axis.values.std():

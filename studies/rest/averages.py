@@ -16,13 +16,13 @@ from studies.rest.curve import Limited
 from tuner.data.signal import Floats
 
 MOST = 50_000
-"""As many means are enough: the white noise's limits are then 0.6 % apart."""
+"""Largest number of means: the white noise's limits are then 0.6 % apart."""
 _NATS = 1.920729
-"""By so much a log-likelihood falls at 95 % limits: half of chi-square's 3.84."""
+"""Fall of the log-likelihood at 95 % limits: half of chi-square's 3.84."""
 
 
 class Level(NamedTuple):
-    """A local level: its variances a sample of the means, or N and K."""
+    """A local level: its variances per mean, or N and K."""
 
     R: float
     Q: float
@@ -33,7 +33,7 @@ class Averages:
     """Means over ``factor`` samples of an axis, and their likelihood.
 
     Attributes:
-        factor: how many samples a mean is over.
+        factor: number of samples in a mean.
         dt: sample time of the axis, s.
         means: ``(n,)``.
         powers: squares of the transformed increments, ``(n - 1,)``.
@@ -48,7 +48,7 @@ class Averages:
 
     @classmethod
     def of(cls, values: Floats, dt: float, factor: int) -> "Averages":
-        """Means over so many samples, or over more, so that they are no more than ``MOST``."""
+        """Means over the given number of samples, or over more, to have at most ``MOST``."""
         from scipy.fft import dst
 
         m = max(factor, -(-len(values) // MOST))
@@ -74,7 +74,7 @@ class Averages:
         return ((R + q * (m * m - 1) / (6 * m)) * self.step) ** 0.5, (q / self.dt) ** 0.5
 
     def nats(self, white: float, walk: float) -> float:
-        """Minus the log-likelihood of N and K, but for its constant."""
+        """Minus the log-likelihood of N and K, up to a constant."""
         R, Q = self.level(white, walk)
         variances = Q + R * self.waves
         if not variances.min() > 0:
@@ -104,7 +104,7 @@ def most_likely(averages: Averages) -> tuple[Limited, Limited]:
 
 
 def _scaled(averages: Averages, ratio: float) -> tuple[float, float]:
-    """The least nats for a ratio K/N over all N, and that N."""
+    """The least nats for a ratio K/N over all N, and the minimiser N."""
     R, Q = averages.level(1.0, ratio)
     variances = Q + R * averages.waves
     if not variances.min() > 0:
@@ -136,7 +136,7 @@ def _walk_limits(averages: Averages, best: float, still: float, N: float, K: flo
 
 
 def _least(function: Callable[[float], float], around: float, reach: float) -> Any:
-    """The least of a function of a logarithm, around a positive number."""
+    """The minimum of a function of a logarithm, around a positive number."""
     from scipy.optimize import minimize_scalar
 
     at = float(np.log(around))
@@ -145,7 +145,7 @@ def _least(function: Callable[[float], float], around: float, reach: float) -> A
 
 
 def _crossing(excess: Callable[[float], float], start: float, step: float) -> float:
-    """Where a function of a positive number rises above 0, along steps of its logarithm."""
+    """The point at which a function of a positive number rises above 0, in logarithmic steps."""
     from scipy.optimize import brentq
 
     at = 0.0

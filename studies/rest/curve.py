@@ -16,12 +16,12 @@ from tuner.data.signal import Floats
 FLICKER = 2 * np.log(2) / np.pi
 """The Allan variance of flicker noise over its squared coefficient."""
 ROOM = 0.02
-"""By so much an Allan variance may miss the model at short times; its density then is 1 % off."""
-_FITTED = 2  # every second point: neighbours say nearly the same
+"""Tolerance of an Allan variance at short times, at which its density is 1 % off."""
+_FITTED = 2  # every second point: neighbours are nearly redundant
 _LATER = 3  # half a decade
 _SPANS = 5  # the fit's last point averages a fifth of the record
 _SURE = 3.84
-"""A term that lowers chi-square by less does not belong to the model."""
+"""Least reduction of chi-square by a term of the model."""
 
 
 class Limited(NamedTuple):
@@ -32,7 +32,7 @@ class Limited(NamedTuple):
     high: float
 
     def times(self, factor: float) -> "Limited":
-        """In another unit."""
+        """The number in another unit."""
         return Limited(*(factor * number for number in self))
 
     @property
@@ -43,7 +43,7 @@ class Limited(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    """What an Allan curve comes to, in the record's unit.
+    """Noise parameters read from an Allan curve, in the record's unit.
 
     Attributes:
         curve: the curve.
@@ -85,7 +85,7 @@ def read_noise(curve: AllanCurve) -> Noise:
     last = max(int(np.searchsorted(curve.taus, curve.taus[-1] * 3 / _SPANS, "right")), 4)
     white = _white_from(curve, last)
     first = _beyond_the_bend(curve, white, last) if white else 0
-    # The floor is where the curve is least for sure: far out a few means differ little by chance.
+    # The floor has the least upper limit: far out a few means may differ little by chance.
     lowest = int(np.argmin(curve.highs[first:last])) + first
     floor = Limited(*(float(c[lowest]) for c in (curve.deviations, curve.lows, curve.highs)))
     return replace(
@@ -99,7 +99,7 @@ def read_noise(curve: AllanCurve) -> Noise:
 
 
 def _white_from(curve: AllanCurve, last: int) -> int | None:
-    """The first point from which on the curve shows no bend; None where there is none."""
+    """The first point from which the curve has no bend; None where there is none."""
     for first in range(max(last - 3, 1)):
         tried = _fit(curve, first, last)
         if _holds(curve, tried, first, last) and _stays(curve, tried, first, last):
@@ -121,14 +121,14 @@ def _columns(taus: Floats) -> Floats:
 
 
 def _holds(curve: AllanCurve, noise: Noise, first: int, last: int) -> bool:
-    """Whether the model holds over the first decade of what is fitted."""
+    """Whether the model fits over the first decade of the fitted range."""
     near = slice(first, int(np.searchsorted(curve.taus[:last], 10 * curve.taus[first], "right")))
     miss = np.abs(curve.variances[near] / noise.model(curve.taus[near]) ** 2 - 1)
     return bool(np.all(miss < ROOM + 3 * np.sqrt(2 / curve.freedom[near])))
 
 
 def _stays(curve: AllanCurve, noise: Noise, first: int, last: int) -> bool:
-    """Whether a fit that begins half a decade later finds the same density, but for chance."""
+    """Whether a fit that begins half a decade later gives the same density, up to chance."""
     later = int(np.searchsorted(curve.taus[:last], _LATER * curve.taus[first]))
     if last - later < 4:
         return True
@@ -152,7 +152,7 @@ class _Solved(NamedTuple):
 
 
 def _solved(curve: AllanCurve, rows: np.ndarray, terms: tuple[int, ...]) -> _Solved:
-    """Least squares under the covariance that the model itself gives the points."""
+    """Generalised least squares with the covariance of the points under the model."""
     from scipy.optimize import nnls
 
     taus, seen = curve.taus[rows], curve.variances[rows]
@@ -175,7 +175,7 @@ def _solved(curve: AllanCurve, rows: np.ndarray, terms: tuple[int, ...]) -> _Sol
 
 
 def _limited(square: float, spread: float) -> Limited:
-    """The root of an estimated square, with limits of chi-square; above alone where it is weak."""
+    """The root of an estimated square, with chi-square limits; only an upper one where weak."""
     if square < spread:
         return Limited(float(np.sqrt(square)), 0.0, float(np.sqrt(square + 1.645 * spread)))
     low, high = chi_square_limits(np.array(2 * square**2 / spread**2))
@@ -183,7 +183,7 @@ def _limited(square: float, spread: float) -> Limited:
 
 
 def _correlation(curve: AllanCurve, taus: Floats, model: Floats) -> Floats:
-    """Between the estimates at different times, for the spectrum that the variances stand for.
+    """Correlation of the estimates at different times, for the spectrum of the variances.
 
     Each is a weighted mean of the periodogram, whose lines are independent.
     """
@@ -191,7 +191,7 @@ def _correlation(curve: AllanCurve, taus: Floats, model: Floats) -> Floats:
     f = np.geomspace(low, high, 3000)
     x = np.pi * f * taus[:, None]
     weights = 2 * np.sin(x) ** 4 / x**2
-    # A variance at tau is mostly that of the spectrum around 0.4 / tau.
+    # A variance at tau is mostly due to the spectrum around 0.4 / tau.
     density = np.exp(np.interp(-np.log(f), np.log(taus / 0.4), np.log(model * taus)))
     weighted = weights * density * np.sqrt(f)
     covariance = weighted @ weighted.T

@@ -1,4 +1,4 @@
-"""Axes of a recording at rest, each by itself."""
+"""The single axes of a recording at rest."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -13,7 +13,7 @@ from tuner.data.stillness import check_at_rest
 from tuner.data.units import Unit
 
 LEAST = 100
-"""Fewer samples tell no noise."""
+"""The fewest samples that determine a noise."""
 _GAP = 1.5  # of the usual step
 
 
@@ -27,7 +27,7 @@ class Axis:
         rate_hz: of its samples.
         unit: SI.
         written: the unit that the user gave, or SI.
-        source: where it comes from.
+        source: of the record.
     """
 
     name: str
@@ -39,12 +39,12 @@ class Axis:
 
     @property
     def seconds(self) -> float:
-        """How long the record is."""
+        """Duration of the record."""
         return len(self.values) / self.rate_hz
 
     @property
     def scale(self) -> float:
-        """From SI to the user's unit."""
+        """Factor from SI to the user's unit."""
         return 1.0 if self.written == self.unit else 1 / Unit.of(self.written).factor
 
 
@@ -98,7 +98,7 @@ def _axis(record: Record, name: str, signal: Signal, values: Floats) -> Axis:
 
 
 def _check_whole(told: str, signal: Signal, values: Floats) -> None:
-    """Refuse gaps and missing samples, with the longest part that has none."""
+    """Refuse gaps and missing samples, and name the longest part without any."""
     missing = int(np.isnan(values).sum())
     if signal.running.even and not missing:
         return

@@ -1,4 +1,4 @@
-"""Allan curve, and noise against latency."""
+"""The Allan curve, and noise against latency."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ POINTS = 200
 
 
 def figures(rests: tuple[Rest, ...], solutions: Solutions) -> Iterator[Figure]:
-    """Both of every axis."""
+    """Both figures of every axis."""
     for rest in rests:
         yield _allan(rest)
         K = None
@@ -44,7 +44,7 @@ def _allan(rest: Rest) -> Chart:
 
 
 def _latency(rest: Rest, K: float | None) -> Chart:
-    """What waiting buys."""
+    """Noise of the output over its latency."""
     axis, dt, scale = rest.axis, rest.dt, rest.axis.scale
     least = dt * float(np.sqrt(rest.R / rest.Q)) if rest.Q > 0 else 0.0
     longest = max(10 * least, 100 * dt) if least else axis.seconds / 3

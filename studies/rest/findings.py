@@ -1,4 +1,4 @@
-"""The numbers that people take from a record at rest, in their units."""
+"""The noise numbers of a record at rest, in customary units."""
 
 from collections.abc import Iterator
 
@@ -22,7 +22,7 @@ _DRIFT: dict[Sensor, Sensor] = {
 
 
 def findings(rests: tuple[Rest, ...], solutions: Solutions) -> Iterator[Finding]:
-    """Densities by both methods, R and Q, and what the filter does, of every axis."""
+    """Densities by both methods, R and Q, and the filter's properties, of every axis."""
     for rest in rests:
         yield from _noise(rest)
         yield from _sampled(rest)
@@ -87,7 +87,7 @@ def _units(rest: Rest) -> Iterator[tuple[tuple[float, float], tuple[str, str], s
 
 
 def _named(sensor: Sensor) -> list[Told]:
-    """The ways that have a name; of the others the record's own unit is one."""
+    """The customary forms of a sensor's noise; else the record's own unit."""
     return [told for told in told_as(sensor) if told.name]
 
 
@@ -121,7 +121,7 @@ def _filtered(rest: Rest, K: float) -> Iterator[Finding]:
 def output_on(values: np.ndarray, K: float) -> float:
     """Deviation of the filter's output over a record, by differences over its settling time.
 
-    Half their mean square; what changes more slowly, such as a bias that walks, hardly counts.
+    Half their mean square; slower changes, such as a random walk of the bias, hardly count.
     """
     from scipy.signal import lfilter
 
@@ -134,7 +134,7 @@ def output_on(values: np.ndarray, K: float) -> float:
 
 
 def _trade(rest: Rest) -> Iterator[Finding]:
-    """Where a slower filter stops paying."""
+    """The latency beyond which a slower filter does not pay."""
     at = asked.knee(rest.R, rest.Q, rest.dt)
     if np.isfinite(at):
         told = "from here on twice the latency lowers the noise by less than a tenth"

@@ -1,4 +1,4 @@
-"""What is solved for an axis: its noise, and the filter that is asked for."""
+"""The problems of an axis: its noise, and the filter that is asked for."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -24,21 +24,21 @@ from tuner.problem.problem import Problem
 from tuner.problem.space import Space
 
 TRIED = 20_000
-"""On so many samples a filter is tried in single precision."""
+"""Samples of a filter's test in single precision."""
 
 
 @dataclass(frozen=True, eq=False)
 class Rest:
-    """An axis, and what its noise is.
+    """An axis and its noise.
 
     Attributes:
         axis: the axis, in SI, as are all numbers here.
         noise: from its Allan curve.
-        averages: what the likelihood is about.
+        averages: means, on which the likelihood is based.
         white: N of greatest likelihood.
         walk: K of greatest likelihood.
-        rate_hz: of the machine that filters.
-        requirement: what the filter has to do; None where none is asked for.
+        rate_hz: of the target.
+        requirement: on the filter; None where there is none.
     """
 
     axis: Axis
@@ -51,28 +51,28 @@ class Rest:
 
     @property
     def dt(self) -> float:
-        """Sample time of the machine, s."""
+        """Sample time of the target, s."""
         return 1 / self.rate_hz
 
     @property
     def R(self) -> float:
-        """Variance of the white noise in a sample of the machine."""
+        """Variance of the white noise in a sample of the target."""
         return self.white.value**2 * self.rate_hz
 
     @property
     def Q(self) -> float:
-        """Variance that the walk gains in a sample of the machine."""
+        """Growth of the random walk's variance in a sample of the target."""
         return self.walk.value**2 / self.rate_hz
 
     @property
     def gain(self) -> float:
-        """Of the filter: the least that will do, or the record's own where this is larger."""
+        """Gain of the filter: the least that meets the requirement, or the record's if larger."""
         own = asked.kalman_gain(self.R, self.Q)
         return own if self.requirement is None else max(self.requirement.gain, own)
 
 
 def rest_of(axis: Axis, rate_hz: float | None, demand: Mapping[Asked, float]) -> Rest:
-    """Read an axis' noise.
+    """The noise of an axis.
 
     Raises:
         ValueError: for a requirement that no filter meets, and a record that is too short for it.
@@ -82,8 +82,8 @@ def rest_of(axis: Axis, rate_hz: float | None, demand: Mapping[Asked, float]) ->
     if requirement is not None and 3 * requirement.span_s > axis.seconds:
         raise ValueError(
             f"{axis.source.name} lasts {axis.seconds:.4g} s, and a filter that "
-            f"{requirement.words} takes {requirement.span_s:.4g} s to settle; record at rest for "
-            f"{3 * requirement.span_s:.4g} s or more, or ask for a faster filter"
+            f"{requirement.words} needs {3 * requirement.span_s:.4g} s or more; record at rest "
+            "for longer, or ask for a faster filter"
         )
     noise = read_noise(allan_curve(axis.values, axis.rate_hz))
     dt = 1 / axis.rate_hz
@@ -127,7 +127,7 @@ def filter_problem(rest: Rest) -> Problem:
     """The gain of least noise that meets the requirement.
 
     Raises:
-        ValueError: where none is asked for.
+        ValueError: where there is no requirement.
     """
     wanted = rest.requirement
     if wanted is None:
@@ -157,7 +157,7 @@ def filter_problem(rest: Rest) -> Problem:
 
 @dataclass(frozen=True)
 class ErrorVariance:
-    """Of the filter's output, from R and Q a sample; an objective of the gain."""
+    """Error variance of the filter's output, from R and Q per sample; an objective of the gain."""
 
     R: float
     Q: float
@@ -194,7 +194,7 @@ def _filter_told(rest: Rest, gain: Array) -> tuple[Quantity, ...]:
 
 
 def _noise_told(rest: Rest, _: object) -> tuple[Quantity, ...]:
-    """What a Kalman filter takes: densities, and variances a sample of the machine."""
+    """Noise parameters of a Kalman filter: densities, and variances per sample on the target."""
     unit, at = rest.axis.unit, f"a sample at {rest.rate_hz:g} Hz"
     return (
         Quantity("noise_density", np.array(rest.white.value), f"{unit}/sqrt(Hz)", "N"),

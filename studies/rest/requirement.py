@@ -1,4 +1,4 @@
-"""What a person knows of a filter, and the gain of x+ = x + K (z - x) that meets it.
+"""A requirement on a filter, and the gain of x+ = x + K (z - x) that meets it.
 
 Exponential smoothing, which is what a local level's Kalman filter becomes, has one gain. All that
 is asked here gets easier with a larger gain, and its noise grows with it, so the least noise has
@@ -15,20 +15,20 @@ from numpy.typing import ArrayLike
 
 Asked: TypeAlias = Literal["settles_s", "bandwidth_hz", "latency_s"]
 SETTLED = 0.02
-"""So much of a step is missing when it counts as arrived."""
+"""Share of a step that may be missing when it has settled."""
 
 
 @dataclass(frozen=True)
 class Requirement:
-    """One thing that a filter has to do.
+    """One requirement on a filter.
 
     Attributes:
-        asked: settles within, passes up to, or lags by at most.
+        asked: settling time, bandwidth, or largest lag.
         value: in s or Hz.
         dt: sample time of the filter, s.
 
     Raises:
-        ValueError: where no filter of samples meets it.
+        ValueError: where no discrete filter meets it.
     """
 
     asked: Asked
@@ -49,12 +49,12 @@ class Requirement:
 
     @property
     def samples(self) -> int:
-        """Samples within the time that is allowed for settling."""
+        """Samples within the allowed settling time."""
         return int(np.floor(self.value / self.dt * (1 + 1e-9)))
 
     @property
     def span_s(self) -> float:
-        """How long a record has to be at least to show a filter as slow as this one settling."""
+        """Settling time of the filter with the least gain, s."""
         return settling(self.gain, self.dt) if self.gain < 1 else self.dt
 
     @property
@@ -72,7 +72,7 @@ class Requirement:
 
     @property
     def most(self) -> float:
-        """What :meth:`measure` may be."""
+        """Upper limit of :meth:`measure`."""
         match self.asked:
             case "settles_s":
                 return self.samples * self.dt
@@ -82,7 +82,7 @@ class Requirement:
                 return self.value
 
     def measure(self, gain: Array, _: None) -> Array:
-        """Settling time or lag, s; or the power by which a sine of the frequency is weakened."""
+        """Settling time or lag, s; or the attenuation in power of a sine of the frequency."""
         match self.asked:
             case "settles_s":
                 return self.dt * jnp.log(SETTLED) / jnp.log1p(-gain)
@@ -94,7 +94,7 @@ class Requirement:
 
     @property
     def words(self) -> str:
-        """What is asked, in words."""
+        """The requirement in words."""
         match self.asked:
             case "settles_s":
                 return f"settles to {100 * SETTLED:g} % within {self.value:g} s"
@@ -105,7 +105,7 @@ class Requirement:
 
 
 def settling(gain: float, dt: float) -> float:
-    """How long a step takes to arrive to 2 %, s.
+    """Settling time of a step to 2 %, s.
 
     >>> round(settling(0.02, 0.01), 2)
     1.94
@@ -114,7 +114,7 @@ def settling(gain: float, dt: float) -> float:
 
 
 def bandwidth(gain: float, dt: float) -> float:
-    """Where a sine is weakened by 3 dB, Hz; half the sample rate where none is.
+    """Frequency at which a sine is attenuated by 3 dB, Hz; half the sample rate where none is.
 
     >>> round(bandwidth(Requirement("bandwidth_hz", 2.0, 0.01).gain, 0.01), 12)
     2.0
@@ -124,13 +124,13 @@ def bandwidth(gain: float, dt: float) -> float:
 
 
 def latency(gain: ArrayLike, dt: float) -> np.ndarray:
-    """How far the output lags behind a steady change, s: the group delay at low frequencies."""
+    """Lag of the output behind a ramp, s: the group delay at low frequencies."""
     K = np.asarray(gain, float)
     return np.asarray(dt * (1 - K) / K)
 
 
 def error_variance(gain: ArrayLike | Array, R: float, Q: float) -> Array:
-    """Of the output about a level that walks: noise let through, and the lag behind the walk.
+    """Error variance about a random walk: noise of the output, and its lag behind the walk.
 
     From e+ = (1 - K) (e - w) + K v, with the variances Q of w and R of v a sample.
     """
@@ -149,7 +149,7 @@ def kalman_gain(R: float, Q: float) -> float:
 
 
 def knee(R: float, Q: float, dt: float) -> float:
-    """The latency from which on twice of it lowers the noise by less than a tenth, s.
+    """The latency whose doubling lowers the noise by a tenth, s.
 
     The variance is about N^2 / (2 D) + K^2 D / 2, so with D* = N / K, where it is least, the knee
     lies at D* sqrt((0.5 - 0.81) / (0.81 - 2)); infinite without a walk.

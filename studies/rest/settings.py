@@ -1,4 +1,4 @@
-"""What can be set."""
+"""The settings."""
 
 from typing import get_args
 
@@ -11,7 +11,7 @@ REQUIREMENTS: tuple[Asked, ...] = get_args(Asked)
 
 
 class Settings(StudySettings):
-    """For which rate R and Q are given, and what the filter has to do, if there is to be one."""
+    """The rate for R and Q, and the requirement on a filter, if any."""
 
     rate_hz: float | None = Field(
         None, gt=0, description="of the machine that filters; the record's own if unset"
@@ -32,6 +32,6 @@ class Settings(StudySettings):
 
     @property
     def requirement(self) -> dict[Asked, float]:
-        """What is asked of the filter, by name; nothing or one."""
+        """The requirement on the filter, by name; empty, or one entry."""
         given = {name: getattr(self, name) for name in REQUIREMENTS}
         return {name: value for name, value in given.items() if value is not None}

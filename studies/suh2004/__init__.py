@@ -1,6 +1,6 @@
 """Suh, Park, Kang and Ro 2004: a two-step Kalman filter that distrusts a disturbed accelerometer.
 
-Equation numbers are the paper's; docs/suh2004.md tells what was found.
+Equation numbers are the paper's; docs/suh2004.md reports the findings.
 """
 
 from studies.suh2004 import problems

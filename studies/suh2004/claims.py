@@ -1,4 +1,4 @@
-"""The paper's claims and numbers, and what they come to: one function a claim."""
+"""The paper's claims and numbers, each checked by one function."""
 
 from functools import partial
 from math import erfc, sqrt
@@ -24,9 +24,9 @@ from tuner.run.study import Claim, Solutions, best, tuned_values
 
 THETA, PHI = 0, 1
 ALIKE = 0.01
-"""Pitch errors count as alike where they differ by less than this share of the roll error."""
+"""Largest difference of similar pitch errors, as a share of the roll error."""
 HALF = 0.5
-"""What tuning has to reach on held-out records, over the hand-made parameters."""
+"""The ratio to the hand-made parameters' error that tuning has to reach on held-out records."""
 
 
 def order_in_roll(bench: Bench, solutions: Solutions) -> Comparison:
@@ -111,7 +111,7 @@ def error_at_rest(bench: Bench, solutions: Solutions, *, angle: int, name: str) 
 
 
 def constant_variances(bench: Bench, solutions: Solutions) -> Comparison:
-    """At a constant r, which alpha1 = alpha2 = 0 are."""
+    """Equality of both filters at a constant r, that is at alpha1 = alpha2 = 0."""
     inputs = experiment_2(bench.settings.gyro_unit)
     params = noise({"alpha1": 0.0, "alpha2": 0.0})
     standard = outputs(STANDARD, inputs, params).angles
@@ -132,7 +132,7 @@ def constant_variances(bench: Bench, solutions: Solutions) -> Comparison:
 
 
 def false_alarms(bench: Bench, solutions: Solutions) -> Comparison:
-    """How often delta is passed at rest: abs(a)^2 - 1 is 2 az's noise to first order."""
+    """Frequency of exceeding delta at rest: abs(a)^2 - 1 is 2 az's noise to first order."""
     deviation = 2 * sqrt(ACC_VARIANCE[2])
     rate = erfc(HEURISTIC["delta"] / deviation / sqrt(2))
     return Comparison(
@@ -149,7 +149,7 @@ def false_alarms(bench: Bench, solutions: Solutions) -> Comparison:
 
 
 def tuned_over_heuristic(bench: Bench, solutions: Solutions) -> Comparison:
-    """What tuning leaves of the hand-made parameters' error, on records that nobody tuned on."""
+    """The share of the hand-made parameters' error that tuning leaves, on held-out records."""
     judged_on = bench.judged_on
     heuristic = held_out("two_step", {}, judged_on)
     reached = {

@@ -17,38 +17,38 @@ from tuner.data.source import Source
 
 SWING = Swing(size=(np.radians(15.0), np.radians(12.0), np.radians(60.0)))
 EVERY = 10.0
-"""A burst comes every so many seconds on average."""
+"""Mean interval of bursts, s."""
 HELD_OUT = 1000
-"""Seeds of held-out records lie this far above those that are tuned on."""
+"""Offset of the held-out records' seeds from those that are tuned on."""
 
 
 @dataclass(frozen=True, eq=False)
 class Recordings:
-    """Records side by side: inputs ``(N, k, 3)`` and true (theta, phi), rad, ``(N, k, 2)``."""
+    """A batch of records: inputs ``(N, k, 3)`` and true (theta, phi), rad, ``(N, k, 2)``."""
 
     inputs: TiltSample
     truth: Array
 
     @property
     def count(self) -> int:
-        """k."""
+        """The number of records, k."""
         return self.truth.shape[1]
 
     @property
     def data(self) -> Data:
-        """As a problem takes them."""
+        """The records as a problem's data."""
         return Data(self.inputs, self.truth)
 
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """What is tuned on and what judges, by the settings of a study.
+    """The records to tune on and to judge by, as a study's settings say.
 
     Attributes:
         settings: the study's.
         tuned_on: records of the seeds from the run's own.
-        judged_on: others.
-        source: where the records come from that are tuned on.
+        judged_on: the held-out records.
+        source: of the records that are tuned on.
     """
 
     settings: Settings

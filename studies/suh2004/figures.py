@@ -15,7 +15,7 @@ LABELS = {"standard": "standard", "simple": "simple adaptive", "two_step": "two-
 
 
 def figures(bench: Bench, solutions: Solutions) -> Iterator[Figure]:
-    """All of them."""
+    """All figures."""
     inputs = experiment_2(bench.settings.gyro_unit)
     t = DT * np.arange(1, len(inputs.gyr) + 1)
     found = {name: outputs(filter, inputs, noise({})) for name, filter in FILTERS.items()}

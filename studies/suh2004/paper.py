@@ -1,4 +1,4 @@
-"""What the paper gives: its sensors, its three filters, and its hand-made parameters."""
+"""The paper's sensors, its three filters, and its hand-made parameters."""
 
 from typing import Literal, TypeAlias, get_args
 

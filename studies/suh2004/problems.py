@@ -23,7 +23,7 @@ HELD = BY_HAND | {
     "delta": Fixed(HEURISTIC["delta"], meaning="a disturbance is detected above it, held"),
     "gravity": Fixed(BY_HAND["gravity"], unit="g"),
 }
-"""What is held of all three filters.
+"""Held parameters of all three filters.
 
 The error falls with q1 as far as it may go, where rates are what the gyroscopes say. delta is the
 paper's: three records do not determine it (docs/suh2004.md), and for any delta that is held the
@@ -31,13 +31,13 @@ others have one optimum.
 """
 R_NOM = Positive(1.0, 1e-2, 1e3)
 LARGE = Positive(1e3, 1e1, 1e6)
-"""In the scale of q1: what a disturbance adds to the variance."""
+"""Additional variance of a disturbance, in the scale of q1."""
 FREE: dict[str, dict[str, Parameter]] = {
     "standard": {"r_nom": R_NOM},
     "simple": {"r_nom": R_NOM, "r_big": LARGE},
     "two_step": {"r_nom": R_NOM, "alpha1": Bounded(0.4, 0.0, 1.0), "alpha2": LARGE},
 }
-"""What is tuned of each filter; what is held beside it is the paper's, but for q1."""
+"""Tuned parameters of each filter; those held beside them are the paper's, but for q1."""
 STARTS: dict[str, tuple[dict[str, float], ...]] = {
     "standard": ({"r_nom": 0.1}, {"r_nom": 10.0}, {"r_nom": 100.0}),
     "simple": (
@@ -51,7 +51,7 @@ STARTS: dict[str, tuple[dict[str, float], ...]] = {
         {"r_nom": 10.0, "alpha1": 0.8, "alpha2": 1e2},
     ),
 }
-"""Where else a search is worth beginning: two decades of each about the first start.
+"""Further starts of a search, over two decades about the first one.
 
 In the corners of the whole box there is nothing to learn: with a long memory of large variances the
 two-step filter diverges, and without any it is the standard one, from which no slope leads back.
@@ -63,7 +63,7 @@ class TiltRmse:
     """Root mean square error of pitch and roll together, deg."""
 
     def __call__(self, outputs: TiltOutputs, truth: Array) -> Array:
-        """Of one record, ``()``."""
+        """The error of one record, ``()``."""
         square = ((outputs.angles - truth) ** 2).sum(axis=1)
         return jnp.degrees(jnp.sqrt(square.mean()))
 
@@ -96,7 +96,7 @@ def posed(tuned_on: Recordings) -> dict[str, Problem]:
 
 
 def held_out(name: str, values: Mapping[str, Any], judged_on: Recordings) -> float:
-    """A filter's error on other records, deg; what is not given is the paper's."""
+    """A filter's error on other records, deg; parameters not given are the paper's."""
     found = run_filter(Lanes(FILTERS[name], judged_on.count), noise(values), judged_on.inputs)
     return float(OBJECTIVE(found, judged_on.truth))
 
@@ -115,14 +115,13 @@ def _problem(name: str, records: Recordings) -> Problem:
 
 
 def _refuse_still(truth: Array) -> None:
-    """Refuse data on which a filter that never follows the sensors is the best.
+    """Refuse data on which a filter that ignores its sensors is the best.
 
     Raises:
         ValueError: names the direction that such data cannot determine.
     """
     if not float(jnp.abs(truth - truth[0]).max()) > 0:
         raise ValueError(
-            "the true attitude never moves in these data, so the error falls to zero as q1 goes "
-            "to 0 (a filter that ignores its sensors), and q1 against r_nom, alpha2 and delta is "
-            "not determined: tune on records with motion (tune_on = 'mixed')"
+            "the true attitude never moves in these data, so a filter that ignores its sensors "
+            "(q1 = 0) is the best; tune on records with motion (tune_on = 'mixed')"
         )

@@ -1,4 +1,4 @@
-"""What can be set."""
+"""The settings."""
 
 from typing import Literal
 
@@ -9,7 +9,7 @@ from tuner.run.settings import StudySettings
 
 
 class Settings(StudySettings):
-    """How the mixed motion is made, and how hard it is searched."""
+    """The mixed motion, and the effort of the search."""
 
     gyro_unit: GyroUnit = Field("deg/s", description="unit of the paper's gyroscope variances")
     tune_on: Literal["mixed", "experiment2"] = Field(

@@ -1,7 +1,7 @@
 """UAV: an attitude filter aided by GPS positions, on real flights without any truth.
 
 The filter is that of Chauhan, Patil, Sinha and Halder 2009; the flights' files stay where the user
-has them. docs/uav.md tells what was found.
+has them. docs/uav.md reports the findings.
 """
 
 from collections.abc import Iterator
@@ -25,7 +25,7 @@ from tuner.solvers import Gradient
 ENOUGH = 1e-4
 """Slope of ln deviation at which a search may end: a tenth of a factor e more changes nothing."""
 STILL = 1e-6
-"""The same of searches without second derivatives, so that all nats together hardly slope."""
+"""The same for searches without second derivatives, where all slopes have to be small."""
 STARTS = 2
 """Of each search: with the fuzzy law the likelihood has kinks, where one search may end."""
 
@@ -36,7 +36,7 @@ def plan(settings: Settings, records: tuple[Record, ...], seed: int, storage: st
     tuned = field.tuned
     posed = [problems.problem(tuned, law, settings.angles) for law in problems.LAWS]
     solver = Gradient("l-bfgs-b", seed=seed, starts=STARTS, gradient=ENOUGH, iterations=40)
-    # Of what is only judged no interval is asked; without one a slope has to be small itself.
+    # Problems that only judge need no interval; without one the slope itself has to be small.
     quick = replace(solver, gradient=STILL, iterations=60, curvature=False)
     return Plan(
         source=field.source,
@@ -52,7 +52,7 @@ def plan(settings: Settings, records: tuple[Record, ...], seed: int, storage: st
 
 
 def _field(settings: Settings) -> Field:
-    """The flights, and which of them are left out in turn.
+    """The flights, with those that are left out in turn.
 
     Raises:
         ValueError: where leaving out is asked for and leaves nothing to tune on.

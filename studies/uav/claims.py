@@ -1,4 +1,4 @@
-"""What the flights say of the filter, one function a claim, with verdicts that are worked out."""
+"""Claims about the filter on the flights, one function each, with computed verdicts."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -24,19 +24,18 @@ from tuner.run.comparison import Comparison, claim, undecided
 from tuner.run.study import Claim, Solutions, best
 
 NIS = (0.5, 2.0)
-"""A normalised innovation squared has the mean 1; so far from it R and Q still fit."""
+"""Range of the mean normalised innovation squared in which R and Q fit."""
 MAKES_SENSE = {"phi": 5.0, "theta": 5.0, "psi": 20.0}
-"""A constructed angle that is so near the autopilot's, root mean square, says what it should, deg.
-"""
+"""Largest root mean square difference of a valid constructed angle from the autopilot's, deg."""
 HORIZON = 3
-"""Predictions are compared so many seconds ahead."""
+"""Horizon of the compared predictions, s."""
 WHITE = 1.96
-"""Quantile of the normal distribution: of 95 % within."""
+"""Quantile of the normal distribution for 95 %."""
 REFERENCE = "root mean square against the autopilot's attitude, a reference and no truth"
 
 
 def constructed(field: Field, solutions: Solutions) -> Iterator[Comparison]:
-    """Whether the track's attitude is the vehicle's."""
+    """Whether the track's attitude agrees with the vehicle's."""
     for flight in field.flights:
         yield from _constructed(flight)
 
@@ -64,7 +63,7 @@ def _constructed(flight: Flight) -> Iterator[Comparison]:
 
 
 def consistent(field: Field, solutions: Solutions, *, law: Tuned) -> Iterator[Comparison]:
-    """Whether R and Q say how large innovations are."""
+    """Whether R and Q agree with the size of the innovations."""
     for flight in field.flights:
         outcome, keep = field.tuned_outcome(flight, law, solutions), ~flight.glitch
         found = interval(by_update(outcome.nis, keep))
@@ -83,7 +82,7 @@ def consistent(field: Field, solutions: Solutions, *, law: Tuned) -> Iterator[Co
 
 
 def white(field: Field, solutions: Solutions, *, law: Tuned) -> Iterator[Comparison]:
-    """Whether an innovation tells nothing of the next one."""
+    """Whether innovations are uncorrelated."""
     for flight in field.flights:
         outcome, keep = field.tuned_outcome(flight, law, solutions), ~flight.glitch
         count = int((keep & ~np.isnan(outcome.nis).all(axis=1)).sum())
@@ -233,7 +232,7 @@ def glitch(field: Field, solutions: Solutions, *, law: Tuned) -> Iterator[Compar
 
 
 def determined(field: Field, solutions: Solutions, *, law: Tuned) -> Iterator[Comparison]:
-    """Which numbers of the process noise the flight determines."""
+    """The parameters of the process noise that the flight determines."""
     found = best(law, solutions)
     names = [name for name in found.parameters if name.startswith(PROCESS[law])]
     for name in names:
@@ -252,7 +251,7 @@ def determined(field: Field, solutions: Solutions, *, law: Tuned) -> Iterator[Co
 
 
 def _of_law(law: Tuned) -> Iterator[Claim]:
-    """What is said of one law, tuned."""
+    """The claims about one tuned law."""
     needs = (law,)
     yield Claim(f"uav.nis_*.{law}.*", partial(consistent, law=law), needs)
     yield Claim(f"uav.white_*.{law}.*", partial(white, law=law), needs)

@@ -16,7 +16,7 @@ NAMES = {"phi": "roll", "theta": "pitch", "psi": "heading"}
 
 
 def figures(field: Field, solutions: Solutions) -> Iterator[Figure]:
-    """All of them."""
+    """All figures."""
     calm = [flight for flight in field.judged if not flight.jumps]
     for flight in calm or field.flights[-1:]:
         outcome = field.tuned_outcome(flight, "constant", solutions)
@@ -49,7 +49,7 @@ def _innovations(flight: Flight, outcome: Outcome, i: int) -> Chart:
     seen = ~np.isnan(outcome.innovation[:, i])
     t, band = flight.t[seen], 2 * np.degrees(np.sqrt(outcome.variance[seen, i]))
     y = np.degrees(outcome.innovation[seen, i])
-    # After minutes without a measurement nothing is known, and the band would hide the rest.
+    # After minutes without a measurement the band would hide the rest.
     highest = max(2.0 * float(np.abs(y).max(initial=1.0)), 1.5 * float(np.median(band)))
     cut = f", cut at {highest:.0f} deg" if band.max(initial=0.0) > highest else ""
     t, y, band = _broken(t, flight.every * flight.dt, y, np.minimum(band, highest))
@@ -93,7 +93,7 @@ def _degrees(angle: np.ndarray) -> np.ndarray:
 
 
 def _unjoined(degrees: np.ndarray) -> np.ndarray:
-    """Without strokes from one end of the circle to the other."""
+    """Angles with gaps where they wrap around."""
     found = degrees.copy()
     found[1:][np.abs(np.diff(degrees)) > 180] = np.nan
     return found

@@ -14,19 +14,19 @@ from tuner.data.record import Record
 from tuner.data.source import Source
 
 APART = 1.0
-"""Between the three positions of a constructed attitude, s."""
+"""Interval of the three positions of a constructed attitude, s."""
 LONGEST_HOLE = 1.0
-"""Between fixes that are joined by a line, s."""
+"""Longest interval of fixes that are interpolated, s."""
 JUMP = 30.0
-"""A ground speed that changes faster than this is a glitch, m/s^2."""
+"""Largest change of the ground speed without a glitch, m/s^2."""
 AROUND = 5.0
-"""So long before and after a jump the GPS is not believed, s."""
+"""Time before and after a jump in which the GPS is not trusted, s."""
 AGREES = 0.5
 """The least correlation with the gyroscopes of an attitude that may serve as a reference."""
 
 
 class Whole(NamedTuple):
-    """What inertial sensors felt on all ticks, those before the first constructed attitude too.
+    """Inertial readings at all ticks, those before the first constructed attitude too.
 
     Attributes:
         force: mean specific force over each tick, forward, right, down, m/s^2, ``(N, 3)``.
@@ -46,7 +46,7 @@ class Flight:
     """A flight from its first constructed attitude on; tick k ends at time ``t[k]``.
 
     Attributes:
-        dt: between ticks, s.
+        dt: interval of ticks, s.
         t: times, s, ``(N,)``.
         rate: mean of the gyroscopes over each tick, rad/s, ``(N, 3)``.
         z: constructed (phi, theta, psi) at the tick it refers to, rad, ``(N, 3)``; NaN where there
@@ -55,7 +55,7 @@ class Flight:
         position: north, east, down of the first fix, m, ``(N, 3)``; NaN in holes of the GPS.
         speed: of the GPS, m/s, ``(N,)``.
         reference: the autopilot's (phi, theta, psi), ``(N, 3)``; None without a usable one.
-        glitch: whether the GPS is not believed, ``(N,)``.
+        glitch: whether the GPS is not trusted, ``(N,)``.
         jumps: times at which the ground speed jumps, s.
         whole: the inertial sensors' ticks from the recording's beginning.
         source: the recording, with the number of ticks and their rate.
@@ -76,7 +76,7 @@ class Flight:
 
     @property
     def name(self) -> str:
-        """Of the recording."""
+        """Name of the recording."""
         return self.source.name
 
     @property
@@ -94,14 +94,13 @@ def flown(settings: Settings) -> tuple[Flight, ...]:
     if settings.tuned in settings.judged or len(set(settings.judged)) < len(settings.judged):
         raise ValueError(
             f"{settings.tuned} is tuned on, and {', '.join(settings.judged) or 'none'} judged on; "
-            "name every flight once, for what is judged on what it was tuned on says nothing"
+            "name every flight once"
         )
     tuned, *judged = (_flown(settings, name) for name in (settings.tuned, *settings.judged))
     if tuned.jumps:
         raise ValueError(
-            f"the ground speed of {tuned.name} jumps at {tuned.jumps[0]:.1f} s as no vehicle's "
-            "does: a GPS glitch, which noise tuned on it would swallow; tune on another flight, "
-            "--set tuned=NAME, or on what comes before it, --set seconds=N"
+            f"the ground speed of {tuned.name} jumps at {tuned.jumps[0]:.1f} s, a GPS glitch; tune "
+            "on another flight, --set tuned=NAME, or on the time before, --set seconds=N"
         )
     return tuned, *judged
 
@@ -180,7 +179,7 @@ def flight(recording: Recording, dt: float, slowest: float, gravity: float) -> F
 
 
 def cut(whole: Flight, seconds: float | None) -> Flight:
-    """Only so many seconds of a flight."""
+    """The first seconds of a flight."""
     if seconds is None:
         return whole
     n = round(seconds / whole.dt)
@@ -196,7 +195,7 @@ def cut(whole: Flight, seconds: float | None) -> Flight:
 
 
 def _joined(t: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Values between samples, on straight lines; NaN in holes."""
+    """Linearly interpolated values; NaN in gaps."""
     found = np.stack([np.interp(at, t, column) for column in values.T], axis=1)
     after = np.clip(np.searchsorted(t, at), 1, len(t) - 1)
     hole = (t[after] - t[after - 1] > LONGEST_HOLE) | (at < t[0] - 1e-9) | (at > t[-1] + 1e-9)
@@ -226,13 +225,13 @@ def _constructed(
 
 
 def _jumps(t: np.ndarray, ground: np.ndarray) -> tuple[float, ...]:
-    """When the ground speed changes faster than a vehicle can."""
+    """Times at which the ground speed changes faster than a vehicle can."""
     steep = np.abs(np.diff(ground)) > JUMP * np.diff(t)
     return tuple(float(at) for at in t[1:][steep])
 
 
 def _reference(record: Record, edges: np.ndarray) -> np.ndarray | None:
-    """The autopilot's attitude at the ticks' ends; None where the gyroscopes deny it."""
+    """The autopilot's attitude at the ticks' ends; None where the gyroscopes contradict it."""
     if "angles" not in record.channels:
         return None
     pilot, gyr = record.channels["angles"], record.channels["gyr"]

@@ -14,14 +14,14 @@ from tuner.run.comparison import Comparison, claim, undecided
 from tuner.run.study import Claim, Solutions, best, tuned_values
 
 AHEAD = 3
-"""Predictions are compared so many seconds ahead."""
+"""Horizon of the compared predictions, s."""
 NO_HELP = "tuning does not help here"
 LAW: Tuned = "constant"
 NATS = "log likelihood gained by a measured number"
 
 
 def unfiltered(flight: Flight) -> Outcome:
-    """No filter: each constructed attitude is believed as it is, and the gyroscopes after it."""
+    """No filter: each constructed attitude as it is, and the gyroscopes after it."""
     x = np.zeros((len(flight.t), 7))
     for at in np.flatnonzero(~np.isnan(flight.z).any(axis=1)):
         x[at, :4] = quaternion(flight.z[at])
@@ -30,12 +30,12 @@ def unfiltered(flight: Flight) -> Outcome:
 
 
 def untuned(field: Field, flight: Flight) -> Outcome:
-    """The filter with the values that its search begins at."""
+    """The filter with the start values of its search."""
     return field.outcome(flight, LAW, start_values(LAW, field.measured))
 
 
 def _values(field: Field, flight: Flight, solutions: Solutions, how: str) -> dict[str, Any]:
-    """Tuned on the flight that is tuned on, or on all others."""
+    """Values tuned on the study's tuning flight, or on all other flights."""
     name = LAW if how == "one" else fold_name(flight.name)
     return tuned_values(best(name, solutions))
 
@@ -104,7 +104,7 @@ def _nearer(
 def _gain(
     quantity: str, where: str, found: Interval, note: str, sentence: str, unit: str = ""
 ) -> Comparison:
-    """A claim that a gain is positive; where that is not certain, it is said that it is not."""
+    """A claim that a gain is positive; where that is not certain, its note says so."""
     note = f"{note}; gain {found}, 95 % by blocks"
     if found.low > 0:
         return claim(quantity, where, True, ours=found.mean, unit=unit, note=note)
@@ -117,7 +117,7 @@ def _gain(
 
 
 def gaps(field: Field, solutions: Solutions) -> Iterator[Comparison]:
-    """What is left to the flight's own optimum."""
+    """The gap to each flight's own optimum."""
     for flight in field.left_out:
         keep = ~flight.glitch
         values = _values(field, flight, solutions, "others")
@@ -135,7 +135,7 @@ def gaps(field: Field, solutions: Solutions) -> Iterator[Comparison]:
 
 
 def claims_held_out(field: Field) -> tuple[Claim, ...]:
-    """What these flights can decide."""
+    """The claims that these flights can decide."""
     found = []
     for how in ("one", "others"):
         if not _flights(field, how):

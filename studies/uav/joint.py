@@ -1,4 +1,4 @@
-"""Several flights tuned on together: one after another, each from a start of its own."""
+"""Joint tuning on several flights: one after another, each from its own start."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ from tuner.problem.problem import Problem
 
 
 class InTurn(NamedTuple):
-    """A tick of flights in turn: the sample, and where a flight begins its attitude ``(4,)``.
+    """A tick of successive flights: the sample, and at a flight's start its attitude ``(4,)``.
 
     The attitude is NaN at all other ticks.
     """
@@ -31,7 +31,7 @@ class InTurn(NamedTuple):
 
 @dataclass(frozen=True)
 class OneAfterAnother:
-    """A filter that starts anew where another flight begins."""
+    """A filter that restarts at the start of each flight."""
 
     filter: GpsAidedKalman
 
@@ -42,7 +42,7 @@ class OneAfterAnother:
     def step(
         self, params: GpsAidedNoise, state: Any, inputs: InTurn
     ) -> tuple[Any, GpsAidedOutputs]:
-        """A tick, from a new start where a flight begins."""
+        """A tick, from a new state where a flight begins."""
         new = ~jnp.isnan(inputs.begins).any()
         q0 = jnp.where(new, inputs.begins, params.q0)  # finite, for NaN would spoil the gradient
         fresh = self.filter.init(params._replace(q0=q0))
@@ -53,13 +53,13 @@ class OneAfterAnother:
 def joint(name: str, flights: Sequence[Flight], law: Tuned, measured: tuple[Angle, ...]) -> Problem:
     """A law tuned on several flights by the likelihood of all their innovations.
 
-    What the GPS measured in a glitch does not count.
+    GPS measurements in a glitch do not count.
 
     Args:
         name: of the problem.
         flights: at least one, all with the same ticks.
         law: of the process noise.
-        measured: which angles are taken.
+        measured: which angles are used.
 
     Raises:
         ValueError: for no flights, and where a glitch leaves no measurement.

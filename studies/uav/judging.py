@@ -1,4 +1,4 @@
-"""How a tuned filter does on a flight: innovations, likelihood, attitude beside the autopilot's."""
+"""A tuned filter's results on a flight: innovations, likelihood, and attitude errors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -17,12 +17,11 @@ from tuner.data.source import Source
 from tuner.run.study import Solutions, best, tuned_values
 
 BLOCK = 10
-"""Neighbouring innovations share positions and manoeuvres, so blocks of them are counted, not they.
-"""
+"""Length of blocks of innovations, whose neighbours share positions and manoeuvres."""
 
 
 class Interval(NamedTuple):
-    """A mean and the 95 % interval of it, by the spread of blocks."""
+    """A mean and its 95 % interval, by the spread of blocks."""
 
     mean: float
     low: float
@@ -62,12 +61,12 @@ class Outcome:
 
 @dataclass(frozen=True, eq=False)
 class Field:
-    """Flights of one tick, and what came of them, worked out once.
+    """Flights with one tick, and results on them, computed once.
 
     Attributes:
         tuned: the flight that is tuned on.
         judged: the others.
-        measured: which angles are taken.
+        measured: which angles are used.
         left_out: those that are left out in turn, and tuned on the others without a glitch.
     """
 
@@ -79,27 +78,27 @@ class Field:
 
     @property
     def flights(self) -> tuple[Flight, ...]:
-        """All of them, the tuned one first."""
+        """All flights, the tuned one first."""
         return (self.tuned, *self.judged)
 
     def others(self, flight: Flight) -> tuple[Flight, ...]:
-        """Those without a glitch that a flight is left out of."""
+        """The other flights without a glitch."""
         return tuple(each for each in self.flights if each is not flight and not each.jumps)
 
     @property
     def source(self) -> Source:
-        """Of all flights together."""
+        """The source of all flights."""
         told = f"flight {self.tuned.name}"
         if self.judged:
             told += f", judged on {', '.join(each.name for each in self.judged)}"
         return Source.joined(told, [each.source for each in self.flights])
 
     def tuned_outcome(self, flight: Flight, law: Tuned, solutions: Solutions) -> Outcome:
-        """What a law, tuned on the first flight, makes of a flight."""
+        """The outcome of a law on a flight, tuned on the first flight."""
         return self.outcome(flight, law, tuned_values(best(law, solutions)))
 
     def outcome(self, flight: Flight, law: Tuned, values: dict[str, Any]) -> Outcome:
-        """What a law makes of a flight with tuned numbers."""
+        """The outcome of a law on a flight, with tuned values."""
         key = flight.name, law, tuple((k, float(v)) for k, v in values.items())
         if key not in self._outcomes:
             self._outcomes[key] = self._run(flight, law, values)

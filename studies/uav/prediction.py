@@ -14,9 +14,9 @@ from studies.uav.flights import Flight
 from studies.uav.judging import Outcome
 
 AHEAD = 5
-"""As many seconds are foretold."""
+"""Longest horizon, s."""
 MOST = 512
-"""Predictions on one flight; from more, so many are taken at even distances."""
+"""Most predictions on one flight, taken at even distances."""
 
 
 class Predicted(NamedTuple):
@@ -27,7 +27,7 @@ class Predicted(NamedTuple):
         vertical: by the same, down positive, ``(B, 5)``.
         straight: horizontal ones of a straight line on, ``(B, 5)``.
         reference: horizontal ones by the autopilot's attitude, ``(B, 5)``; None without it.
-        glitch: whether the GPS was not believed meanwhile, ``(B,)``.
+        glitch: whether the GPS was not trusted meanwhile, ``(B,)``.
     """
 
     horizontal: np.ndarray
@@ -38,7 +38,7 @@ class Predicted(NamedTuple):
 
 
 def predicted(flight: Flight, outcome: Outcome) -> Predicted:
-    """What follows from all that is known at a time t0, and from gyroscopes and speed after it.
+    """The prediction from all that is known at a time t0, and from gyroscopes and speed after it.
 
     The last measured attitude is that of t0 - 1 s, for it needs the position at t0. From there on
     gyroscopes less their estimated bias turn it; from t0 on the speed, which the GPS tells, moves
@@ -91,7 +91,7 @@ def _flat(error: np.ndarray) -> np.ndarray:
 
 
 def _filled(values: np.ndarray) -> Array:
-    """With rows up to :data:`MOST`, so that every flight shares one compilation."""
+    """Values padded to :data:`MOST` rows, so that all flights share one compilation."""
     rest = np.zeros((MOST - len(values), *values.shape[1:]))
     return jnp.asarray(np.concatenate([values, rest]))
 

@@ -1,4 +1,4 @@
-"""The filter that flights are estimated by, what is free in it, and the problems it is tuned in."""
+"""The filter of the flights, its free parameters, and its tuning problems."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,12 +20,12 @@ from tuner.problem.space import Space
 Tuned = Literal["constant", "fuzzy"]
 LAWS: tuple[Tuned, ...] = get_args(Tuned)
 PROCESS = {"constant": "Q", "fuzzy": "floor"}
-"""What a law's free numbers are called: the noise itself, or the least that it may be."""
+"""Names of a law's free parameters: the noise itself, or its lower limit."""
 
 
 @dataclass(frozen=True)
 class Build:
-    """From free numbers to what the filter takes; the others are typical.
+    """The map from free parameters to the filter's; the others are typical.
 
     Attributes:
         law: of the process noise.
@@ -61,7 +61,7 @@ def filter_of(law: Tuned, dt: float, every: int) -> GpsAidedKalman:
 
 
 def space(law: Tuned, measured: tuple[Angle, ...]) -> Space:
-    """R of each measured angle and two numbers of the process noise, as many for either law."""
+    """R of each measured angle and two parameters of the process noise, for either law."""
     kind = PROCESS[law]
     ranges = {f"R_{angle}": (0.05, 1e-5, 10.0) for angle in measured}
     ranges |= {f"{kind}_quaternion": (1e-6, 1e-10, 1.0), f"{kind}_bias": (1e-5, 1e-12, 1e-1)}
@@ -80,7 +80,7 @@ def livelier(law: Tuned, measured: tuple[Angle, ...]) -> np.ndarray:
 
 
 def data(flight: Flight, measured: tuple[Angle, ...]) -> Data:
-    """A flight as filter and likelihood take it; NaN for angles that are left out."""
+    """A flight as data of filter and likelihood; NaN for angles that are left out."""
     z = jnp.asarray(np.where([angle in measured for angle in ANGLES], flight.z, np.nan))
     return Data(GpsAidedSample(jnp.asarray(flight.rate), z), z)
 
@@ -100,21 +100,21 @@ def problem(flight: Flight, law: Tuned, measured: tuple[Angle, ...]) -> Problem:
 
 
 def fold_name(flight: str) -> str:
-    """What the problem is called that leaves a flight out."""
+    """The name of the problem that leaves a flight out."""
     return f"without_{flight}"
 
 
 def alone_name(flight: str) -> str:
-    """What the problem is called that is tuned on one flight, which is judged by it as well."""
+    """The name of the problem that is tuned on one flight, and judged on the same."""
     return f"alone_{flight}"
 
 
 def start_values(law: Tuned, measured: tuple[Angle, ...]) -> dict[str, Array]:
-    """Where a search begins: round numbers, of someone who has not tuned."""
+    """The start of a search: untuned, round numbers."""
     known = space(law, measured)
     return known.constrain(jnp.asarray(known.start()))
 
 
 def parameters(flight: Flight, law: Tuned, values: Mapping[str, Array | float]) -> GpsAidedNoise:
-    """What the filter takes on a flight, of tuned numbers."""
+    """The filter's parameters on a flight, from tuned values."""
     return Build(law, tuple(flight.first.tolist()))(values)

@@ -19,9 +19,9 @@ from tuner.data.units import convert
 
 GRAVITY = 9.8
 REST = 2.0
-"""At its beginning the vehicle stands for so long, s."""
+"""Duration of rest at the beginning, s."""
 LONGEST_GAP = 1.0
-"""Between inertial samples, s."""
+"""Longest gap of inertial samples that is bridged, s."""
 FIX = 3
 """GPS status with a position in three dimensions."""
 ACC_UNIT, GYR_UNIT = (f"say so with --set {key}={{unit}}" for key in ("acc_unit", "gyr_unit"))
@@ -33,25 +33,25 @@ CHANNELS = {
     "speed": Channel("m/s", "by the GPS", ("over ground", "down")),
     "angles": Channel("rad", "the autopilot's, a reference and no truth", ("phi", "theta", "psi")),
 }
-"""What a flight's record holds, each on a clock of its own; there may be no angles."""
+"""Channels of a flight's record, each on a clock of its own; angles are optional."""
 
 
 class Units(NamedTuple):
-    """What accelerometers and gyroscopes are in."""
+    """Units of accelerometers and gyroscopes."""
 
     acc: str = "m/s^2"
     gyr: str = "rad/s"
 
 
 class Delays(NamedTuple):
-    """How late the GPS tells speed and position, s."""
+    """Delays of the GPS's speed and position, s."""
 
     speed: float
     position: float
 
 
 class Recording(NamedTuple):
-    """What one flight's files hold: :data:`CHANNELS`, and how late those of the GPS are."""
+    """The content of one flight's files: :data:`CHANNELS`, and the delays of those of the GPS."""
 
     record: Record
     delays: Delays
@@ -97,7 +97,7 @@ def read(folder: str, name: str, units: Units, delays: Delays) -> Recording:
 
 
 def _record(name: str, columns: dict[str, tuple[Floats, Floats]], units: Units) -> Record:
-    """Channels in SI, from their times in ms and their values as the files have them."""
+    """Channels in SI, from times in ms and values in the files' units."""
     try:
         return Record.of(
             {channel: values for channel, (_, values) in columns.items()},
@@ -124,12 +124,12 @@ def local(place: Floats) -> Floats:
 
 
 def _delays(name: str, data: bytes) -> Delays:
-    """Of the GPS's speed and position."""
+    """Delays of the GPS's speed and position."""
     timing = table(name, "timing.txt", data, 1).ravel()
     if len(timing) < 5 or not ((timing[3:5] >= 0) & (timing[3:5] < 5000)).all():
         raise ValueError(
-            f"timing.txt of {name} has to hold start, alignment, end, and from the fourth number "
-            "on the delays of GPS speed and position from 0 to 5000 ms; correct it, or leave it out"
+            f"timing.txt of {name} has to hold start, alignment, end, and the delays of GPS speed "
+            "and position, 0 to 5000 ms; correct it, or leave it out"
         )
     return Delays(*convert(timing[3:5], "ms", "s").tolist())
 
@@ -144,7 +144,7 @@ def _check_place(name: str, place: Floats) -> None:
 
 
 def _check(record: Record) -> None:
-    """Refuse what physics excludes, and clocks that cannot be bridged."""
+    """Refuse physically impossible values, and gaps that cannot be bridged."""
     name, acc, gyr = record.name, record.channels["acc"], record.channels["gyr"]
     _check_times(name, acc.times)
     steps = np.diff(acc.times, prepend=acc.times[0] - acc.running.step)
@@ -164,8 +164,8 @@ def _check_times(name: str, t: Floats) -> None:
     step, gap = float(np.median(steps)), float(steps.max())
     if not 1e-3 <= step <= 0.2:
         raise ValueError(
-            f"the inertial samples of {name} are {1e3 * step:.3g} ms apart if their time is in ms; "
-            "1 to 200 is what they may be, so give it in ms"
+            f"the inertial samples of {name} are {1e3 * step:.3g} ms apart if their time is in ms, "
+            "outside 1 to 200; give it in ms"
         )
     if gap > LONGEST_GAP:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""Where the flights are, which is tuned on, and how attitudes are made of them."""
+"""The settings."""
 
 from typing import Literal, get_args
 
@@ -12,7 +12,7 @@ ANGLES: tuple[Angle, ...] = get_args(Angle)
 
 
 class Settings(StudySettings):
-    """Where the flights are, which is tuned on, and how attitudes are made of them."""
+    """The folder of the flights, the one that is tuned on, and the construction of attitudes."""
 
     folder: str = Field("", description="folder of the flights: zips, or folders of text files")
     tuned: str = Field("quad106", description="name of the flight that is tuned on")

@@ -1,4 +1,4 @@
-"""Filters of six axes, without GPS, on the same flights: what a room's noises do in the air."""
+"""Filters of six axes, without GPS, on the same flights, with parameters for a room."""
 
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -29,11 +29,11 @@ REFERENCE = "root mean square against the autopilot's vertical where it moves, n
 
 
 class Use(NamedTuple):
-    """A filter with what it is used with.
+    """A filter with its parameters.
 
     Attributes:
-        label: in words.
-        filter: for a sample time, s.
+        label: its name in words.
+        filter: the filter for a sample time, s.
         values: parameters that are not typical, by name.
     """
 
@@ -43,7 +43,7 @@ class Use(NamedTuple):
 
 
 def root_density(values: np.ndarray, dt: float) -> float:
-    """Root of the density that a motion has as if it were white noise, unit s^1/2.
+    """Root of the density of a motion regarded as white noise, unit s^1/2.
 
     Of a signal with deviation s and correlation time T it is s sqrt(2 T): twice the integral of the
     autocovariance up to its first zero, of which the root is taken, root mean square of the axes.
@@ -56,7 +56,7 @@ def root_density(values: np.ndarray, dt: float) -> float:
     known = ~np.isnan(values).any(axis=1)
     at = np.flatnonzero(known)
     if len(at) < 2:
-        raise ValueError(f"{len(at)} samples of a motion say nothing of its density; give more")
+        raise ValueError(f"a motion's density takes 2 samples or more, not {len(at)}; give more")
     densities = []
     for column in values.T:
         whole = np.interp(np.arange(n), at, column[at])
@@ -68,7 +68,7 @@ def root_density(values: np.ndarray, dt: float) -> float:
 
 
 def motion_noises(flight: Flight) -> dict[str, float]:
-    """The bounded-motion filter's two noises by how a flight moves over ground, by its GPS."""
+    """The bounded-motion filter's two noises from a flight's motion over ground, by its GPS."""
     ground = flight.position[:: flight.every, :2]
     dt = flight.every * flight.dt
     speed = np.gradient(ground, dt, axis=0)
@@ -76,7 +76,7 @@ def motion_noises(flight: Flight) -> dict[str, float]:
 
 
 def uses(flight: Flight) -> dict[str, Use]:
-    """Who is held against the autopilot; two noises by the motion of a flight."""
+    """The filters compared with the autopilot; one with two noises by the motion of a flight."""
     bounded, found = BoundedMotionKalman(flight.dt), motion_noises(flight)
     told = ", ".join(f"{name} {value:.3g}" for name, value in found.items())
     return {

@@ -21,7 +21,7 @@ def texts(folder: str, name: str) -> dict[str, bytes]:
             "there are no flights without a folder; give the folder of the zips, --set folder=PATH"
         )
     if Path(name).name != name:
-        raise ValueError(f"{name!r} is no name of a flight; give it without folder and ending")
+        raise ValueError(f"{name!r} is not a flight's name; give it without folder and ending")
     wanted = ("IMU.txt", "GPS.txt", "ATT.txt", "timing.txt")
     packed, plain = Path(folder) / f"{name}.zip", Path(folder) / name
     if packed.is_file():
@@ -31,8 +31,8 @@ def texts(folder: str, name: str) -> dict[str, bytes]:
         found = {path.name: _bounded(name, path.name, path.stat().st_size, path) for path in there}
     else:
         raise ValueError(
-            f"there is no flight {name} (neither {name}.zip nor a folder {name}) in {folder}; give "
-            "the folder of the flights, --set folder=PATH, and their names, --set tuned=NAME"
+            f"{folder} has neither {name}.zip nor a folder {name}; give the folder of the flights, "
+            "--set folder=PATH, and their names, --set tuned=NAME"
         )
     missing = [file for file in wanted[:2] if file not in found]
     if missing:
@@ -49,11 +49,11 @@ def _unzipped(packed: Path, wanted: tuple[str, ...]) -> dict[str, bytes]:
                 for info in names
             }
     except (zipfile.BadZipFile, zlib.error, RuntimeError, NotImplementedError, EOFError) as error:
-        raise ValueError(f"{packed.name} is no zip that can be read: {error}") from None
+        raise ValueError(f"{packed.name} is not a readable zip: {error}") from None
 
 
 def _bounded(name: str, file: str, size: int, source: Path | zipfile.ZipFile) -> bytes:
-    """A file's bytes; what it says of its size is not believed."""
+    """A file's bytes; its declared size is not trusted."""
     data = b""
     if size <= BIGGEST:
         stream = source.open(file) if isinstance(source, zipfile.ZipFile) else source.open("rb")
@@ -73,7 +73,7 @@ def table(name: str, file: str, data: bytes, width: int) -> np.ndarray:
         text = data.decode("ascii")
         rows = np.loadtxt(io.StringIO(text), ndmin=2) if text.strip() else np.zeros((0, width))
     except (ValueError, UnicodeDecodeError) as error:
-        raise ValueError(f"{file} of {name} is no table of numbers: {error}") from None
+        raise ValueError(f"{file} of {name} is not a table of numbers: {error}") from None
     if not len(rows) or rows.shape[1] < width:
         raise ValueError(
             f"{file} of {name} has {len(rows)} rows of {rows.shape[1]} numbers; at least {width} "

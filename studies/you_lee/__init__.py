@@ -1,6 +1,6 @@
 """You and Lee: a mixing filter for roll and pitch, and a velocity filter that aids it in turns.
 
-Equation numbers are the paper's; docs/you_lee.md tells what was found.
+Equation numbers are the paper's; docs/you_lee.md reports the findings.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""What a filter makes of the flights in many runs."""
+"""Errors of a filter on the flights, in many runs."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields
@@ -18,13 +18,13 @@ from studies.you_lee.paper import GRAVITY
 from studies.you_lee.settings import HELD_OUT, Settings, Start
 
 CHUNK = 25
-"""Runs side by side: 42 MB of 300 s at 100 Hz."""
+"""Runs in a batch: 42 MB of 300 s at 100 Hz."""
 KEPT = 300_000_000
-"""As many bytes of drawn errors are kept: 100 runs, and those of the sweeps."""
+"""Memory for drawn errors, bytes: 100 runs, and those of the sweeps."""
 SETTLED = 0.2
-"""The level root mean square leaves out this share of level flight, 50 s of 250."""
+"""Share of level flight left out of its root mean square, 50 s of 250."""
 SHOWN = 301
-"""Moments of each run that are kept for figures."""
+"""Number of times of each run that are kept for figures."""
 
 
 class Case(NamedTuple):
@@ -44,11 +44,11 @@ class Case(NamedTuple):
 
 
 PARAMETERS = ("K1", "K2", "Q_k", "R_k", "P0", "threshold")
-"""What the settings say of the filter."""
+"""The filter's parameters that are settings."""
 
 
 def known(settings: Settings, flight: Flown, start: Start) -> dict[str, Any]:
-    """All that the filter takes, by name: as set, and as the flight begins."""
+    """All parameters of the filter by name: from the settings, and from the flight's start."""
     named = {name: getattr(settings, name) for name in PARAMETERS}
     # The airspeed is known.
     x0 = flight.velocity0 if start == "true" else (flight.velocity0[0], 0.0, 0.0)
@@ -56,7 +56,7 @@ def known(settings: Settings, flight: Flown, start: Start) -> dict[str, Any]:
 
 
 def gains(settings: Settings, flight: Flown, start: Start, values: Mapping[str, Any]) -> PiGains:
-    """What the filter takes: what is known, and parameters given by name."""
+    """The filter's parameters: known ones, and those given by name."""
     made: PiGains = assembled(PiComplementary, known(settings, flight, start) | dict(values))
     return made
 
@@ -84,7 +84,7 @@ class Spread:
         whole: over all.
         level_peak: largest absolute errors in level flight, ``(k, 2)``.
         turn_peak: in the turn.
-        t: moments that are shown, s, ``(n,)``.
+        t: times of the figures, s, ``(n,)``.
         shown: errors there, ``(n, k, 2)``.
     """
 
@@ -98,7 +98,7 @@ class Spread:
 
     @property
     def level_rms(self) -> np.ndarray:
-        """Over runs, ``(2,)``."""
+        """Root mean square over runs in level flight, ``(2,)``."""
         return np.asarray(np.sqrt(self.level.mean(axis=0)))
 
     @property
@@ -131,7 +131,7 @@ class Bench:
 
     @cached_property
     def flights(self) -> dict[Trajectory, Flown]:
-        """All three."""
+        """All three flights."""
         return {name: flown(self.settings, name) for name in TRAJECTORIES}
 
     @cached_property
@@ -144,13 +144,13 @@ class Bench:
 
     @cached_property
     def train(self) -> tuple[PiSample, np.ndarray]:
-        """What is tuned on: inputs ``(N, k, ...)`` and truth ``(N, 2)``."""
+        """Training data: inputs ``(N, k, ...)`` and truth ``(N, 2)``."""
         flight = self.flights[self.settings.trajectory]
         errors = sensor_errors(self.settings, self.seed, self.settings.train)
         return measured(flight, errors), flight.truth
 
     def shown(self) -> Iterator[PiSample]:
-        """What the sensors show in all runs: those that are tuned on, and then the others."""
+        """Sensor readings of all runs: those that are tuned on, and then the others."""
         yield self.train[0]
         flight = self.flights[self.settings.trajectory]
         for errors in self._chunks(self.settings.runs):
@@ -172,7 +172,7 @@ class Bench:
         return [self._known[case, count] for case in cases]
 
     def _chunks(self, count: int) -> Iterator[Errors]:
-        """The sensors' errors in so many runs; those that fit into :data:`KEPT` are drawn once."""
+        """The sensors' errors in a number of runs; as many as fit :data:`KEPT` are drawn once."""
         for begin in range(0, count, CHUNK):
             key = count, begin
             errors = self._drawn.get(key)
@@ -216,7 +216,7 @@ def _mean_square(errors: np.ndarray) -> np.ndarray:
 
 
 def _joined(parts: list[Spread]) -> Spread:
-    """The runs of all parts together."""
+    """The runs of all parts joined."""
 
     def along(name: str) -> np.ndarray:
         if name == "t":

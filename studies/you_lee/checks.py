@@ -1,4 +1,4 @@
-"""What no filter could make sense of: no attitude in flight, or a switch that never switches."""
+"""Checks of the settings: an attitude in flight, and a switch that can switch."""
 
 import numpy as np
 
@@ -10,13 +10,13 @@ from studies.you_lee.paper import GRAVITY
 from studies.you_lee.settings import Settings
 
 MISSING = 0.1
-"""Share of a run's samples without an attitude above which it says little of the filter."""
+"""Largest share of a run's samples without an attitude."""
 FARTHEST = 0.2
-"""Angle in a sample, rad, above which the filter's sums mean little."""
+"""Largest angle in a sample, rad, for the filter's sums to be accurate."""
 
 
 def refuse(bench: Bench) -> None:
-    """Refuse settings on which results would mean nothing.
+    """Refuse settings with meaningless results.
 
     Raises:
         ValueError: where the true flight turns too far in a sample, where it, or much of what the
@@ -32,13 +32,13 @@ def refuse(bench: Bench) -> None:
 
 
 def _of(shown: PiSample) -> np.ndarray:
-    """Of k runs the share of samples without arc sine, and the least and largest rate, (3, k)."""
+    """Share of samples without arc sine, least and largest rate of k runs, (3, k)."""
     size = np.linalg.norm(np.asarray(shown.gyr), axis=2)
     return np.stack([_missing(shown), size.min(axis=0), size.max(axis=0)])
 
 
 def _turn(settings: Settings, name: Trajectory, flight: Flown) -> None:
-    """(2) is summed with the rates of a sample's middle."""
+    """Refuse turns too fast for (2), which is summed with the rates at mid-sample."""
     fastest = float(np.linalg.norm(np.asarray(flight.sensed.rate), axis=1).max())
     if fastest * settings.dt > FARTHEST:
         raise ValueError(
@@ -48,7 +48,7 @@ def _turn(settings: Settings, name: Trajectory, flight: Flown) -> None:
 
 
 def _attitude(settings: Settings, name: Trajectory, flight: Flown) -> None:
-    """(10) and (14) take arc sines of what exact sensors show."""
+    """Refuse flights on which (10) or (14) has no arc sine for exact sensors."""
     force, velocity = np.asarray(flight.sensed.force), np.asarray(flight.sensed.velocity)
     p, q, r = np.asarray(flight.sensed.rate).T
     for equation, share in (("(10)", 0.0), ("(14)", 1.0)):
@@ -56,19 +56,18 @@ def _attitude(settings: Settings, name: Trajectory, flight: Flown) -> None:
         along = (force[:, 0] + r * v - q * w) / GRAVITY
         level = np.sqrt(np.clip(1 - along**2, 1e-12, None))
         across = (r * u - p * w - force[:, 1]) / (GRAVITY * level)
-        # Where pitch has no arc sine, roll has none that could be told.
+        # Where pitch has no arc sine, roll is not defined.
         both = np.where(np.abs(along) < 1, np.maximum(np.abs(along), np.abs(across)), np.abs(along))
         if not both.max() < 1:
             t = settings.dt * (int(np.argmax(both >= 1)) + 0.5)
             raise ValueError(
-                f"on {name} {equation} would take the arc sine of {both.max():.3g} (from t = "
-                f"{t:.4g} s on), so the accelerometers give no attitude; give a smaller bank, tilt "
-                "or speed, or a longer ramp"
+                f"on {name} {equation} would take the arc sine of {both.max():.3g} from t = "
+                f"{t:.4g} s on; give a smaller bank, tilt or speed, or a longer ramp"
             )
 
 
 def _missing(shown: PiSample) -> np.ndarray:
-    """In which share of the samples (10) has no arc sine, ``(k,)``."""
+    """Share of the samples in which (10) has no arc sine, ``(k,)``."""
     force, rate = np.asarray(shown.acc), np.asarray(shown.gyr)
     along = force[..., 0] / GRAVITY
     level = np.sqrt(np.clip(1 - along**2, 1e-12, None))
@@ -78,17 +77,16 @@ def _missing(shown: PiSample) -> np.ndarray:
 
 
 def _exists(missing: np.ndarray) -> None:
-    """The filter passes over samples that have no arc sine, ``(k,)`` shares of them."""
+    """Refuse runs with too large a share of samples without arc sine, ``(k,)``."""
     if missing.max() > MISSING:
         raise ValueError(
             f"in {100 * missing.max():.3g} % of a run's samples (10) would take the arc sine of a "
-            "number above 1, so the accelerometers give no attitude; give smaller errors of the "
-            "sensors"
+            "number above 1; give smaller errors of the sensors"
         )
 
 
 def _switch(threshold: float, low: np.ndarray, high: np.ndarray) -> None:
-    """Measured rates, least and largest of each run, lie on both sides of the threshold."""
+    """Refuse a threshold beyond the least or largest measured rate of a run."""
     shown = f"the gyroscopes show {low.min():.3g} to {high.max():.3g} rad/s on this flight"
     for wrong, word, way in (
         (high <= threshold, "never", "lower"),

@@ -1,4 +1,4 @@
-"""What the paper's gains and its claims come to: one function a claim."""
+"""The paper's gains and claims, each checked by one function."""
 
 from dataclasses import replace
 from functools import partial
@@ -19,11 +19,11 @@ from tuner.run.comparison import Comparison, Verdict, claim, number, undecided
 from tuner.run.study import Claim, Solutions, best
 
 LARGE = 2.0
-"""An error in the turn is large from so many times the level flight's on."""
+"""Ratio to the level flight's error from which an error in the turn is large."""
 MUCH = 0.5
-"""What "much reduced" has to leave at most, of roll and of pitch."""
+""""Much reduced": the largest share of the error that may remain, of roll and of pitch."""
 FLAT = 0.01
-"""A parameter is not determined where the error changes by less over four decades and 0."""
+"""Change of the error over four decades, and 0, below which a parameter is not determined."""
 SETTLES = 3.0
 """Time constants of the filter after which an error is settled."""
 VANISHES = 1e-9
@@ -52,7 +52,7 @@ def tau_of_K2(bench: Bench, solutions: Solutions, printed: TwoGains = PRINTED_GA
 
 
 def one_tau(bench: Bench, solutions: Solutions, printed: TwoGains = PRINTED_GAINS) -> Comparison:
-    """Whether both are one."""
+    """Whether both time constants are equal."""
     K1, K2 = printed
     return _of_15(
         printed,
@@ -103,7 +103,7 @@ def small_in_level_flight(bench: Bench, solutions: Solutions) -> Comparison:
 
 
 def large_in_the_turn(bench: Bench, solutions: Solutions) -> Comparison:
-    """What (10) makes of the bank turn."""
+    """The error in the bank turn with (10), over that in level flight."""
 
     def grown(name: Trajectory, values: tuple[tuple[str, float], ...] = ()) -> float:
         found = bench.spread(Case(name, "airspeed", values=values))
@@ -130,7 +130,7 @@ def large_in_the_turn(bench: Bench, solutions: Solutions) -> Comparison:
 def reduced(
     bench: Bench, solutions: Solutions, *, name: str, trajectory: Trajectory, start: Start
 ) -> Comparison:
-    """What the velocity filter leaves of the error in the turn."""
+    """The share of the error in the turn that remains with the velocity filter."""
 
     def left(values: tuple[tuple[str, float], ...]) -> tuple[np.ndarray, Spread, Spread]:
         plain = bench.spread(Case(trajectory, "airspeed", values=values))
@@ -236,7 +236,7 @@ def observability(bench: Bench, solutions: Solutions) -> Comparison:
 
 
 def better_tuned(bench: Bench, solutions: Solutions, *, problem: str) -> Comparison:
-    """What tuning leaves of the published filter's error, on runs that nobody tuned on."""
+    """The share of the published filter's error that remains after tuning, on held-out runs."""
     settings, solution = bench.settings, best(problem, solutions)
     case = tuned_case(settings, solution)
     ours, plain = bench.spreads([case, _published(settings, case)])
@@ -256,7 +256,7 @@ def better_tuned(bench: Bench, solutions: Solutions, *, problem: str) -> Compari
 
 
 def _published(settings: Settings, case: Case) -> Case:
-    """The same filter as the paper gives it; only what the settings change has to be said."""
+    """The same filter with the paper's parameters, given only where settings differ."""
     changed = (kv for kv in PUBLISHED.items() if getattr(settings, kv[0]) != kv[1])
     return case._replace(values=tuple(changed))
 
@@ -283,4 +283,4 @@ CLAIMS = (
         for problem in AIDS
     ),
 )
-"""Those of problems that are not posed leave."""
+"""The claims; those of problems that are not posed are dropped."""

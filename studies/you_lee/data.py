@@ -1,4 +1,4 @@
-"""What the sensors show of the flights: table 1's errors on them."""
+"""Sensor readings of the flights, with the errors of table 1."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -18,11 +18,11 @@ ALL = slice(None)
 
 @dataclass(frozen=True, eq=False)
 class Flown:
-    """What filters start from and are held against; sensors are exact at mid-interval.
+    """Initial values and reference of a flight; exact sensor readings are at mid-interval.
 
     Attributes:
         angles0, velocity0: true ones at the start, rad and ft/s.
-        sensed: what exact sensors show, ``(N, ...)``.
+        sensed: readings of exact sensors, ``(N, ...)``.
         truth: (roll, pitch) at the ends of the intervals, rad, ``(N, 2)``.
     """
 
@@ -47,8 +47,8 @@ def deterministic(settings: Settings, flight: Flown, axes: tuple[int, ...]) -> P
     """One run with table 1's deviations as constant errors, on some of the sensors' axes.
 
     Args:
-        settings: say how large they are.
-        flight: what is flown.
+        settings: the sizes of the errors.
+        flight: the flight.
         axes: 0 to 2 for p, q, r, and 3 to 5 for fx, fy, fz.
     """
     on = np.isin(np.arange(6), axes)
@@ -62,7 +62,7 @@ def deterministic(settings: Settings, flight: Flown, axes: tuple[int, ...]) -> P
 
 
 class Errors(NamedTuple):
-    """Of the sensors in k runs: ``(N, k, 3)``, ``(N, k, 3)``, ``(N, k)``."""
+    """Errors of the sensors in k runs: ``(N, k, 3)``, ``(N, k, 3)``, ``(N, k)``."""
 
     force: np.ndarray
     rate: np.ndarray
@@ -77,8 +77,8 @@ def sensor_errors(settings: Settings, first: int, count: int, part: slice = ALL)
     Args:
         settings: of the study.
         first: seed of the first run.
-        count: how many runs there are.
-        part: which of them are made; all if left out.
+        count: number of runs.
+        part: the runs to be drawn; all if left out.
     """
     still = np.zeros((settings.samples, 3))
     hour = np.sqrt(3600.0)
@@ -102,7 +102,7 @@ def sensor_errors(settings: Settings, first: int, count: int, part: slice = ALL)
 
 
 def measured(flight: Flown, errors: Errors) -> PiSample:
-    """What the sensors show of a flight in k runs, ``(N, k, ...)``."""
+    """Sensor readings of a flight in k runs, ``(N, k, ...)``."""
     # In NumPy: nothing has to be compiled for so many runs.
     force, rate = np.asarray(flight.sensed.force), np.asarray(flight.sensed.rate)
     u = np.asarray(flight.sensed.velocity)[:, :1]

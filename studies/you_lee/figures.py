@@ -19,7 +19,7 @@ BANDS = (5, 50, 95)
 
 
 def figures(bench: Bench, solutions: Solutions) -> Iterator[Figure]:
-    """All of them."""
+    """All figures."""
     name = bench.settings.trajectory
     gyro, plain = Case(name, "none"), Case(name, "airspeed")
     zero, true = Case(name, "velocity"), Case(name, "velocity", "true")
@@ -104,7 +104,7 @@ def _by_process_noise(bench: Bench) -> Chart:
 
 
 def _by_threshold(bench: Bench) -> Chart:
-    """From about what biases show in level flight to most of the largest rate."""
+    """The error over the threshold, from biases in level flight to most of the largest rate."""
     peak = float(np.linalg.norm(np.asarray(bench.flights["T1"].sensed.rate), axis=1).max())
     low = min(2e-4, bench.settings.threshold)
     thresholds = np.geomspace(low, 0.95 * peak, bench.settings.grid)
@@ -114,7 +114,7 @@ def _by_threshold(bench: Bench) -> Chart:
 
 
 def _runs(bench: Bench) -> int:
-    """How many sweeps take: few are enough to compare."""
+    """Number of runs in sweeps: few are enough to compare."""
     return min(CHUNK, bench.settings.runs)
 
 

@@ -1,4 +1,4 @@
-"""Level flight and then a bank turn, known exactly: three ways to fly it.
+"""Level flight and then a bank turn, known exactly, in three variants.
 
 The paper says how long it flies and how far it turns, but not how it banks, how fast it is, or at
 which angle of attack: T1 is a coordinated turn with an angle of attack, T0 one without, T2 slips.
@@ -19,15 +19,15 @@ TRAJECTORIES: tuple[Trajectory, ...] = get_args(Trajectory)
 
 
 class Course(NamedTuple):
-    """What is flown.
+    """A trajectory to be flown.
 
     Attributes:
         speed: ft/s.
         bank: largest bank angle mu_max, rad.
         tilt: angle of attack of T1 in level flight, largest pitch and slip of T2, rad.
-        level: how long it flies straight, s.
-        turn: how long it turns, s.
-        ramp: how long it takes to bank, and to come back, s; raised cosines.
+        level: duration of straight flight, s.
+        turn: duration of the turn, s.
+        ramp: time to bank, and to come back, s; raised cosines.
         gravity: ft/s^2.
     """
 
@@ -92,7 +92,7 @@ def _slope(slips: bool, course: Course, t: Array) -> tuple[Array, Array]:
 
 
 def bank_angle(course: Course, t: Array) -> Array:
-    """Mu, rad."""
+    """The bank angle mu, rad."""
     s = t - course.level
     into = jnp.clip(jnp.where(s < course.turn / 2, s, course.turn - s), 0.0, course.ramp)
     return course.bank / 2 * (1 - jnp.cos(jnp.pi * into / course.ramp))
@@ -125,7 +125,7 @@ def _attitude(slips: bool, course: Course, t: Array) -> Array:
 
 
 def _about(axis: int, angle: Array) -> Array:
-    """Coordinates in axes that are turned about one of them, ``(3, 3)``."""
+    """The rotation of coordinates about one axis, ``(3, 3)``."""
     sine, cosine = jnp.sin(angle), jnp.cos(angle)
     one, zero = jnp.ones_like(angle), jnp.zeros_like(angle)
     block = ((one, zero, zero), (zero, cosine, sine), (zero, -sine, cosine))

@@ -1,4 +1,4 @@
-"""What the paper gives of the filter, and its units."""
+"""The paper's values of the filter, and its units."""
 
 from typing import NamedTuple
 
@@ -11,9 +11,9 @@ PER_HOUR = float(np.radians(1.0)) / 3600
 MICRO = 1e-6 * GRAVITY
 """1 ug in ft/s^2."""
 PUBLISHED = {"K1": 0.08, "K2": 0.0125, "Q_k": 2e-9, "R_k": 100.0, "threshold": 2.5e-3}
-"""What the paper gives of the filter."""
+"""The filter's parameters as the paper prints them."""
 PRINTED = 0.07
-"""How far a gain with one printed digit, .08, may be off by rounding."""
+"""Relative rounding error of a gain with one printed digit, .08."""
 MISREAD = (("K1", 0.05),)
 """K1 = .08 may be a misread .05, for which (15) holds with K2 = .0125."""
 
@@ -26,7 +26,7 @@ class TwoGains(NamedTuple):
 
     @property
     def tau_of_K1(self) -> float:
-        """In s."""
+        """Time constant from K1, s."""
         return 2 / self.K1
 
     @property
@@ -36,5 +36,5 @@ class TwoGains(NamedTuple):
 
     @property
     def agree(self) -> bool:
-        """Whether both are one, as well as they are printed."""
+        """Whether both time constants agree to the printed digits."""
         return abs(self.tau_of_K1 / self.tau_of_K2 - 1) <= PRINTED

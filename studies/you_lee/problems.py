@@ -29,7 +29,7 @@ AIDS: dict[str, Aid] = {
 """The filter that each problem tunes."""
 HELD = {"angles0": "rad", "gravity": "ft/s^2"}
 AIDED = {"R_k": "(ft/s)^2", "threshold": "rad/s", "x0": "ft/s", "P0": "(ft/s)^2"}
-"""What is not tuned, of any filter and of the velocity filter, with its unit."""
+"""Parameters that are not tuned, of any filter and of the velocity filter, with their units."""
 
 
 def with_gains(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -50,7 +50,7 @@ def build(values: dict[str, Array]) -> PiGains:
 
 
 def derived(values: dict[str, Array]) -> dict[str, Array]:
-    """What the gains stand for."""
+    """Gains, damping and natural frequency that follow from tuned parameters."""
     params = build(values)
     return {"K1": params.K1, "K2": params.K2, **_poles(params)}
 
@@ -61,7 +61,7 @@ def _poles(params: PiGains) -> dict[str, Array]:
 
 
 def poles(params: PiGains) -> tuple[Quantity, ...]:
-    """Damping and natural frequency, as they are exported beside the gains."""
+    """Damping and natural frequency, exported beside the gains."""
     units = {"damping": "", "natural_frequency": "rad/s"}
     found = _poles(params)
     return tuple(
@@ -71,7 +71,7 @@ def poles(params: PiGains) -> tuple[Quantity, ...]:
 
 
 def spaces(settings: Settings) -> dict[str, Space]:
-    """What is tuned in each problem.
+    """The tuned parameters of each problem.
 
     R_k stays: it shares a scale with Q_k and P0. P0 stays: where Q_k is free, it is soon forgotten.
     The limits of the damping are the problem's own.
@@ -98,7 +98,7 @@ def spaces(settings: Settings) -> dict[str, Space]:
 
 
 def _limited(settings: Settings, omega: float, damping: float) -> Space:
-    """The damping between limits, one of which may be left open."""
+    """The space with limits of the damping, one of which may be open."""
     low, high = settings.zeta_low, settings.zeta_high
     if low is None:
         low = 0.1 if high is None else min(0.1, high / 10)
@@ -116,13 +116,13 @@ def _limited(settings: Settings, omega: float, damping: float) -> Space:
 
 
 def _of_filter(**own: Any) -> Space:
-    """Some of the filter's parameters, with what it declares of them."""
+    """Some of the filter's parameters, as it declares them."""
     whole = dict(Space.of_filter(PiComplementary, **own).parameters)
     return Space(tuple((name, whole[name]) for name in own))
 
 
 def posed(bench: Bench) -> dict[str, Problem]:
-    """All of them on the same runs: root mean square of roll and pitch, the turn included."""
+    """All problems on the same runs: root mean square of roll and pitch, the turn included."""
     return {name: _problem(bench, name, space) for name, space in spaces(bench.settings).items()}
 
 

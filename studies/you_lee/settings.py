@@ -1,4 +1,4 @@
-"""What can be set: the flight, the sensors of table 1, the filter, and the effort."""
+"""The settings: the flight, the sensors of table 1, the filter, and the effort."""
 
 from typing import Literal
 
@@ -10,13 +10,13 @@ from studies.you_lee.paper import GRAVITY, PUBLISHED
 from tuner.run.settings import StudySettings
 
 HELD_OUT = 1000
-"""Seeds of the Monte Carlo runs lie this far above those that are tuned on."""
+"""Offset of the Monte Carlo runs' seeds from those that are tuned on."""
 
 Start = Literal["zero", "true"]
 
 
 class Settings(StudySettings):
-    """The flight, the sensors (table 1), the filter as published, and how hard it is tuned."""
+    """The flight, the sensors (table 1), the published filter, and the effort of the tuning."""
 
     trajectory: Trajectory = Field("T1", description="what is tuned on: T0, T1 or T2")
     start: Start = Field("zero", description="v, w that the velocity filter starts from")
@@ -89,11 +89,11 @@ class Settings(StudySettings):
 
     @property
     def course(self) -> Course:
-        """What is flown, rad."""
+        """The trajectory to be flown, angles in rad."""
         bank, tilt = float(np.radians(self.bank)), float(np.radians(self.tilt))
         return Course(self.speed, bank, tilt, self.level, self.turn, self.ramp, GRAVITY)
 
     @property
     def samples(self) -> int:
-        """Of one run."""
+        """Number of samples in a run."""
         return round((self.level + self.turn) * self.rate_hz)

@@ -150,7 +150,9 @@ def test_samples_of_a_continuous_system():
     np.testing.assert_allclose(sampled.A, F, rtol=1e-12)
     np.testing.assert_allclose(sampled.W, Q, rtol=1e-10)
     assert (sampled.dt, sampled.states) == (0.3, system.states)
-    with pytest.raises(ValueError, match="^the system steps by samples of 0.3 s; sample a"):
+    with pytest.raises(
+        ValueError, match="^the system is discrete, with samples of 0.3 s; sample a"
+    ):
         sampled.sampled(0.1, np.eye(2))
     with pytest.raises(ValueError, match="so the system cannot be sampled$"):
         example(None, shared=True).sampled(0.1, np.eye(2))
@@ -169,9 +171,13 @@ def test_the_filter_of_a_system_settles_in_its_steady_state(diagonal):
 
 
 def test_what_makes_no_filter_is_refused():
-    with pytest.raises(ValueError, match=r"^a filter steps by samples; .* sampled\(dt, V\)$"):
+    with pytest.raises(
+        ValueError, match=r"^a filter needs a discrete system; .* sampled\(dt, V\)$"
+    ):
         example(None).filter_model(np.eye(3))
-    with pytest.raises(ValueError, match="^w and v share noise .* cannot become a filter's model$"):
+    with pytest.raises(
+        ValueError, match="^w and v are correlated .* cannot become a filter's model$"
+    ):
         example(0.2, shared=True).filter_model(np.eye(3))
 
 

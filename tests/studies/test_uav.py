@@ -219,9 +219,9 @@ IMU = made()["IMU.txt"]
 REFUSED = {
     "no IMU": ({"IMU": None}, "one has no IMU.txt; a flight needs both files"),
     "no GPS": ({"GPS": None}, "one has no GPS.txt"),
-    "words": ({"IMU": "a b c\n"}, "IMU.txt of one is no table of numbers"),
-    "ragged": ({"IMU": "1 2 3\n1 2\n"}, "IMU.txt of one is no table of numbers"),
-    "bytes": ({"IMU": "\u00e9"}, "IMU.txt of one is no table of numbers"),
+    "words": ({"IMU": "a b c\n"}, "IMU.txt of one is not a table of numbers"),
+    "ragged": ({"IMU": "1 2 3\n1 2\n"}, "IMU.txt of one is not a table of numbers"),
+    "bytes": ({"IMU": "\u00e9"}, "IMU.txt of one is not a table of numbers"),
     "empty": ({"IMU": "\n"}, "IMU.txt of one has 0 rows"),
     "narrow": ({"IMU": IMU[:, :5]}, "at least 8 are needed in each"),
     "NaN": (altered("IMU.txt", (7, 3), np.nan), "IMU.txt of one has no number in row 7"),
@@ -259,13 +259,13 @@ def test_a_text_that_is_too_large_is_refused_unread(tmp_path, monkeypatch):
 
 def test_damaged_zips_foreign_names_and_members_outside_are_refused(tmp_path):
     (tmp_path / "one.zip").write_bytes(b"PK\x03\x04 no zip")
-    with pytest.raises(ValueError, match=r"^one.zip is no zip that can be read: "):
+    with pytest.raises(ValueError, match=r"^one.zip is not a readable zip: "):
         only(tmp_path)
     with zipfile.ZipFile(tmp_path / "one.zip", "w") as archive:
         archive.writestr("../IMU.txt", "1 2\n")
     with pytest.raises(ValueError, match=r"^one has no IMU.txt and no GPS.txt"):
         only(tmp_path)
-    with pytest.raises(ValueError, match=r"is no name of a flight"):
+    with pytest.raises(ValueError, match=r"is not a flight.s name"):
         read(str(tmp_path), "../one", UNITS, DELAYS)
 
 

@@ -216,7 +216,7 @@ def test_the_density_of_a_motion_is_that_of_its_deviation_and_correlation_time()
     assert six_axes.root_density(motion, dt) == pytest.approx(size * np.sqrt(2 * memory), rel=0.05)
     motion[::7] = np.nan
     assert six_axes.root_density(motion, dt) == pytest.approx(size * np.sqrt(2 * memory), rel=0.05)
-    with pytest.raises(ValueError, match=r"^1 samples of a motion say nothing of its density"):
+    with pytest.raises(ValueError, match=r"^a motion.s density takes 2 samples or more, not 1"):
         six_axes.root_density(motion[:2], dt)
 
 

@@ -231,7 +231,7 @@ def test_a_filter_that_goes_astray():
     y = draw(18, 100)
     y[60:] = np.nan
     found = diagnose(Innovations.of(y, np.ones(100)))
-    assert "40 innovations are no numbers, the first at 60 s" in found["size"].sentence
+    assert "40 innovations are not finite, the first at 60 s" in found["size"].sentence
     assert "size" in failed(draw(18, 100), np.where(np.arange(100) < 50, 1.0, -1.0))
 
 

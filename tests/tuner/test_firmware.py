@@ -375,7 +375,7 @@ def test_values_for_another_filter_have_to_be_accepted(refused, here, to):
         (["--map", "R_baro=EKF2_BARO_NOIS"], "did you mean EKF2_BARO_NOISE"),
         (["--map", "R_baro=EKF2_X\nEKF2_Y"], "unknown parameter 'EKF2_X\\nEKF2_Y'"),
         (["--map", "R_baro=EKF2_GYR_NOISE"],
-         "R_baro is in m^2, which is no noise of rad/s as EKF2_GYR_NOISE is; map another number"),
+         "R_baro is in m^2, which is not a noise of rad/s as EKF2_GYR_NOISE is; map another"),
         (["--map", "q_acc=EKF2_ACC_NOISE", "--map", "R_baro=EKF2_ACC_NOISE"],
          "--map gives EKF2_ACC_NOISE twice, of q_acc and R_baro, and it is one; map it once"),
         (["--map", "R_baro=EKF2_BARO_NOISE", "--map", "R_baro=EKF2_GPS_P_NOISE"],

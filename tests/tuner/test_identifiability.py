@@ -375,10 +375,13 @@ class OfNoModel:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"filter": OfNoModel(0.1)}, "has no linear model that is known"),
+        ({"filter": OfNoModel(0.1)}, "has no known linear model"),
         ({"objective": ChannelRmse("level")}, "not judged by the likelihood"),
-        ({"data": Data(LevelSample(np.ones(1)), np.zeros(1))}, "too few for a model of 1 states"),
-        ({"data": Data(LevelSample(np.r_[1.0, np.full(8, np.nan)]), np.zeros(9))}, "too few for"),
+        ({"data": Data(LevelSample(np.ones(1)), np.zeros(1))}, "too few to determine the noise"),
+        (
+            {"data": Data(LevelSample(np.r_[1.0, np.full(8, np.nan)]), np.zeros(9))},
+            "too few to determine",
+        ),
     ],
 )
 def test_refusals(change, words):

@@ -210,7 +210,7 @@ def test_without_a_compiler_nothing_changes(monkeypatch):
     ("script", "reason"),
     [
         ("exit 3", "ended with status 3: no message"),
-        ("echo nothing", "made cannot be loaded"),
+        ("echo nothing", "cannot be loaded"),
         ("exec sleep 9 &\nwait", "did not end within 1 s"),
     ],
 )

@@ -284,9 +284,7 @@ def test_bounds_that_are_out_of_reach_are_refused_with_the_least():
         fastest_observer(p.system(), p.M, 0.5 * least)
     named = float(str(refused.value).split(",")[1].split(";")[0])
     assert named == pytest.approx(least, rel=1e-5)
-    assert str(refused.value).startswith(
-        f"no observer keeps the variances within {0.5 * least:.6g}"
-    )
+    assert str(refused.value).startswith(f"no observer has the variances within {0.5 * least:.6g}")
     assert fastest_observer(p.system(), p.M, 1.05 * least, tolerance=0.5).alpha > 0
 
 

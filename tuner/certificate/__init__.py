@@ -1,1 +1,1 @@
-"""What speaks for a solution: gradient, curvature, multipliers, agreement, single precision."""
+"""Evidence for a solution: gradient, curvature, multipliers, agreement, single precision."""

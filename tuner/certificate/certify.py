@@ -12,7 +12,7 @@ from tuner.problem.problem import Problem
 
 TENFOLD = math.log(10)
 HARDLY = 0.1
-"""A share of a direction that is left out of its sentence, if the sentence holds without."""
+"""Components of a direction below this share are left out of its sentence, if it holds without."""
 
 
 def certify(
@@ -51,7 +51,7 @@ def certify(
 
 
 def flat(problem: Problem, yard: Yardstick, z: np.ndarray, curved: Spectrum) -> list[np.ndarray]:
-    """The directions along which a tenfold change either way cannot be told, by trying it.
+    """Directions along which a tenfold change either way is not distinguishable, found by trial.
 
     Each is ``(n,)``, of the largest entry 1: those axes of the curvature, or the one coordinate
     that such an axis is nearly, where that is flat by itself.
@@ -66,7 +66,7 @@ def flat(problem: Problem, yard: Yardstick, z: np.ndarray, curved: Spectrum) -> 
 
 
 def _told(best: Best, direction: np.ndarray) -> bool:
-    """Whether a tenfold change along a direction can be told, to one side at least."""
+    """Whether a tenfold change along a direction is distinguishable, to one side at least."""
     limited = best.problem.space.limited()
     low, high = best.problem.space.box()
 
@@ -106,7 +106,7 @@ def _within(
 
 
 def flat_in_words(labels: list[str], direction: np.ndarray) -> str:
-    """Say which change of the parameters the data cannot see, and what is left determined.
+    """The change of the parameters that the data do not show, and the combination they determine.
 
     >>> flat_in_words(["ln R", "ln Q"], np.array([0.7, 0.7]))
     'R x 10 with Q x 10 changes nothing: only Q/R is determined'

@@ -12,7 +12,7 @@ from tuner.certificate.yardstick import NATS_95_ONE_SIDED, Yardstick
 from tuner.problem.problem import Problem
 
 WIDE = math.log(1e3)
-"""A 95 % range of a mean square that reaches further than this factor says nothing."""
+"""A 95 % range of a mean square that is wider than this factor carries no information."""
 RATIO, SANDWICH, SHARE = "95 %, likelihood ratio", "95 %, sandwich", "1 % of the cost"
 
 
@@ -29,7 +29,7 @@ def estimates(
         problem: the problem.
         z: the best point.
         yard: how differences of its values are measured.
-        hessian: in units of the yardstick, ``(n, n)``; None where nobody worked it out: then
+        hessian: in units of the yardstick, ``(n, n)``; None where it was not computed: then
             nothing has an interval.
         undetermined: directions ``(n,)`` along which nothing is determined; a parameter that only
             others determine together has no interval.
@@ -67,7 +67,7 @@ def _deviation(
     """The standard deviation of each entry of a matrix, through its slopes in z."""
     if yard.kind == "likelihood" and hessian is not None:
         curvatures, directions = np.linalg.eigh(hessian)
-        if not curvatures[0] * math.log(10) ** 2 > 1:  # a factor ten either way is not told
+        if not curvatures[0] * math.log(10) ** 2 > 1:  # not even a factor of ten
             return None
         covariance = (directions / curvatures) @ directions.T
     elif scatter is not None:
@@ -129,7 +129,7 @@ def _intervals(
 
 
 def _farthest(problem: Problem, at: int) -> tuple[float, float]:
-    """What stands for an end that was not reached: the parameter's own limit, or infinity."""
+    """Ends of an interval where none was reached: the parameter's own limits, or infinity."""
     low, high = problem.space.box()
     if problem.space.limited()[at]:
         return float(low[at]), float(high[at])
@@ -185,7 +185,7 @@ def _quantile(freedom: float) -> float:
 def _in_parameter(
     problem: Problem, z: np.ndarray, at: int, name: str, ends: list[float]
 ) -> tuple[float, float]:
-    """Ends of a coordinate as the parameter's own; what is not reached is its farthest value."""
+    """Ends of a coordinate as parameter values; an end that is not reached is the farthest one."""
     low, high = (float(problem.parameters(_moved(z, at, end))[name]) for end in ends)
     return low, high
 

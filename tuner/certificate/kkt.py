@@ -1,4 +1,4 @@
-"""What constraints and limits do at a point: their multipliers, and the directions they leave."""
+"""Constraints and limits at a point: their multipliers, and the directions they leave."""
 
 from typing import NamedTuple
 
@@ -8,19 +8,19 @@ from tuner.problem.constraint import ALLOWED
 from tuner.problem.problem import Problem
 
 PUSHING = 1e-6
-"""A multiplier below this is none: the optimum would hardly move if its constraint were gone."""
+"""Multipliers below this count as 0: without the constraint the optimum would hardly move."""
 NEAR = 0.01
-"""A coordinate this close to a bound lies on it: barriers and samplers never quite get there."""
+"""A coordinate this close to a bound counts as on it: barriers and samplers never reach it."""
 
 
 class Held(NamedTuple):
-    """A point with what holds it; all in units of its yardstick.
+    """A point with its active constraints and limits, in units of its yardstick.
 
     Attributes:
-        gradient: of the Lagrangian: the objective's less the shares of what holds it, ``(n,)``.
-        weights: multiplier of every constraint, ``(m,)``, 0 where it has room.
-        limits: multiplier of every limit that holds a coordinate, by its description.
-        tangent: orthonormal directions that keep all that holds, ``(n, k)``; none along thresholds.
+        gradient: of the Lagrangian: the objective's less the constraints' shares, ``(n,)``.
+        weights: multiplier of every constraint, ``(m,)``, 0 where it is not active.
+        limits: multiplier of every active limit of a coordinate, by its description.
+        tangent: orthonormal directions along all active ones, ``(n, k)``; none along thresholds.
         excess: how far the worst constraint is exceeded, as a share of its bound.
         stepped: which coordinates are thresholds, ``(n,)`` of bool.
     """
@@ -34,7 +34,7 @@ class Held(NamedTuple):
 
 
 def hold(problem: Problem, z: np.ndarray, unit: float) -> Held:
-    """Which constraints and limits hold a point ``(n,)``, and how hard, in units of the value.
+    """The active constraints and limits at a point ``(n,)``; multipliers in units of the value.
 
     The multipliers are found from the gradients alone, by non-negative least squares, and so do
     not depend on what a solver says about them (Karush, Kuhn and Tucker's conditions).
@@ -45,7 +45,7 @@ def hold(problem: Problem, z: np.ndarray, unit: float) -> Held:
     size, count = problem.space.size, len(labels)
     touched = excess >= -ALLOWED
     rows = np.vstack([slopes[touched], limits])
-    # Along a threshold every derivative is 0 and says nothing.
+    # Along a threshold every derivative is 0 and carries no information.
     stepped = problem.space.thresholds()
     steps = np.eye(size)[stepped]
     worst, weights = float(excess.max(initial=-np.inf)), np.zeros(len(excess))

@@ -1,4 +1,4 @@
-"""Claims about a point tried on its neighbours: is one lower, is there a kink, are there steps?"""
+"""Tests of a point by its neighbours: is one lower, is there a kink, are there steps?"""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -22,10 +22,10 @@ FINE = 1e-3
 
 
 class Neighbours(NamedTuple):
-    """What the neighbours of a point say.
+    """The values of a point's neighbours, and their verdict on it.
 
     Attributes:
-        lower: the lowest of them, ``(n,)``, where one lies lower by more than is negligible.
+        lower: the lowest of them, ``(n,)``, where one is lower by more than is negligible.
         rough: whether the derivatives say nothing: the value rises where they say it falls, or
             changes where they are 0.
         steps: whether it does not change at all in between.
@@ -39,7 +39,7 @@ class Neighbours(NamedTuple):
 
 
 class _Trial(NamedTuple):
-    """Values in units above the point's, at points that keep the box."""
+    """Values in units above the point's, at points within the box."""
 
     problem: Problem
     yard: Yardstick
@@ -56,7 +56,7 @@ class _Trial(NamedTuple):
 def neighbours(
     problem: Problem, yard: Yardstick, z: np.ndarray, held: Held, curved: Spectrum
 ) -> Neighbours:
-    """Try the neighbours of a point ``(n,)`` that keep every constraint.
+    """Evaluate the neighbours of a point ``(n,)`` that meet every constraint.
 
     Down the slope at all distances, where the quadratic model has its lowest point, and along every
     axis of the curvature both ways. At a kink the slope is that of the steepest side; the direction
@@ -108,7 +108,7 @@ def _points(z: np.ndarray, slope: np.ndarray, curved: Spectrum, held: Held) -> I
 
 
 def _thresholds(held: Held) -> np.ndarray:
-    """The axes that no tangent has, along which every derivative is 0."""
+    """The axes without a tangent, along which every derivative is 0."""
     size = len(held.tangent)
     covered = (held.tangent**2).sum(axis=1) > 1e-9
     axes: np.ndarray = np.eye(size)[~covered & held.stepped]
@@ -163,7 +163,7 @@ def _roughness(
 
 
 def _has_steps(trial: _Trial, z: np.ndarray, held: Held) -> bool:
-    """Whether a coordinate has a slope of exactly 0 and does not matter nearby, but further off."""
+    """Whether a coordinate has a slope of exactly 0 and matters only at a distance."""
     for axis in np.eye(len(z))[(held.gradient == 0) & ~held.stepped]:
         around = (trial.clipped(z + side * FINE / 10 * axis) for side in (-1, 1))
         if all(trial.rise(point) == 0 for point in around):

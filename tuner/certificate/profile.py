@@ -1,4 +1,4 @@
-"""Where a value has risen by so much, seen from its best, while the other parameters follow."""
+"""Profile limits: where a value has risen by a given amount while the other parameters follow."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -17,7 +17,7 @@ quadratic model alone: to move them at each point would cost many times what the
 APART = 24
 """Points at which a coordinate that hardly matters is tried anew."""
 PRECISION = 1e-3
-"""A profile's limit is where the root of the rise is that near to what it should be."""
+"""Tolerance of a profile's limit, in the root of the rise."""
 
 
 class Limit(NamedTuple):
@@ -25,7 +25,7 @@ class Limit(NamedTuple):
 
     Attributes:
         z: the coordinate there.
-        reached: whether the value rises so far at all, within the box.
+        reached: whether the value rises that far within the box.
     """
 
     z: float
@@ -48,7 +48,7 @@ def limit(
     side: int,
     rise: float,
 ) -> Limit:
-    """How far a coordinate can be moved until the value has risen, the others following.
+    """The end of a coordinate's profile, where the value has risen and the others have followed.
 
     Args:
         problem: the problem.
@@ -88,7 +88,7 @@ def limit(
 def _next(
     best: float, inside: _Point, outside: _Point | None, rise: float, at: int, furthest: float
 ) -> float:
-    """The distance to try next: where the root of the rise, nearly a straight line, comes to it."""
+    """The distance to try next: where the root of the rise, nearly a straight line, reaches it."""
     near, root = abs(inside.z[at] - best), np.sqrt(max(inside.rise, 0.0) / rise)
     if outside is None:
         guess = near / root if root > 0 else np.inf
@@ -101,7 +101,7 @@ def _next(
 
 @dataclass(frozen=True, eq=False)
 class _Profile:
-    """A profile of a value along a coordinate: what it is, at best, where that is held.
+    """A profile of a value along a coordinate: its minimum with that coordinate held.
 
     Attributes:
         best, value: the best point, and the value there.
@@ -110,7 +110,7 @@ class _Profile:
         deviation: how far a rise of half a unit is, by the quadratic model.
         ridge: how the coordinates follow in that model, per step of the one held, ``(n,)``.
         inverse: the inverse Hessian of the others in that model.
-        idle: which of the others hardly matter there.
+        insensitive: which of the others hardly matter there.
     """
 
     problem: Problem
@@ -122,7 +122,7 @@ class _Profile:
     deviation: float
     ridge: np.ndarray
     inverse: np.ndarray
-    idle: np.ndarray
+    insensitive: np.ndarray
 
     @classmethod
     def of(
@@ -140,16 +140,16 @@ class _Profile:
             deviation=float(np.sqrt(covariance[held, held])),
             ridge=covariance[:, held] / covariance[held, held],
             inverse=np.linalg.inv(model[np.ix_(others, others)]),
-            idle=_idle(problem, yard, hessian, others),
+            insensitive=_idle(problem, yard, hessian, others),
         )
 
     def at(self, near: _Point, coordinate: float) -> _Point:
-        """The best point with the coordinate held there, begun from a point nearby."""
+        """The best point with the coordinate held there, searched from a point nearby."""
         start = self._begun(near, coordinate)
         if not self.others.any() or len(start) >= MANY.get(self.yard.kind, 3):
             return self._measured(start)
         point = self._followed(start)
-        if len(self.idle):
+        if len(self.insensitive):
             point = self._from_afar(point)
         return self._measured(point)
 
@@ -168,14 +168,14 @@ class _Profile:
         return start if better else plain
 
     def _from_afar(self, point: np.ndarray) -> np.ndarray:
-        """The point with what hardly matters at the best tried anew all through its range.
+        """The point with the insensitive coordinates searched through their whole range.
 
         No slope shows where such a coordinate begins to matter, as one variance of two does whose
         sum alone is known.
         """
         low, high = self.problem.space.box()
         tried = [point]
-        for at in self.idle:
+        for at in self.insensitive:
             ends = np.linspace(low[at], high[at], APART)
             tried += [np.where(np.arange(len(point)) == at, end, point) for end in ends]
         values = [self.problem.value(each) for each in tried]
@@ -220,7 +220,7 @@ class _Profile:
 
 
 def _idle(problem: Problem, yard: Yardstick, hessian: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Which of the others hardly matter: a factor ten either way is not told from the best."""
+    """Which of the others hardly matter: a factor of ten either way is as good as the best."""
     if yard.kind != "likelihood":
         return np.zeros(0, int)
     slight = np.diag(hessian) * TENFOLD**2 / 2 < yard.rise

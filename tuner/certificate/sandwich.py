@@ -1,4 +1,4 @@
-"""How far an optimum scatters, by the scatter of what the samples add: the sandwich covariance."""
+"""The sandwich covariance: scatter of an optimum by the scatter of the samples' contributions."""
 
 from typing import NamedTuple
 
@@ -8,9 +8,9 @@ from tuner.problem.problem import Problem
 from tuner.problem.samples import slopes
 
 SPANS = 8.0
-"""Blocks are this many times as long as the slopes are correlated."""
+"""Length of the blocks, in correlation times of the slopes."""
 BLOCKS = 8
-"""Fewer blocks than this, over all records, say nothing about a scatter."""
+"""The fewest blocks, over all records, that determine a scatter."""
 
 
 class LongRun(NamedTuple):
@@ -93,7 +93,7 @@ def sandwich(problem: Problem, z: np.ndarray, hessian: np.ndarray) -> LongRun | 
         hessian: of the sum, ``(n, n)``.
 
     Returns:
-        Covariance of z; None where the record is too short to say.
+        Covariance of z; None where the record is too short.
     """
     each = slopes(problem, z)
     if not np.isfinite(each).all() or each.shape[0] * each.shape[1] < 4 * BLOCKS:

@@ -1,4 +1,4 @@
-"""Does a tuned filter survive single precision on the target?"""
+"""Deviation of a tuned filter in single precision from the same filter in double precision."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -16,11 +16,11 @@ HARMLESS = 0.01
 
 @dataclass(frozen=True)
 class SinglePrecision:
-    """How far a filter in float32 strays from the same filter in float64 on the same record.
+    """Deviation of a filter in float32 from the same filter in float64 on the same record.
 
     Attributes:
         form: which form of the filter was run, "full" or "steady".
-        output: which output strays most, "" where the filter has but one.
+        output: the output that deviates most, "" where the filter has only one.
         largest: largest deviation of it, in its unit.
         share: the same over the scale of that output: how far it goes up and down over the record,
             its size where it never moves; 1 for an attitude.
@@ -39,7 +39,7 @@ class SinglePrecision:
 
 
 def single_precision(form: str, filter: AnyFilter, params: Any, inputs: Any) -> SinglePrecision:
-    """Run a filter in both precisions and compare what it returns.
+    """Run a filter in both precisions and compare its outputs.
 
     Outputs that are details (innovations and their variances) are not compared.
 
@@ -53,7 +53,7 @@ def single_precision(form: str, filter: AnyFilter, params: Any, inputs: Any) -> 
         TypeError: where the filter falls back to float64, for then nothing would be tested.
     """
     exact = _compared(filter, _outputs(filter, params, inputs))
-    with np.errstate(over="ignore"):  # what overflows is infinite, and counts as such
+    with np.errstate(over="ignore"):  # overflow gives infinity, and counts as such
         halved = jax.tree.map(_half, (params, inputs))
     rounded = _compared(filter, _outputs(filter, *halved))
     found = [_strays(form, name, exact[name], rounded[name]) for name in exact]
@@ -68,7 +68,7 @@ def _half(leaf: Any) -> jax.Array:
 
 
 def _compared(filter: Any, outputs: Any) -> dict[str, tuple[np.ndarray, Channel | None]]:
-    """The outputs by name, with what is known of them; whole numbers and truth values left out."""
+    """The outputs by name, with their facts; whole numbers and truth values are left out."""
     if hasattr(bare(filter), "outputs"):
         facts = channel_facts(filter, "outputs")
         declared: dict[str, tuple[np.ndarray, Channel | None]] = {
@@ -111,7 +111,7 @@ def _strays(
 
 
 def _difference(near: np.ndarray, right: np.ndarray, fact: Channel | None) -> np.ndarray:
-    """What is between them: of angles within half a turn, of quaternions whatever their sign."""
+    """The difference: of angles within half a turn, of quaternions whatever their sign."""
     if fact is not None and fact.kind == "attitude":
         turned = np.sum(near * right, axis=-1, keepdims=True) < 0
         near = np.where(turned, -near, near)

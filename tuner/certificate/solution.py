@@ -1,4 +1,4 @@
-"""What a solver returns: the best point, how it ended, and what speaks for it."""
+"""A solver's result: the best point, how it ended, and the evidence for it."""
 
 from dataclasses import dataclass, field
 from enum import Enum
@@ -10,7 +10,7 @@ from tuner.certificate.table import as_html, as_text
 
 
 class Status(Enum):
-    """How a solution ended, each with its sentence."""
+    """The ways that a solution can end, each with its sentence."""
 
     CONVERGED = "converged"
     KINK = "at a kink"
@@ -27,7 +27,7 @@ class Status(Enum):
 
     @property
     def sentence(self) -> str:
-        """What the status means."""
+        """The meaning of the status."""
         return _SENTENCES[self]
 
     @property
@@ -53,7 +53,7 @@ _SENTENCES = {
 
 
 class Interval(NamedTuple):
-    """A range for a parameter, and what it is a range of.
+    """A range for a parameter, and its kind.
 
     Attributes:
         ends: lowest and highest value; the farthest that there is (0 or infinite for a positive
@@ -96,10 +96,10 @@ class TunedParameter:
 
 @dataclass(frozen=True)
 class Starts:
-    """Whether several starts came to the same end.
+    """Agreement of several starts.
 
     Attributes:
-        count: how many starts led to a point that keeps every constraint.
+        count: how many starts led to a point that meets every constraint.
         agreeing: how many ended as low as the best, itself included: within 0.1 % of its value, or
             within 0.05 nats of a likelihood.
         worst: by how much the worst end lies above the best, as a share of its value or in nats; 0
@@ -113,7 +113,7 @@ class Starts:
 
 @dataclass(frozen=True)
 class Certificate:
-    """What speaks for a solution, in unconstrained coordinates z.
+    """The evidence for a solution, in unconstrained coordinates z.
 
     A likelihood is counted in nats of the whole record, everything else in shares of the value.
 
@@ -155,8 +155,8 @@ class Solution:
         derived: the derived quantities there, by name.
         evaluations: how often the objective was evaluated, over all starts.
         seconds: how long it took, compilation included.
-        certificate: what speaks for it.
-        gradient_by: which way gradients went: "C, compiled by ...", or "XLA, backwards: " or "XLA,
+        certificate: the evidence for it.
+        gradient_by: how gradients were taken: "C, compiled by ...", or "XLA, backwards: " or "XLA,
             forwards: " and why; "" where none was asked for.
     """
 

@@ -1,4 +1,4 @@
-"""How an objective curves around a point."""
+"""Curvature of an objective around a point."""
 
 from typing import NamedTuple
 
@@ -10,12 +10,12 @@ from tuner.problem.problem import Problem
 
 
 class Spectrum(NamedTuple):
-    """How an objective curves around a point, in units of its yardstick.
+    """Curvature of an objective around a point, in units of its yardstick.
 
     Attributes:
         curvatures: eigenvalues of the Hessian, ascending, ``(k,)``.
         directions: their eigenvectors, one per column, ``(n, k)``; k < n where constraints hold.
-        hessian: of the objective itself, ``(n, n)``; None where nobody worked it out.
+        hessian: of the objective itself, ``(n, n)``; None where it was not computed.
     """
 
     curvatures: np.ndarray
@@ -24,7 +24,7 @@ class Spectrum(NamedTuple):
 
 
 def spectrum(problem: Problem, yard: Yardstick, z: np.ndarray, held: Held) -> Spectrum:
-    """How a problem curves around a point ``(n,)`` along what keeps its active constraints.
+    """Curvature of a problem around a point ``(n,)`` along its active constraints.
 
     With constraints it is the Lagrangian that curves. NaN where the objective is not a number.
     """
@@ -41,5 +41,5 @@ def spectrum(problem: Problem, yard: Yardstick, z: np.ndarray, held: Held) -> Sp
 
 
 def unknown_spectrum(size: int) -> Spectrum:
-    """Where nobody asked how a problem of ``size`` coordinates curves."""
+    """The spectrum of a problem of ``size`` coordinates whose curvature was not computed."""
     return Spectrum(np.zeros(0), np.zeros((size, 0)), None)

@@ -8,12 +8,12 @@ from typing import Any, TypeAlias
 import numpy as np
 
 Solved: TypeAlias = Any
-"""A :class:`tuner.certificate.solution.Solution`, which shows itself by what is here."""
+"""A :class:`tuner.certificate.solution.Solution`, which displays itself by these functions."""
 HEAD = ("parameter", "value", "interval", "unit")
 
 
 def as_text(solution: Solved) -> str:
-    """How it ended, and an aligned line for each parameter and derived number."""
+    """The status, and an aligned line for each parameter and derived number."""
     rows = [HEAD, *_rows(solution)]
     widths = [max(len(row[i]) for row in rows) for i in range(len(HEAD))]
     lines = ["  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)) for row in rows]
@@ -21,7 +21,7 @@ def as_text(solution: Solved) -> str:
 
 
 def as_html(solution: Solved) -> str:
-    """The same as a table of HTML; whatever text it holds is escaped."""
+    """The same as a table of HTML, with all text escaped."""
     first, *more = (escape(line) for line in _ended(solution))
     head = "".join(f"<th>{name}</th>" for name in HEAD)
     body = "".join(
@@ -58,7 +58,7 @@ def _rows(solution: Solved) -> Iterator[Sequence[str]]:
 
 
 def _range(name: str, parameter: Any, free: set[str], known: bool) -> str:
-    """The interval; without one why there is none, as far as that is known."""
+    """The interval, or the reason for having none, as far as it is known."""
     if parameter.interval is not None:
         return range_in_words(parameter.interval, parameter.interval_kind)
     if parameter.value.ndim:
@@ -75,7 +75,7 @@ def _number(value: np.ndarray) -> str:
 
 
 def range_in_words(interval: tuple[float | None, float | None], kind: str) -> str:
-    """An interval in brackets, or the one limit that it has, and what it is a range of.
+    """An interval in brackets, or its one limit, with its kind.
 
     Args:
         interval: lowest and highest value; None stands for infinite.

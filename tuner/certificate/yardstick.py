@@ -1,4 +1,4 @@
-"""In what a difference of values is measured: in nats, or in shares of the value."""
+"""The unit of differences of values: nats, or shares of the value."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,23 +13,23 @@ from tuner.problem.samples import Added, added, numbers
 NATS_95 = 1.920729
 """Half the 95 % quantile of chi-square with one degree of freedom: a likelihood ratio's limit."""
 NATS_95_ONE_SIDED = 1.352772
-"""The same of the 90 % quantile: a limit to one side that holds in 95 of 100 cases."""
+"""Half the 90 % quantile: a one-sided limit that holds in 95 of 100 cases."""
 SHARE = 0.01
 """The rise of a plain cost, as a share of it, up to which a value is as good as the best."""
 OTHERS = 8
-"""So many points are looked at for a value that is not 0."""
+"""Number of points that are evaluated in search of a value that is not 0."""
 FLOOR = 1e-6
 """Shares are of the value, but of no less than this share of the value where the search began."""
 
 
 class Yardstick(NamedTuple):
-    """What a difference of an objective's values means.
+    """The scale on which differences of an objective's values are judged.
 
     Attributes:
         kind: of the objective.
         unit: a difference of this size counts 1: one nat of the whole record, or all of the value.
-        rise: up to so many units above the best a value cannot be told from it.
-        negligible: a fall of fewer units is not worth going on for.
+        rise: up to so many units above the best a value is not distinguishable from it.
+        negligible: a fall of fewer units does not justify a further step.
     """
 
     kind: Kind
@@ -57,7 +57,7 @@ def yardstick(problem: Problem, z: np.ndarray) -> Yardstick:
 
 
 def _usual(problem: Problem) -> float:
-    """How large values are: where the search begins, or anywhere where that is 0 or no number."""
+    """The usual size of values: at the search's start, or elsewhere if that is 0 or not finite."""
     for z in problem.starts(OTHERS, seed=0):
         size = abs(problem.value(z))
         if 0 < size < np.inf:
@@ -66,12 +66,12 @@ def _usual(problem: Problem) -> float:
 
 
 PLAIN = 0.5
-"""A mean square that is higher by more than this share is told from the best without a test."""
+"""A mean square that is higher by more than this share differs from the best without a test."""
 
 
 @dataclass(frozen=True, eq=False)
 class Best:
-    """The best point, for others to be told from.
+    """The best point, with which others are compared.
 
     Attributes:
         problem: the problem.
@@ -90,9 +90,9 @@ class Best:
         return added(self.problem, self.z)
 
     def is_told_from(self, other: np.ndarray) -> bool:
-        """Whether the data tell another point ``(n,)`` from this one.
+        """Whether the data distinguish another point ``(n,)`` from this one.
 
-        A likelihood by its ratio, a plain cost by a hundredth of it. Two mean squares are compared
+        Of a likelihood the ratio decides, of a plain cost a share. Two mean squares are compared
         sample by sample: their difference is told where it exceeds twice its standard error, which
         blocks of samples give that are longer than the errors are correlated.
         """

@@ -1,1 +1,1 @@
-"""A filter as a graph of scalars, and what is made of it: C, and expressions of CasADi."""
+"""A filter as a graph of scalars, from which C and CasADi expressions are generated."""

@@ -1,4 +1,4 @@
-"""Statements of C with loops, and the arrays that they need, each used again where it can be."""
+"""C statements with loops, and their buffers, which are reused where possible."""
 
 import math
 import re
@@ -19,11 +19,11 @@ _SIMPLE = re.compile(r"-?[\w.>+*\[\] -]+|\(-[\w.]+\)")
 
 
 class Block:
-    """A function's body under way.
+    """The body of a function under construction.
 
     Args:
         tables: constant arrays.
-        spare: memory that may be used once what it holds is not needed any more, with its size.
+        spare: memory that may be reused when its content is no longer needed, with its size.
     """
 
     def __init__(self, tables: Tables, spare: dict[str, tuple[int, Kind]]) -> None:
@@ -36,11 +36,11 @@ class Block:
         self._free: set[str] = set()
 
     def say(self, text: str) -> None:
-        """A statement."""
+        """Add a statement."""
         self.lines.append(wrapped("    " * self.depth + text))
 
     def comment(self, source: Any, line: int) -> None:
-        """Say above a line where what stands from there on is from."""
+        """Add a comment with the origin of the statements from a line on."""
         told = said(source)
         if told is not None and len(self.lines) > line and told != self._told:
             self._told = told
@@ -48,7 +48,7 @@ class Block:
             self.lines[line:line] = ["", "    " * self.depth + f"/* {words} */"]
 
     def fresh(self, stem: str) -> str:
-        """A name that nothing has."""
+        """An unused name."""
         self._names += 1
         return f"{stem}{self._names}"
 
@@ -60,7 +60,7 @@ class Block:
     # Memory
 
     def buffer(self, shape: Sequence[int], kind: Kind) -> View:
-        """Memory for an array: some that is free, or more."""
+        """Memory for an array: a free buffer, or a new one."""
         size, shape = math.prod(shape), tuple(shape)
         fits = [
             name
@@ -80,17 +80,17 @@ class Block:
         return self.locals | self._spare
 
     def release(self, alive: Iterable[str]) -> None:
-        """All memory is free but what is alive."""
+        """Free all memory that is not alive."""
         self._free = set(self._kept) - set(alive)
 
     def keep_spare(self) -> None:
-        """From now on memory that is not the function's own is written to by results alone."""
+        """Reserve memory that is not the function's own for results."""
         self._free -= set(self._spare)
 
     # Loops
 
     def nest(self, shape: Sequence[int], body: Callable[[list[int | str]], None]) -> None:
-        """Loops around statements, which are given the index."""
+        """Add loops around statements, which receive the index."""
         index: list[int | str] = []
         for size in shape:
             if size == 1:
@@ -111,16 +111,16 @@ class Block:
         self.nest(x.shape, lambda index: self.say(f"{into.at(index)} = {x.at(index)};"))
 
     def put_listed(self, x: Listed, into: View) -> None:
-        """Write entries that stand in variables to memory."""
+        """Write entries that are variables to memory."""
         for index in np.ndindex(x.shape):
             self.say(f"{into.at(index)} = {x.texts[index]};")
 
     def made(self, x: Held, dying: Iterable[str] = ()) -> View:
-        """The same in memory: where it is, or in place of what is needed no more.
+        """The array in memory: where it is, or in place of one that is no longer needed.
 
         Args:
-            x: what is to be there.
-            dying: memory that nothing but this needs.
+            x: the array.
+            dying: memory that only this one needs.
         """
         if isinstance(x, View):
             return x
@@ -143,7 +143,7 @@ class Block:
         return into
 
     def _in_place(self, x: Lazy, index: Index, text: str, dying: Iterable[str]) -> View | None:
-        """Memory that is read only where it would be written."""
+        """Memory that is only read where it would be written."""
         for name in sorted(set(dying) & set(self._kept) & x.buffers):
             size, kind = self._kept[name]
             into = view(name, x.shape, kind)
@@ -153,7 +153,7 @@ class Block:
         return None
 
     def simple(self, text: str, kind: Kind) -> str:
-        """An operand that may stand twice, and that takes its time whether it is used or not."""
+        """An operand that may be repeated, and is evaluated whether it is used or not."""
         if _SIMPLE.fullmatch(text):
             return text
         name = self.fresh("e")

@@ -1,4 +1,4 @@
-"""Operations on whole arrays as loops: entry by entry, sums, products, and moves."""
+"""Operations on whole arrays as loops: elementwise ones, sums, products, and moves."""
 
 from collections.abc import Callable, Mapping, Sequence
 
@@ -16,11 +16,11 @@ BY_ENTRY = frozenset(
     {*UNARY, *BINARY, "add_any", "square", "rsqrt", "logistic", "select_n", "clamp", "sign"}
     | {"convert_element_type", "integer_pow"}
 )
-"""Operations of which an entry of the result needs one entry of each operand."""
+"""Elementwise operations."""
 _TWICE = frozenset(
     ["square", "integer_pow", "sign", "clamp", "max", "min", "select_n", "ne", "abs", "logistic"]
 )
-"""Of these, those that need it twice, or that must take the same time whatever it is."""
+"""Of these, those that use an entry twice, or must take the same time whatever its value."""
 SUMS: Mapping[str, tuple[str, str]] = {
     "reduce_sum": ("0", "add"),
     "reduce_prod": ("1", "mul"),
@@ -32,7 +32,7 @@ SUMS: Mapping[str, tuple[str, str]] = {
 
 
 def by_entry(block: Block, operation: Operation, given: Sequence[Held]) -> Lazy:
-    """An operation entry by entry, as an expression."""
+    """An elementwise operation as an expression."""
     out, algebra = operation.outputs[0], Texts(block.precision)
     rule, twice = RULES[operation.name], operation.name in _TWICE
 
@@ -55,7 +55,7 @@ def by_entry(block: Block, operation: Operation, given: Sequence[Held]) -> Lazy:
 
 
 def summed(block: Block, operation: Operation, given: Sequence[Held]) -> View:
-    """An array made smaller along some axes."""
+    """An array reduced along some axes."""
     (x,), axes = given, operation.equation.params["axes"]
     kept = [k for k in range(len(x.shape)) if k not in axes]
     inner = [x.shape[k] for k in axes]

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import casadi
 
 _FUNCTIONS = {"max": "fmax", "min": "fmin", "abs": "fabs"}
-"""What CasADi calls otherwise than JAX and NumPy do."""
+"""Functions whose names in CasADi differ from JAX and NumPy."""
 _OPERATORS: Mapping[str, Callable[..., Any]] = {
     "add": lambda a, b: a + b,
     "sub": lambda a, b: a - b,
@@ -77,7 +77,7 @@ class _Scalars:
         return function(*entries)
 
     def choose(self, condition: Any, no: Any, yes: Any) -> Any:
-        """One of two; both are worked out."""
+        """One of two; both are evaluated."""
         import casadi
 
         return casadi.if_else(condition, yes, no)

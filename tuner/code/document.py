@@ -1,4 +1,4 @@
-"""A filter as files of C: the header with its numbers, the source, the self-test."""
+"""A filter as C files: header with its parameters, source, and self-test."""
 
 from collections.abc import Sequence
 
@@ -32,7 +32,7 @@ def files(tuned: Tuned, include: str, forms: Sequence[Form]) -> Files:
     Args:
         tuned: its numbers.
         include: name of the header's file.
-        forms: each form with what it is tried on, the main one first.
+        forms: each form with its test samples, the main one first.
     """
     header, source = sources(tuned, include, [form.written for form in forms])
     return Files(header, source, selftest(include, forms))

@@ -1,4 +1,4 @@
-"""Nodes as expressions of C; every operand that is an expression stands in brackets."""
+"""Nodes as C expressions; every operand that is an expression is in brackets."""
 
 from collections.abc import Callable, Mapping
 
@@ -60,7 +60,7 @@ CALLS = {
         ]
     },
 }
-"""What the functions of math.h are called, for double."""
+"""Names of the functions of math.h, for double."""
 
 
 def operation(op: str, operands: list[str], kinds: list[Kind], precision: Precision) -> str:
@@ -88,7 +88,7 @@ def operation(op: str, operands: list[str], kinds: list[Kind], precision: Precis
 
 
 def converted(operand: str, before: Kind, after: Kind, precision: Precision) -> str:
-    """A number of another kind."""
+    """A number converted to another kind."""
     if before == "truth":
         one, none = (literal(value, after, precision) for value in (1, 0))
         return f"{operand} ? {one} : {none}"
@@ -122,8 +122,8 @@ class Expressions:
     Args:
         graph: of the nodes.
         precision: of real numbers.
-        input: what an input is called, by what it is called in the graph.
-        names: nodes that stand in a variable; may grow.
+        input: an input's name, by its name in the graph.
+        names: nodes with a variable; may grow.
     """
 
     def __init__(
@@ -136,16 +136,16 @@ class Expressions:
         self.graph, self.precision, self.input, self.names = graph, precision, input, names
 
     def text(self, entry: int) -> str:
-        """An expression as it stands alone."""
+        """An expression by itself."""
         return self._said(entry)[0]
 
     def operand(self, entry: int) -> str:
-        """The same as an operand: in brackets where it is made of several."""
+        """An expression as an operand: in brackets where it is compound."""
         text, compound = self._said(entry)
         return f"({text})" if compound else text
 
     def _said(self, entry: int) -> tuple[str, bool]:
-        """The text, and whether it is made of several."""
+        """The text, and whether it is compound."""
         if entry in self.names:
             return self.names[entry], False
         node = self.graph.nodes[entry]

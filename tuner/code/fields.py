@@ -1,4 +1,4 @@
-"""The fields of a filter's tuples, as those of a struct: names, sizes, meanings."""
+"""The fields of a filter's tuples as those of C structs: names, sizes, meanings."""
 
 import inspect
 import re
@@ -21,9 +21,9 @@ class Field:
     Attributes:
         name: in C.
         shape: its axes; ``()`` for a number.
-        kind: what it holds.
-        meaning: one line; ``""`` where nothing is said.
-        half: whether it is a symmetric matrix, of which the upper half is kept, rows first.
+        kind: of its entries.
+        meaning: one line; ``""`` where it is not known.
+        half: whether it is a symmetric matrix stored as its upper half, rows first.
     """
 
     name: str
@@ -34,13 +34,13 @@ class Field:
 
     @property
     def size(self) -> int:
-        """How many numbers are kept."""
+        """Number of stored entries."""
         if self.half:
             return self.shape[0] * (self.shape[0] + 1) // 2
         return int(np.prod(self.shape, dtype=int))
 
     def place(self, index: tuple[int, ...]) -> str:
-        """What an entry is called in its struct."""
+        """An entry's name in its struct."""
         if not self.shape:
             return self.name
         if not self.half:
@@ -49,17 +49,17 @@ class Field:
         return f"{self.name}[{row * self.shape[0] - row * (row - 1) // 2 + column - row}]"
 
     def entries(self) -> Iterator[tuple[int, ...]]:
-        """The entries that are kept, in their order."""
+        """The stored entries, in their order."""
         for index in np.ndindex(self.shape):
             if not self.half or index[0] <= index[1]:
                 yield index
 
 
 def fields_of(filter: Any, part: str, tree: Any) -> list[Field]:
-    """The fields of a tuple of a filter's, in the order of its leaves.
+    """The fields of one of a filter's tuples, in the order of its leaves.
 
     Args:
-        filter: the filter, whose facts say what they mean.
+        filter: the filter, whose facts give their meanings.
         part: ``params``, ``inputs``, ``state`` or ``outputs``.
         tree: arrays, or their shapes and types.
     """
@@ -81,7 +81,7 @@ def fields_of(filter: Any, part: str, tree: Any) -> list[Field]:
 
 
 def halved(fields: list[Field], which: set[str]) -> list[Field]:
-    """The same, those of these names as upper halves."""
+    """The same fields, with those of the given names as upper halves."""
     return [replace(field, half=field.name in which) for field in fields]
 
 
@@ -101,7 +101,7 @@ def _leaves(tree: Any, path: tuple[str, ...], note: str = "") -> Iterator[Any]:
 
 
 def _notes(kind: type[Any]) -> dict[str, str]:
-    """What a docstring says of each field under ``Attributes:``."""
+    """Descriptions of each field, from ``Attributes:`` in a docstring."""
     _, _, part = (inspect.getdoc(kind) or "").partition("Attributes:")
     found = re.findall(r"^ {4}(\w+): ((?:.+\n?(?: {8}.*\n?)*))", part, re.MULTILINE)
     plain = {name: " ".join(text.split()).replace("``", "") for name, text in found}

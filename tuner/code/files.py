@@ -1,16 +1,16 @@
-"""Files of C as text."""
+"""C files as text."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Files:
-    """Text of C.
+    """The text of C files.
 
     Attributes:
-        header: numbers, types and functions.
+        header: constants, types and declarations.
         source: the functions.
-        selftest: what tries them.
+        selftest: their test.
     """
 
     header: str

@@ -1,4 +1,4 @@
-"""Nodes as statements: what is used twice or named in the source stands in a variable."""
+"""Nodes as statements, with variables for repeated nodes and those named in the source."""
 
 import re
 from collections import Counter
@@ -23,9 +23,9 @@ class Statements:
         graph: of the nodes.
         labels: where nodes were traced.
         precision: of real numbers.
-        input: what an input is called in this function.
-        given: nodes that stand somewhere already, by what they are called.
-        stem: what names of variables begin with that the source does not name.
+        input: an input's name in this function.
+        given: names of nodes that are already computed.
+        stem: prefix of variables without a name in the source.
     """
 
     def __init__(
@@ -46,7 +46,7 @@ class Statements:
         self._before: tuple[str, ...] = ()
 
     def add(self, roots: Iterable[int]) -> None:
-        """Statements that work out these nodes; each of them gets a variable."""
+        """Add statements that compute these nodes, each in a variable."""
         wanted = {k for k in roots if self.graph.nodes[k].op != "constant"}
         live = self._live(wanted)
         uses = Counter(k for entry in live for k in self.graph.nodes[entry].args)
@@ -55,7 +55,7 @@ class Statements:
         for entry in live:
             node = self.graph.nodes[entry]
             if node.op == "input":
-                if entry in wanted and node.value[0] == "state":  # which is written to in the end
+                if entry in wanted and node.value[0] == "state":  # which is written to at the end
                     self._declare(entry, None)
                 continue
             size[entry] = 1 + sum(size.get(k, 1) for k in node.args if k not in self.names)
@@ -65,7 +65,7 @@ class Statements:
                 self._declare(entry, told)
 
     def _live(self, roots: Collection[int]) -> list[int]:
-        """What has to be worked out, without what stands somewhere already."""
+        """The entries that have yet to be computed."""
         seen, open_ = set[int](), list(roots)
         while open_:
             entry = open_.pop()
@@ -76,7 +76,7 @@ class Statements:
         return sorted(k for k in seen if self.graph.nodes[k].op != "constant")
 
     def _branches(self, entry: int) -> tuple[int, ...]:
-        """What is worked out whichever way a choice goes: every step takes the same time."""
+        """Both branches of a choice, which are always computed: every step takes the same time."""
         node = self.graph.nodes[entry]
         return node.args[1:] if node.op == "choose" else ()
 
@@ -104,7 +104,7 @@ class Statements:
         return next(new for k in range(10**9) if (new := f"{self._stem}{k}") not in self._taken)
 
     def _named(self, told: Said, index: tuple[int, ...], number: int) -> str:
-        """A name with the entry's place; the same name given again has a letter more."""
+        """A name with the entry's index, and a further letter where it is repeated."""
         base = identifier(told.name)
         if (base, number) not in self._turns:
             turn = sum(1 for name, _ in self._turns if name == base)
@@ -115,7 +115,7 @@ class Statements:
 
 
 def _letters(turn: int) -> str:
-    """Nothing for the first, then b, c, ... z, ba and so on."""
+    """The suffix of a repeated name: none for the first, then b, c, ... z, ba and so on."""
     text = ""
     while turn:
         turn, rest = divmod(turn, 26)
@@ -124,7 +124,7 @@ def _letters(turn: int) -> str:
 
 
 def wrapped(line: str, width: int = _WIDTH, before: str = r" (?=[-+*/?:] |\|\| |&& )") -> str:
-    """A long statement broken before operators, or at what else is asked for."""
+    """A long statement broken before operators, or at another pattern."""
     parts, rest = [], line
     while len(rest) > width:
         breaks = re.finditer(before, rest[:width])

@@ -1,4 +1,4 @@
-"""A form of a filter in C: written out or with loops, with what it is tried on."""
+"""A form of a filter in C, flat or with loops, with its test samples."""
 
 from collections.abc import Collection
 from dataclasses import replace
@@ -21,26 +21,26 @@ from tuner.code.tried import Tried, tried
 from tuner.code.written import Written
 
 FLAT = 1500
-"""A step of more operations is written with loops."""
+"""Most operations of a step that is written without loops."""
 NUMBERS = 400
-"""And so is one of more numbers in its state, its inputs and its outputs."""
+"""Most numbers in state, inputs and outputs of a step without loops."""
 _GRAPH = 6000
 _LARGEST = 20_000
 
 
 class Form(NamedTuple):
-    """What was written, and what it is tried on."""
+    """The written code, and the samples it is tested on."""
 
     written: Written
     tried: Tried
 
 
 class Ready(NamedTuple):
-    """A filter in a precision, to be written with its parameters as numbers or to be set.
+    """A traced filter, ready to be written with constant or adjustable parameters.
 
     Attributes:
         traced: the filter.
-        tried: what it is tried on.
+        tried: its test samples.
         note: a sentence about this form; "" for none.
     """
 
@@ -49,11 +49,11 @@ class Ready(NamedTuple):
     note: str
 
     def form(self, stem: str, *, tunable: bool = False) -> Form:
-        """It in C.
+        """The filter in C.
 
         Args:
-            stem: what the names of its types and functions begin with.
-            tunable: whether its parameters come in.
+            stem: prefix of its types and functions.
+            tunable: whether its parameters are adjustable.
 
         Raises:
             ValueError: for an operation that C has no counterpart for.
@@ -74,9 +74,9 @@ def form(
 
     Args:
         stem: what the names of its types and functions begin with.
-        filter: the filter; of several recordings side by side one is written.
+        filter: the filter; of a batch one recording is written.
         params: its parameters.
-        inputs: a recording, time first, of which samples are taken to try it.
+        inputs: a recording, time first, which provides test samples.
         precision: of its real numbers.
         tunable: whether its parameters come in.
 
@@ -93,7 +93,7 @@ def form(
 
 
 def ready(filter: Any, params: Any, inputs: Any, precision: Precision = "double") -> Ready:
-    """A filter that is traced and tried; the arguments are those of :func:`form`."""
+    """A filter traced and run on test samples; the arguments are those of :func:`form`."""
     filter, inputs = one_record(filter, inputs)
     sample = jax.tree.map(lambda leaf: np.asarray(leaf)[0], inputs)
     whole = traced(filter, params, sample, precision, _wanted(filter))
@@ -111,7 +111,7 @@ def write_form(
     keep: Collection[str] | None,
     tunable: bool = False,
 ) -> Written:
-    """A filter in C, without what it is tried on.
+    """A filter in C, without test samples.
 
     Args:
         stem: what the names of its types and functions begin with.
@@ -119,7 +119,7 @@ def write_form(
         params: its parameters.
         sample: its inputs at one sample.
         precision: of its real numbers.
-        keep: names of the outputs that are put out; None: all.
+        keep: names of the outputs to be included; None: all.
         tunable: whether its parameters come in.
 
     Raises:
@@ -136,7 +136,7 @@ def _noted(code: Written, note: str) -> Written:
 
 
 def one_record(filter: Any, inputs: Any) -> tuple[Any, Any]:
-    """A filter of one recording, of one that may run over several side by side."""
+    """The filter and inputs of one recording, from those of a batch."""
     if isinstance(filter, Lanes):
         return one_record(filter.filter, jax.tree.map(lambda leaf: leaf[:, 0], inputs))
     if isinstance(filter, Timed):
@@ -146,7 +146,7 @@ def one_record(filter: Any, inputs: Any) -> tuple[Any, Any]:
 
 
 def _wanted(filter: Any) -> Collection[str] | None:
-    """The outputs that are no details; all of a filter that declares none."""
+    """The outputs that are not details; all of a filter that declares none."""
     own = bare(filter)
     if not hasattr(own, "outputs"):
         return None
@@ -155,7 +155,7 @@ def _wanted(filter: Any) -> Collection[str] | None:
 
 
 def _written(whole: Traced, stem: str, *, tunable: bool) -> Written:
-    """Written out where that is short, else with loops, else written out after all."""
+    """The flat form where it is short, else one with loops, else the flat form after all."""
     code = None
     numbers = sum(field.size for field in (*whole.state, *whole.inputs, *whole.outputs))
     try:

@@ -13,7 +13,7 @@ from tuner.code.walk import Arrays
 from tuner.code.written import Written, declarations, defaults, step, unused
 
 Cells = list[tuple[str, int]]
-"""Places in memory with the nodes that go there."""
+"""Places in memory with the nodes to be stored there."""
 
 
 def written(program: Program, stem: str, values: Arrays) -> Written:
@@ -21,13 +21,13 @@ def written(program: Program, stem: str, values: Arrays) -> Written:
 
     Args:
         program: the filter.
-        stem: what the names of its types and functions begin with.
+        stem: prefix of its types and functions.
         values: of its parameters, for ``defaults`` where it is tunable.
     """
     parts = [
-        ("state", "What the filter keeps between samples.", program.state),
-        ("input", "A sample; NaN where a measurement is missing.", program.inputs),
-        ("output", "What it puts out after a sample.", program.outputs),
+        ("state", "The state of the filter between samples.", program.state),
+        ("input", "The inputs of a sample; NaN where a measurement is missing.", program.inputs),
+        ("output", "The outputs after a sample.", program.outputs),
     ]
     if program.tunable:
         parts.append(("params", "Its parameters.", program.params))
@@ -77,7 +77,7 @@ def _init(program: Program, stem: str) -> Iterator[str]:
 
 
 def _body(program: Program, cells: Cells, given: dict[int, str]) -> list[str]:
-    """Statements that work nodes out, and then put them where they belong."""
+    """Statements that compute nodes, and then store them."""
     graph = program.graph
     made = Statements(graph, program.labels, program.precision, _reference, given)
     made.add(node for _, node in cells)
@@ -93,7 +93,7 @@ def _reference(value: Any) -> str:
 
 
 def _step_cells(program: Program) -> Cells:
-    """The next state and the outputs; what stays in its place is left there."""
+    """The next state and the outputs, without unchanged entries."""
     state = _cells("state", program.state, program.after)
     found = [
         (place, node)
@@ -111,7 +111,7 @@ def _cells(group: str, fields: Iterable[Field], nodes: Arrays) -> Iterator[tuple
 
 
 def _hoisted(program: Program, roots: list[int]) -> list[int]:
-    """What a step takes that follows from the parameters alone."""
+    """Subexpressions of a step that depend on the parameters alone."""
     graph = program.graph
     alone = _of_parameters(graph)
     live = graph.reached(roots)

@@ -1,4 +1,4 @@
-"""A calculation as a graph of scalars: equal nodes are one, and what is constant is a number."""
+"""A calculation as a graph of scalars, with equal nodes merged and constants folded."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -12,17 +12,17 @@ from tuner.code.simplify import simpler
 
 
 class TooLargeError(ValueError):
-    """A graph that is larger than it may be."""
+    """A graph above its size limit."""
 
 
 class Graph:
-    """Nodes in the order in which they can be worked out; an algebra for a walk.
+    """Nodes in topological order; an algebra for a walk.
 
     Args:
         precision: the type of its real numbers.
-        halves: whether the mean of two entries that stand opposite in a symmetric matrix is one of
+        halves: whether the mean of two mirrored entries of a symmetric matrix is one of
             them.
-        most: nodes; None: any number.
+        most: limit of nodes; None: none.
 
     Raises:
         TooLargeError: as it grows beyond that.
@@ -47,7 +47,7 @@ class Graph:
         self._known: dict[Any, int] = {}
 
     def input(self, name: Any, kind: Kind = "real") -> int:
-        """A number that is known only as the step runs."""
+        """A number that is known only at run time."""
         return self._node(Node("input", (), name, kind))
 
     def constant(self, value: Any) -> int:
@@ -57,14 +57,14 @@ class Graph:
         return self._node(Node("constant", (), number, kind))
 
     def apply(self, op: str, *entries: int) -> int:
-        """One operation, as simply as it can be put."""
+        """One operation, simplified."""
         if all(self.is_constant(k) for k in entries):
             return self.constant(worked_out(op, *(self.nodes[k].value for k in entries)))
         found = simpler(self, op, entries)
         return self.make(op, *entries) if found is None else found
 
     def make(self, op: str, *entries: int) -> int:
-        """One operation as it is."""
+        """One operation without simplification."""
         kinds = [self.nodes[k].kind for k in entries]
         kind: Kind = "truth" if op in LOGIC else "real" if "real" in kinds else kinds[0]
         return self._node(Node(op, entries, None, kind))
@@ -83,7 +83,7 @@ class Graph:
         return self._node(Node("choose", (condition, yes, no), None, self.nodes[yes].kind))
 
     def convert(self, entry: int, dtype: np.dtype) -> int:
-        """The same as another kind of number."""
+        """A conversion to another kind of number."""
         kind = kind_of(dtype)
         if kind == self.nodes[entry].kind:
             return entry
@@ -95,14 +95,14 @@ class Graph:
         return self._node(Node("convert", (entry,), None, kind))
 
     def is_constant(self, entry: int, value: float | None = None) -> bool:
-        """Whether a node is a number, or a certain one."""
+        """Whether a node is a constant, or a given one."""
         node = self.nodes[entry]
         if node.op != "constant" or value is None:
             return node.op == "constant"
         return node.kind != "truth" and bool(node.value == value)
 
     def reached(self, roots: Iterable[int]) -> list[int]:
-        """The nodes that others are made of, themselves included, in order."""
+        """The nodes that others depend on, themselves included, in order."""
         seen, open_ = set[int](), list(roots)
         while open_:
             k = open_.pop()

@@ -1,4 +1,4 @@
-"""Numbers as C writes them in expressions."""
+"""Numbers as C literals."""
 
 from typing import Any, Literal, TypeAlias
 
@@ -10,7 +10,7 @@ Precision: TypeAlias = Literal["double", "float"]
 
 
 def literal(value: Any, kind: Kind, precision: Precision) -> str:
-    """The shortest text that is the number to the bit.
+    """The shortest text that denotes the number exactly.
 
     >>> literal(0.1, "real", "float"), literal(-2.0, "real", "double"), literal(3, "whole", "float")
     ('0.1f', '-2.0', '3')
@@ -28,5 +28,5 @@ def literal(value: Any, kind: Kind, precision: Precision) -> str:
 
 
 def type_of(kind: Kind, precision: Precision) -> str:
-    """What C calls it."""
+    """The type's name in C."""
     return {"real": precision, "truth": "bool", "whole": "int"}[kind]

@@ -1,4 +1,4 @@
-"""A filter as functions of C with loops: for matrices that are too large to be written out."""
+"""A filter as C functions with loops, for matrices that are too large for flat code."""
 
 from collections.abc import Sequence
 
@@ -20,17 +20,17 @@ def looped(traced: Traced, stem: str, *, tunable: bool = False) -> Written:
 
     Args:
         traced: the filter.
-        stem: what the names of its types and functions begin with.
-        tunable: whether its parameters come in.
+        stem: prefix of its types and functions.
+        tunable: whether its parameters are adjustable.
 
     Raises:
         ValueError: for an operation that has no counterpart.
     """
     outputs = [field for field, kept in zip(traced.outputs, traced.kept, strict=True) if kept]
     parts = [
-        ("state", "What the filter keeps between samples.", traced.state),
-        ("input", "A sample; NaN where a measurement is missing.", traced.inputs),
-        ("output", "What it puts out after a sample.", outputs),
+        ("state", "The state of the filter between samples.", traced.state),
+        ("input", "The inputs of a sample; NaN where a measurement is missing.", traced.inputs),
+        ("output", "The outputs after a sample.", outputs),
     ]
     if tunable:
         parts.append(("params", "Its parameters.", traced.params))
@@ -60,7 +60,7 @@ def looped(traced: Traced, stem: str, *, tunable: bool = False) -> Written:
 
 
 def _function(traced: Traced, tables: Tables, which: str, tunable: bool) -> tuple[list[str], int]:
-    """The body of init or of step, and about how many operations it takes."""
+    """The body of init or of step, and its approximate number of operations."""
     state = [_place("state->", field) for field in traced.state]
     kept = [_place("out->", f) for f, k in zip(traced.outputs, traced.kept, strict=True) if k]
     ends = state if which == "start" else [*state, *kept]
@@ -92,7 +92,7 @@ def _function(traced: Traced, tables: Tables, which: str, tunable: bool) -> tupl
 
 
 def _store(block: Block, found: Sequence[Held], ends: Sequence[View]) -> None:
-    """Put results where they belong; none is read after another is written over it."""
+    """Store results; none is overwritten before it is read."""
     block.keep_spare()
     places = {end.buffer for end in ends}
     ready: list[Held] = []

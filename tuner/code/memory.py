@@ -1,4 +1,4 @@
-"""Arrays in C: memory that is read with strides, and expressions of an index."""
+"""Arrays in C: strided memory, and expressions of an index."""
 
 import math
 import re
@@ -11,20 +11,20 @@ import numpy as np
 from tuner.code.operations import Kind
 
 Index: TypeAlias = "Sequence[int | str]"
-"""Numbers and names of loop variables, an axis each."""
+"""Numbers and names of loop variables, one for each axis."""
 
 
 @dataclass(frozen=True)
 class View:
-    """Memory that is read with strides.
+    """Strided memory.
 
     Attributes:
-        buffer: what C calls it.
+        buffer: its name in C.
         shape: its axes.
-        kind: what it holds.
-        base: where it begins: a number, or an expression.
-        strides: how far the entries of each axis are apart.
-        alone: whether it is a variable and no array.
+        kind: of its entries.
+        base: first position: a number, or an expression.
+        strides: distance of neighbouring entries along each axis.
+        alone: whether it is a scalar variable.
     """
 
     buffer: str
@@ -36,7 +36,7 @@ class View:
 
     @property
     def buffers(self) -> frozenset[str]:
-        """The memory that is read."""
+        """The memory that it reads."""
         return frozenset({self.buffer})
 
     def at(self, index: Index) -> str:
@@ -48,14 +48,14 @@ class View:
 
 @dataclass(frozen=True)
 class Lazy:
-    """An expression of the index, which may take statements before it.
+    """An expression of the index, which may require statements before it.
 
     Attributes:
         shape: its axes.
-        kind: what it gives.
+        kind: of its entries.
         at: an entry: a name, a number, a call, or in brackets.
         buffers: the memory that it reads.
-        number: what all entries are, where that is known.
+        number: the common value of all entries, where it is known.
     """
 
     shape: tuple[int, ...]
@@ -67,11 +67,11 @@ class Lazy:
 
 @dataclass(frozen=True, eq=False)
 class Listed:
-    """Entries that each stand in a variable of their own.
+    """Entries in a variable each.
 
     Attributes:
-        texts: what they are called.
-        kind: what they hold.
+        texts: their names.
+        kind: of the entries.
     """
 
     texts: np.ndarray
@@ -92,7 +92,7 @@ def view(buffer: str, shape: tuple[int, ...], kind: Kind) -> View:
 
 
 def rows_first(shape: Sequence[int]) -> tuple[int, ...]:
-    """The strides of an array that lies in memory rows first.
+    """The strides of a row-major array.
 
     >>> rows_first((2, 3))
     (3, 1)
@@ -101,7 +101,7 @@ def rows_first(shape: Sequence[int]) -> tuple[int, ...]:
 
 
 def total(*terms: int | str) -> str:
-    """A sum of places.
+    """A sum of positions.
 
     >>> total(0, "3 * i1", 2), total(0, "0")
     ('(3 * i1) + 2', '0')
@@ -134,7 +134,7 @@ def times(stride: int, index: int | str) -> int | str:
 
 
 def affine(places: np.ndarray) -> tuple[int, tuple[int, ...]] | None:
-    """Base and strides of a table of places; None where it has none.
+    """Base and strides of a table of positions; None where it is not affine.
 
     >>> affine(np.array([[1, 4], [2, 5]]))
     (1, (1, 3))

@@ -1,4 +1,4 @@
-"""Operations of JAX that move numbers, on arrays of anything."""
+"""Operations of JAX that move entries, on arrays of any objects."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -11,7 +11,7 @@ from tuner.code.refused import NoCounterpartError
 from tuner.code.walk import Algebra, Arrays, Rule, each, mixed, objects, rows_of
 
 MOST_WAYS = 16
-"""Entries of a table of which one is chosen as the step runs; all of them are looked at."""
+"""Most entries of a table with an index known at run time; all of them are evaluated."""
 
 
 def _of_one(move: Move) -> Rule:
@@ -36,11 +36,11 @@ def _unstacked(_: Algebra, equation: Any, given: Arrays) -> Arrays:
 
 
 def _placed(first: int, last: int = 100) -> Rule:
-    """A move of which JAX says where to, by moving the places of entries.
+    """A move along indices, which are found by moving the positions of entries.
 
     Args:
-        first: of the operands that say where to.
-        last: the one after them.
+        first: the first operand with indices.
+        last: one beyond the last.
     """
 
     def rule(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
@@ -60,7 +60,7 @@ def _placed(first: int, last: int = 100) -> Rule:
 
 
 def _by_index(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
-    """A part of a short table by an index that is known only as the step runs: one of a few."""
+    """A part of a short table by an index that is known only at run time: one of a few."""
     table, *starts = given
     if all(start.dtype != object for start in starts):
         return _placed(1)(algebra, equation, given)
@@ -79,7 +79,7 @@ def _by_index(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
     (entries,) = objects(algebra, [table])
 
     def part(axis: int, before: tuple[int, ...]) -> np.ndarray:
-        """What the index of this axis and those behind it choose."""
+        """The part chosen by the index of this axis and of those after it."""
         if axis == len(ways):
             whole = [slice(at, at + size) for at, size in zip(before, sizes, strict=True)]
             return entries[tuple(whole)]
@@ -94,11 +94,11 @@ def _by_index(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
 
 
 def places(equation: Any, given: Sequence[Any]) -> Arrays:
-    """Where each entry of the results is from, counted through all operands; -1: from nowhere.
+    """Source of each entry of the results, counted through all operands; -1: none.
 
     Args:
-        equation: what moves them.
-        given: the shape of an operand whose entries move, or the numbers that say where to.
+        equation: the move.
+        given: the shape of an operand whose entries move, or the numbers of the indices.
     """
     counted, at, params = [], 0, dict(equation.params)
     for one in given:
@@ -113,7 +113,7 @@ def places(equation: Any, given: Sequence[Any]) -> Arrays:
 
 
 def _added(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
-    """Entries added in other places; each place is met once."""
+    """Entries added at given places, each of which occurs once."""
     target, where, more = given
     if where.dtype == object:
         raise NoCounterpartError("scatter-add by an index that is known only as the step runs")
@@ -136,7 +136,7 @@ MOVES: Mapping[str, Rule] = {
     "split": _parted,
     "unstack": _unstacked,
 }
-"""Moves that are the same of numbers and of entries."""
+"""Moves that apply to numbers and entries alike."""
 
 PLACED: Mapping[str, Rule] = {
     "pad": _placed(2),
@@ -147,4 +147,4 @@ PLACED: Mapping[str, Rule] = {
     "scatter-add": _added,
     "scatter_add": _added,
 }
-"""Moves to places that operands say."""
+"""Moves with indices among their operands."""

@@ -1,4 +1,4 @@
-"""Names for C and C++: of ASCII, no word of the languages, and none twice."""
+"""Names for C and C++: ASCII, not reserved, and unique."""
 
 import re
 import unicodedata
@@ -34,11 +34,11 @@ TAKEN = frozenset(
 
 
 def identifier(name: str, taken: Collection[str] = ()) -> str:
-    """A name as C and C++ can have it.
+    """A valid name in C and C++.
 
     Args:
         name: any text.
-        taken: what is called so already.
+        taken: names in use.
 
     >>> identifier("double"), identifier("σ_z"), identifier("x", {"x"}), identifier("*/")
     ('double_', 'sigma_z', 'x_2', 'a')

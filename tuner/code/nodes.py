@@ -1,4 +1,4 @@
-"""What a graph of scalars is made of, and what is asked of one to put it simpler."""
+"""Nodes of a graph of scalars, and the queries that simplification needs."""
 
 from typing import Any, NamedTuple, Protocol
 
@@ -14,8 +14,8 @@ class Node(NamedTuple):
     Attributes:
         op: of :mod:`tuner.code.operations`, or ``constant``, ``input``, ``choose``, ``convert``.
         args: numbers of the nodes it is made of; ``choose`` has the condition, yes and no.
-        value: of a constant; of an input, what it is called by those who ask for it.
-        kind: what it is.
+        value: of a constant; of an input, its name.
+        kind: of the scalar.
     """
 
     op: str
@@ -37,7 +37,7 @@ class Nodes(Protocol):
         ...
 
     def apply(self, op: str, *entries: int) -> int:
-        """One operation, as simply as it can be put."""
+        """One operation, simplified."""
         ...
 
     def choose(self, condition: int, no: int, yes: int) -> int:
@@ -45,5 +45,5 @@ class Nodes(Protocol):
         ...
 
     def is_constant(self, entry: int, value: float | None = None) -> bool:
-        """Whether a node is a number, or a certain one."""
+        """Whether a node is a constant, or a given one."""
         ...

@@ -1,4 +1,4 @@
-"""Operations of JAX on numbers alone: by NumPy where that does the same, else JAX compiles them."""
+"""Operations of JAX on constants: by NumPy where it gives the same, else compiled by JAX."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeAlias
@@ -21,7 +21,7 @@ def worked_out(
     Args:
         equation: the operation, as JAX traced it.
         given: its operands.
-        params: its parameters, where they are others.
+        params: its parameters, where they differ.
     """
     params = equation.params if params is None else params
     name = equation.primitive.name
@@ -38,7 +38,7 @@ def worked_out(
 
 
 def _in_numpy(name: str, given: Sequence[Any], params: Params) -> Any:
-    """The result where NumPy does what JAX does, else None."""
+    """The result where NumPy equals JAX, else None."""
     kinds = {one.dtype.kind for one in given}
     if kinds == {"i"} and name in _WHOLE:
         with np.errstate(all="ignore"):
@@ -95,7 +95,7 @@ MOVED: Mapping[str, Move] = {
     "stop_gradient": lambda x, _: x,
     "optimization_barrier": lambda x, _: x,
 }
-"""Moves of the entries of one array, of anything."""
+"""Moves of the entries of one array, whatever they are."""
 
 
 def _counted(_: Sequence[np.ndarray], params: Params) -> np.ndarray:
@@ -105,7 +105,7 @@ def _counted(_: Sequence[np.ndarray], params: Params) -> np.ndarray:
 
 
 def _converted(given: Sequence[np.ndarray], params: Params) -> np.ndarray | None:
-    """Not of real numbers to whole ones, of which some are none."""
+    """A conversion, but not from real to whole numbers, where some are undefined."""
     dtype = np.dtype(params["new_dtype"])
     return None if given[0].dtype.kind == "f" and dtype.kind in "iu" else given[0].astype(dtype)
 

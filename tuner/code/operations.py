@@ -1,4 +1,4 @@
-"""The operations of scalars: what each is in NumPy, and what it gives."""
+"""The operations of scalars in NumPy, and the kinds of their results."""
 
 import math
 from collections.abc import Callable
@@ -7,7 +7,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 Kind: TypeAlias = Literal["real", "truth", "whole"]
-"""What a scalar is: a number, a truth value, or a whole number."""
+"""Kind of a scalar: a number, a truth value, or a whole number."""
 
 
 def _whole(function: Callable[[float], float]) -> Callable[..., Any]:
@@ -71,7 +71,7 @@ BINARY: dict[str, Callable[..., Any]] = {
 COMMUTE = frozenset({"add", "mul", "and", "or", "xor", "eq", "ne"})
 COMPARE = frozenset({"eq", "ne", "lt", "le", "gt", "ge"})
 LOGIC = COMPARE | {"and", "or", "xor", "not", "is_finite", "isnan"}
-"""What gives a truth value."""
+"""Operations whose result is a truth value."""
 
 
 def in_numpy(op: str, *values: Any) -> Any:
@@ -89,6 +89,6 @@ def worked_out(op: str, *values: Any) -> Any:
 
 
 def kind_of(value: Any) -> Kind:
-    """What an array or a type holds."""
+    """The kind of the entries of an array or a type."""
     dtype = value if isinstance(value, np.dtype) else np.asarray(value).dtype
     return "truth" if dtype.kind == "b" else "whole" if dtype.kind in "iu" else "real"

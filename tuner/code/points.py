@@ -1,4 +1,4 @@
-"""Whether two nodes are the same formula: they have to agree at random points.
+"""Equality of formulas, tested at random points.
 
 Formulas that agree at random points of all that goes into them agree everywhere, as polynomials
 do. A truth value is a number between 0 and 1 here, and what it chooses is a mean with that weight:
@@ -18,7 +18,7 @@ from tuner.code.operations import COMPARE, in_numpy
 COUNT = 8
 _SMALL = 1e-6
 _NOTHING, _ENDLESS = 0.739, 61.7
-"""What stands for NaN and for infinity: any number does."""
+"""Stand-ins for NaN and for infinity: any number will do."""
 _ANY: Mapping[str, Callable[..., Any]] = {
     "sqrt": lambda x: np.sqrt(np.abs(x)),
     "log": lambda x: np.log(np.abs(x)),
@@ -47,16 +47,16 @@ _ANY: Mapping[str, Callable[..., Any]] = {
         for k, name in enumerate(sorted(COMPARE), 1)
     },
 }
-"""What does not exist everywhere or decides, by other functions: what is the same formula of one
-is the same of any."""
+"""Substitutes for functions that decide or are not defined everywhere: formulas that are equal with
+one function are equal with any."""
 
 
 class Points:
-    """Values of nodes at random points, worked out as far as somebody asks.
+    """Values of nodes at random points, computed on demand.
 
     Args:
         nodes: of a graph, which may grow.
-        close: how far the values of one formula may be apart, relative: what rounding makes of the
+        close: relative tolerance of the values of one formula, by rounding of the
             constants in it.
     """
 

@@ -1,4 +1,4 @@
-"""What each operation of JAX is on arrays of entries."""
+"""The operations of JAX on arrays of entries."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -29,7 +29,7 @@ def _logic(op: str) -> Rule:
 
 
 def _sign(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
-    """Of NaN it is NaN."""
+    """The sign; that of NaN is NaN."""
     number = equation.invars[0].aval.dtype.type
     zero, one, below = (algebra.constant(number(value)) for value in (0, 1, -1))
 
@@ -90,7 +90,7 @@ def _size(algebra: Algebra) -> int:
 
 
 def _in_range(algebra: Algebra, x: Any, number: type[np.floating]) -> Any:
-    """A number of which there is a whole one: C has none for NaN, nor for what is too large."""
+    """A number that C can convert to int: NaN and large numbers are replaced."""
     low, high = (number(end) for end in _ENDS[_size(algebra)])
     x = algebra.choose(algebra.apply("isnan", x), x, algebra.constant(number(0)))
     x = algebra.apply("max", x, algebra.constant(low))
@@ -98,11 +98,11 @@ def _in_range(algebra: Algebra, x: Any, number: type[np.floating]) -> Any:
 
 
 _ENDS = {8: (-(2.0**31), 2.0**31 - 1), 4: (-(2.0**31), 2.0**31 - 128)}
-"""Of int, as numbers of so many bytes."""
+"""Limits of int, as real numbers by their size in bytes."""
 
 
 def _before(algebra: Algebra, _: Any, given: Arrays) -> Arrays:
-    """Less in the order of all numbers, of which NaN is the last."""
+    """Less in the total order, in which NaN is last."""
 
     def of(x: Any, y: Any) -> Any:
         whole = algebra.apply("not", algebra.apply("isnan", x))
@@ -146,7 +146,7 @@ _NUMBERS: Mapping[str, Callable[..., Any]] = {
     "add_any": np.add,
     "square": np.square,
 }
-"""What NumPy does as JAX does, of real numbers: without compiling anything."""
+"""NumPy's equivalents of JAX's operations on real numbers: nothing has to be compiled."""
 
 RULES: Mapping[str, Rule] = {
     **{name: _plain(name) for name in (*UNARY, *BINARY) if name != "isnan"},
@@ -171,7 +171,7 @@ RULES: Mapping[str, Rule] = {
     "cumsum": cumulated,
     "dot_general": product,
 }
-"""How each operation is done."""
+"""The rule of each operation."""
 
 
 def walk(
@@ -183,8 +183,8 @@ def walk(
     """A way through traced functions with entries of an algebra.
 
     Args:
-        algebra: what the entries are.
-        told: told of every operation, with its results.
-        unrolls: whether the turns of a loop are written out, or a loop is refused.
+        algebra: of the entries.
+        told: called with every operation and its results.
+        unrolls: whether loops are unrolled, or refused.
     """
     return Walk(algebra, RULES, MOVES, _NUMBERS, unrolls, told)

@@ -15,7 +15,7 @@ from tuner.code.trace import Traced
 from tuner.code.walk import Arrays, objects
 
 Label: TypeAlias = tuple[Any, tuple[int, ...], int]
-"""Where a node was traced, which entry of the result it is, and the operation's number."""
+"""Where a node was traced, its entry in the result, and the operation's number."""
 _VIEWS = frozenset(
     [
         "reshape",
@@ -36,7 +36,7 @@ _VIEWS = frozenset(
         "gather",
     ]
 )
-"""What gives no name to what it moves."""
+"""Operations that only move values, and give them no name."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +46,11 @@ class Program:
     Attributes:
         graph: of its step and its start.
         params, state, inputs, outputs: the fields.
-        known: nodes of the fields that come in, by group.
+        known: nodes of the input fields, by group.
         start: nodes of the state before the first sample.
         after: nodes of the state after a sample.
         out: nodes of the outputs.
-        tunable: whether the parameters come in, or are numbers.
+        tunable: whether the parameters are adjustable, or constants.
         labels: where each node was traced.
     """
 
@@ -71,13 +71,13 @@ class Program:
 def as_graph(traced: Traced, *, tunable: bool = False, most: int | None = None) -> Program:
     """The graph of a traced filter; loops within a step are unrolled.
 
-    Symmetric matrices of the state are kept by halves: what is taken to be symmetric has to stay
-    so by a step, so that by induction it always is.
+    Symmetric matrices of the state are stored as halves: one assumed symmetric has to remain
+    so in a step, so that by induction it always is.
 
     Args:
         traced: the filter.
-        tunable: whether parameters come in, or are the numbers that they are.
-        most: operations; None: any number.
+        tunable: whether parameters are adjustable, or constants.
+        most: limit of operations; None: none.
 
     Raises:
         TooLargeError: for more operations than that.

@@ -1,4 +1,4 @@
-"""Operations of JAX that make one entry of many: sums, products, the largest."""
+"""Reductions of JAX: sums, products, the largest."""
 
 import math
 from itertools import product as indices
@@ -10,7 +10,7 @@ from tuner.code.walk import Algebra, Arrays, Rule, each, objects, rows_of
 
 
 def reduced(op: str) -> Rule:
-    """An array made smaller along some axes, by an operation of two."""
+    """A reduction along some axes by a binary operation."""
 
     def rule(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
         axes = equation.params["axes"]
@@ -29,7 +29,7 @@ def reduced(op: str) -> Rule:
 
 
 def place(better: str) -> Rule:
-    """Where the entry is that is better than all others, gt or lt."""
+    """The position of the largest (gt) or smallest (lt) entry."""
 
     def rule(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
         (axis,), dtype = equation.params["axes"], np.dtype(equation.params["index_dtype"])
@@ -46,7 +46,7 @@ def place(better: str) -> Rule:
 
 
 def cumulated(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
-    """Sums of all entries so far."""
+    """Cumulative sums."""
     rows = rows_of(given[0], equation.params["axis"])
     back = slice(None, None, -1 if equation.params["reverse"] else 1)
     sums = [rows[back][0]]

@@ -1,10 +1,10 @@
-"""Operations that scalars do not have, told by name."""
+"""Operations without a counterpart among scalars, refused by name."""
 
 from typing import Any
 
 
 class NoCounterpartError(ValueError):
-    """An operation that scalars do not have."""
+    """An operation without a counterpart among scalars."""
 
 
 def no_counterpart(name: str) -> NoCounterpartError:
@@ -19,7 +19,7 @@ def check_type(name: str, dtype: Any) -> None:
     Raises:
         NoCounterpartError: names it.
     """
-    if name == "convert_element_type" and dtype.kind == "c":  # whoever takes it is told
+    if name == "convert_element_type" and dtype.kind == "c":  # its consumer is refused
         return
     if dtype.kind not in "fib" or (dtype.kind == "i" and dtype.itemsize < 4):
         raise NoCounterpartError(f"{name} of numbers of {dtype} has no counterpart among scalars")

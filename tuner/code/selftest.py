@@ -1,4 +1,4 @@
-"""The self-test: samples with what is expected, as a function of C that compares them."""
+"""The self-test: a C function that compares outputs with expected ones."""
 
 from collections.abc import Iterator, Sequence
 
@@ -13,11 +13,11 @@ from tuner.code.written import Written
 
 
 def selftest(include: str, forms: Sequence[Form]) -> str:
-    """A source file with a function that is 0 where all forms do what they should.
+    """A source file with a function that returns 0 if all forms pass.
 
     Args:
         include: name of the header's file.
-        forms: what was written, and what it is tried on.
+        forms: the written code, and its test samples.
     """
     stem, file = forms[0].written.stem, include.rpartition(".")[0] or include
     lines = [
@@ -150,7 +150,7 @@ def _places(part: str, fields: Sequence[Field]) -> Iterator[tuple[str, Field]]:
 
 
 def _flat(fields: Sequence[Field], arrays: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Rows of what each field keeps, ``(N, size)``."""
+    """The stored entries of each field, ``(N, size)``."""
     found = []
     for field, array in zip(fields, arrays, strict=True):
         rows = np.asarray(array).reshape(len(array), -1)
@@ -161,7 +161,7 @@ def _flat(fields: Sequence[Field], arrays: Sequence[np.ndarray]) -> list[np.ndar
 
 
 def _table(name: str, real: Precision, values: np.ndarray) -> Iterator[str]:
-    """A constant array of one or two axes; C has no empty ones."""
+    """A constant array of one or two axes, never empty, as C requires."""
     if not values.size:
         values = np.zeros((*values.shape[:-1], 1))
     sizes = "".join(f"[{n}]" for n in values.shape)
@@ -175,7 +175,7 @@ def _table(name: str, real: Precision, values: np.ndarray) -> Iterator[str]:
 
 
 def _row(text: str) -> str:
-    """A row of numbers in lines that are not too long."""
+    """A row of numbers in short lines."""
     lines, line = [], "       "
     for part in text.split(" "):
         if len(line) + len(part) + 1 > 100:

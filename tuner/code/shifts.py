@@ -1,4 +1,4 @@
-"""Operations that move entries of arrays: strides where they do, loops where they do not."""
+"""Operations that move entries of arrays: by strides where possible, else by loops."""
 
 import math
 from collections.abc import Sequence
@@ -34,7 +34,7 @@ SCATTERED = frozenset({"scatter", "scatter-add", "scatter_add", "dynamic_update_
 
 
 def moved(block: Block, operation: Operation, given: Sequence[Held]) -> list[Held]:
-    """Entries of one array in other places: the same memory with other strides, where that does."""
+    """Entries of one array in other places: the same memory with other strides, where possible."""
     if operation.name in _KEPT:
         return list(given)
     x, asked = given[0], [given[0].shape]
@@ -53,7 +53,7 @@ def moved(block: Block, operation: Operation, given: Sequence[Held]) -> list[Hel
 
 
 def _placed(block: Block, x: View, table: np.ndarray) -> View:
-    """Entries of memory from the places of a table, counted through the array."""
+    """Entries gathered by a table of positions, counted through the array."""
     if x.alone:
         return View(x.buffer, table.shape, x.kind, 0, (0,) * table.ndim, alone=True)
     reached = sum(
@@ -82,7 +82,7 @@ def _placed(block: Block, x: View, table: np.ndarray) -> View:
 
 
 def joined(block: Block, operation: Operation, given: Sequence[Held]) -> View:
-    """Several arrays in one: each is written to its places."""
+    """Several arrays joined in one."""
     out = operation.outputs[0]
     kind: Kind = kind_of(out.dtype)
     (table,) = places(operation.equation, [x.shape for x in given])
@@ -138,10 +138,10 @@ def scattered(
 
 
 def _hit(operation: Operation, target: tuple[int, ...], more: tuple[int, ...]) -> np.ndarray:
-    """Where each entry goes, counted through the target.
+    """The position of each entry in the target.
 
     Raises:
-        NoCounterpartError: where one goes nowhere.
+        NoCounterpartError: for a position outside.
     """
     dtype = operation.equation.invars[0].aval.dtype  # of what JAX traced an addition for
     counted = np.arange(1, math.prod(more) + 1, dtype=dtype).reshape(more)
@@ -157,5 +157,5 @@ def _hit(operation: Operation, target: tuple[int, ...], more: tuple[int, ...]) -
 
 
 def _more(operation: Operation) -> int:
-    """Which operand goes to other places."""
+    """The index of the operand that moves."""
     return 1 if operation.name == "dynamic_update_slice" else 2

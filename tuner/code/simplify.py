@@ -16,7 +16,7 @@ Shorter: TypeAlias = Callable[[Nodes, int, int], int | None]
 
 
 def simpler(graph: Nodes, op: str, entries: tuple[int, ...]) -> int | None:
-    """A node that is the same as an operation, where there is a simpler one."""
+    """A simpler node that equals an operation; None without one."""
     if len(entries) == 1:
         return _of_one(graph, op, entries[0])
     x, y = entries
@@ -45,7 +45,7 @@ def _of_one(graph: Nodes, op: str, x: int) -> int | None:
 
 
 def _compared(graph: Nodes, op: str, x: int, y: int) -> int | None:
-    """A truth value that was made a number and is compared with one is the truth value."""
+    """A truth value that was converted to a number and compared with one is the truth value."""
     if x == y and graph.nodes[x].kind == "real":
         return graph.apply("isnan", x) if op == "ne" else None
     for inside, other, turned in ((x, y, False), (y, x, True)):
@@ -60,7 +60,7 @@ def _compared(graph: Nodes, op: str, x: int, y: int) -> int | None:
 
 
 def _either(rule: Shorter) -> Shorter:
-    """A rule for operations whose operands may change places."""
+    """A rule for commutative operations."""
 
     def both(graph: Nodes, x: int, y: int) -> int | None:
         found = rule(graph, x, y)
@@ -114,7 +114,7 @@ def _times_number(graph: Nodes, x: int, y: int) -> int | None:
 
 @_either
 def _times_twice(graph: Nodes, x: int, y: int) -> int | None:
-    """Two factors are one number: exact where one of them is a power of two."""
+    """Two constant factors are one: exact where one of them is a power of two."""
     if not graph.is_constant(x) or graph.nodes[y].op != "mul" or graph.nodes[y].kind != "real":
         return None
     first = float(graph.nodes[x].value)
@@ -137,7 +137,7 @@ def _times_half(graph: Nodes, x: int, y: int) -> int | None:
 
 @_either
 def _times_negative(graph: Nodes, x: int, y: int) -> int | None:
-    """A sign goes outwards, where a sum takes it."""
+    """A sign moves outwards, where a sum absorbs it."""
     if graph.nodes[x].op != "neg":
         return None
     return graph.apply("neg", graph.apply("mul", graph.nodes[x].args[0], y))
@@ -148,7 +148,7 @@ def _nothing_over(graph: Nodes, x: int, y: int) -> int | None:
 
 
 def _over_number(graph: Nodes, x: int, y: int) -> int | None:
-    """Times the inverse, where that is a number of full precision."""
+    """A quotient as a product with the inverse, where that has full precision."""
     if not graph.is_constant(y) or graph.nodes[y].kind != "real":
         return None
     inverse = graph.apply("div", graph.constant(graph.precision(1)), y)

@@ -1,4 +1,4 @@
-"""How large code becomes: by the compiler that is there."""
+"""The size of compiled code, by the installed compiler."""
 
 import re
 import shutil
@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 
 class Size(NamedTuple):
-    """Of a source file, compiled for size on this machine.
+    """The size of a source file compiled for size on this machine.
 
     Attributes:
         code: bytes of code and constants.
@@ -21,7 +21,7 @@ class Size(NamedTuple):
 
 
 def size(header: str, source: str, include: str) -> Size | None:
-    """What a compiler makes of a source file; None where there is none that tells.
+    """Code size and stack of a compiled source file; None where no compiler tells them.
 
     Args:
         header: text of the header.

@@ -1,6 +1,6 @@
-"""Which assignment of a source file an operation is the whole value of: names and comments.
+"""The assignment in the source whose whole value an operation is: for names and comments.
 
-JAX keeps with each operation where it was traced. Where it keeps nothing, nothing is named.
+JAX records where each operation was traced. Without a record there is no name.
 """
 
 import ast
@@ -18,7 +18,7 @@ class Said(NamedTuple):
     """An assignment.
 
     Attributes:
-        name: what is assigned to.
+        name: of the target.
         text: the statement, on one line.
         where: the file's name and the line.
     """
@@ -33,7 +33,7 @@ def said(source: Any) -> Said | None:
     """The assignment whose whole value an operation is, from the innermost call outwards.
 
     Args:
-        source: what JAX keeps with the operation.
+        source: JAX's record of the operation.
     """
     for file, span in _frames(getattr(source, "traceback", None)):
         found = _assigned(file).get(span)
@@ -67,7 +67,7 @@ def _libraries() -> tuple[str, ...]:
 
 @cache
 def _assigned(file: str) -> dict[Span, Said]:
-    """What a file assigns, by where the value stands; of what it returns, no name."""
+    """Names that a file assigns, by the position of the value; no name for returned values."""
     try:
         text = Path(file).read_text("utf-8")
         tree = ast.parse(text)

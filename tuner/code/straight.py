@@ -1,6 +1,6 @@
-"""A traced function as one list of operations: what it calls is written out, what is known is done.
+"""A traced function as a list of operations, with calls inlined and constants folded.
 
-Loops stay what they are. What nobody needs is left out.
+Loops remain. Unneeded operations are left out.
 """
 
 import math
@@ -19,7 +19,7 @@ from tuner.code.walk import aval_of, inner_of
 
 @dataclass(frozen=True, eq=False)
 class Slot:
-    """A result that is known only as the step runs.
+    """A result that is known only at run time.
 
     Attributes:
         shape: of the array.
@@ -41,9 +41,9 @@ class Operation:
     Attributes:
         name: of JAX's primitive.
         equation: as JAX traced it, for its parameters.
-        inputs: what it takes.
-        outputs: what it gives.
-        source: where it was traced; None of what JAX remembers from other calls.
+        inputs: its operands.
+        outputs: its results.
+        source: where it was traced; None for functions that JAX caches across calls.
     """
 
     name: str
@@ -58,10 +58,10 @@ class Straight:
     """Operations in their order.
 
     Attributes:
-        operations: all that is needed.
+        operations: the needed ones.
         results: of the function.
-        last: number of the operation that needs a slot last; of results, one behind all.
-        uses: operations that take a slot, by number; one behind all for each result.
+        last: number of the last operation that needs a slot; of results, one beyond all.
+        uses: numbers of the operations that take a slot; one beyond all for each result.
     """
 
     operations: list[Operation]
@@ -77,7 +77,7 @@ def straight(
 
     Args:
         closed: the function.
-        given: what it takes.
+        given: its operands.
         wanted: numbers of the results that are needed; None: all.
     """
     writer = _Writer()
@@ -87,7 +87,7 @@ def straight(
 
 
 def needed(operations: Sequence[Operation], results: list[Atom]) -> Straight:
-    """Without what nobody needs, and with when it is needed."""
+    """The needed operations, and when each result is needed last."""
     live = {atom for atom in results if isinstance(atom, Slot)}
     kept: list[Operation] = []
     for operation in reversed(operations):
@@ -107,7 +107,7 @@ def needed(operations: Sequence[Operation], results: list[Atom]) -> Straight:
 
 
 def work(operations: Sequence[Operation]) -> int:
-    """About how many scalar operations they take; what moves numbers takes none."""
+    """Approximate number of scalar operations; moves count as none."""
     total = 0
     for one in operations:
         params, size = one.equation.params, sum(math.prod(slot.shape) for slot in one.outputs)

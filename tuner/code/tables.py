@@ -1,4 +1,4 @@
-"""Constant arrays in C: one number for all, one on the diagonal, or a table."""
+"""Constant arrays in C: one number for all entries, one on the diagonal, or a table."""
 
 import re
 from collections.abc import Iterable
@@ -15,7 +15,7 @@ class Tables:
     """The tables of a source file; equal ones are one.
 
     Args:
-        stem: what their names begin with.
+        stem: prefix of their names.
         precision: of real numbers.
     """
 
@@ -25,7 +25,7 @@ class Tables:
         self._lines: dict[str, str] = {}
 
     def read(self, values: np.ndarray) -> Held:
-        """Numbers to be read."""
+        """A constant array to be read."""
         kind = kind_of(values.dtype)
         first = values.ravel()[0] if values.size else 0
         if values.size and np.array_equal(
@@ -47,7 +47,7 @@ class Tables:
         return Lazy(values.shape, kind, diagonal)
 
     def used(self, lines: Iterable[str]) -> list[str]:
-        """The definitions of the tables that occur in lines."""
+        """The definitions of the tables that lines use."""
         text = "\n".join(lines)
         return [line for name, line in self._lines.items() if re.search(rf"\b{name}\b", text)]
 

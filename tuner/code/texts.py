@@ -15,7 +15,7 @@ class Text(NamedTuple):
 
     Attributes:
         text: a name, a number, a call, or in brackets.
-        kind: what it is.
+        kind: of the operand.
         number: its value, where that is known.
     """
 
@@ -41,7 +41,7 @@ class Texts:
         return Text(f"({text})" if text.startswith(("-", "(")) else text, kind, float(value))
 
     def apply(self, op: str, *entries: Text) -> Text:
-        """One operation, without factors of one and terms of zero."""
+        """One operation, without factors of 1 and terms of 0."""
         kinds: list[Kind] = [entry.kind for entry in entries]
         kind: Kind = "truth" if op in LOGIC else "real" if "real" in kinds else kinds[0]
         if kind == "real" and all(entry.number is not None for entry in entries):
@@ -53,7 +53,7 @@ class Texts:
         return Text(text if _is_call(text) else f"({text})", kind)
 
     def _simpler(self, op: str, entries: tuple[Text, ...], kind: Kind) -> Text | None:
-        """What is the same with fewer operations; None where there is nothing."""
+        """An equivalent with fewer operations; None where there is none."""
         if op == "ne" and entries[0] == entries[1] and entries[0].kind == "real":
             return self.apply("isnan", entries[0])
         for one, other in (entries, entries[::-1]) if len(entries) == 2 else ():
@@ -68,7 +68,7 @@ class Texts:
         return self._by_number(op, entries[0], entries[-1].number) if kind == "real" else None
 
     def _by_number(self, op: str, entry: Text, number: float | None) -> Text | None:
-        """A number less nothing, or over a power of two."""
+        """An operation with a constant, simplified: less 0, or over a power of two."""
         if op == "sub" and number == 0:
             return entry
         if op == "div" and number and math.frexp(abs(number))[0] == 0.5:
@@ -83,7 +83,7 @@ class Texts:
         return Text(f"({asked} ? {yes.text} : {no.text})", yes.kind)
 
     def convert(self, entry: Text, dtype: np.dtype) -> Text:
-        """The same as another kind of number."""
+        """A conversion to another kind of number."""
         kind = kind_of(dtype)
         if kind == entry.kind:
             return entry

@@ -12,19 +12,19 @@ from tuner.code.literal import Precision
 from tuner.code.walk import Arrays
 
 LARGEST = 2000
-"""A state of more numbers is refused: its covariance alone would fill a controller's memory."""
+"""Most numbers of a state: a larger covariance alone would fill a controller's memory."""
 
 
 @dataclass(frozen=True, eq=False)
 class Traced:
-    """A filter's functions as JAX traced them, in the precision that they are for.
+    """A filter's traced functions, in the target's precision.
 
     Attributes:
         step: of parameters, state and inputs; then the next state and the outputs, flat.
         start: of parameters.
         values: of the parameters, flat.
         params, state, inputs, outputs: the fields.
-        kept: which outputs are put out.
+        kept: which outputs are included.
         precision: the type of real numbers.
     """
 
@@ -51,14 +51,14 @@ def traced(
     precision: Precision = "double",
     keep: Collection[str] | None = None,
 ) -> Traced:
-    """Trace a filter in the precision that it is for.
+    """Trace a filter in the target's precision.
 
     Args:
         filter: the filter.
         params: its parameters.
         sample: its inputs at one sample.
         precision: of its real numbers.
-        keep: names of the outputs that are put out; None: all.
+        keep: names of the outputs to be included; None: all.
 
     Raises:
         ValueError: for a state that is too large.

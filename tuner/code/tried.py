@@ -1,4 +1,4 @@
-"""What a filter is tried on where it runs: a few samples, and what JAX makes of them."""
+"""Test data of a filter for its target: a few samples, and JAX's results."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -12,25 +12,25 @@ from tuner.code.trace import in_precision
 
 SAMPLES = 50
 _SHARE = {"double": 1e-9, "float": 4e-6}
-"""Of a number's size, what it may be off whatever the filter makes of rounding errors."""
+"""Tolerance of a number relative to its size, however the filter amplifies rounding errors."""
 _ROUNDING = {"double": 1e-12, "float": 1e-6}
-"""What is so far below the largest number of the state is left of rounding."""
+"""Values this far below the largest number of the state are due to rounding."""
 
 
 _QUICKLY = {"xla_backend_optimization_level": 0, "xla_llvm_disable_expensive_passes": True}
-"""A few samples are run faster than they are compiled for."""
+"""Compiler options for a few samples, whose run takes less time than compilation."""
 
 
 @dataclass(frozen=True, eq=False)
 class Tried:
-    """Samples and what follows from them, flat; whole numbers and truth values as real ones.
+    """Samples and expected results, flat; whole numbers and truth values as real ones.
 
     Attributes:
         samples: the inputs, ``(N, inputs)``.
         expected: the outputs, a field each, ``(N, ...)``.
-        allowed: how far an output may be off in each sample, a field each, ``(N, ...)``.
+        allowed: tolerance of the outputs in each sample, a field each, ``(N, ...)``.
         after: the state after the last sample, a field each.
-        allowed_after: how far it may be off.
+        allowed_after: its tolerance.
     """
 
     samples: list[np.ndarray]
@@ -41,7 +41,7 @@ class Tried:
 
 
 def tried(filter: Any, params: Any, inputs: Any, kept: Sequence[bool], precision: str) -> Tried:
-    """Run a filter over some of its samples, in the precision that it is written for.
+    """Run a filter over some of its samples, in the target's precision.
 
     The first samples and some of all the others, with holes where the filter takes them.
 
@@ -49,7 +49,7 @@ def tried(filter: Any, params: Any, inputs: Any, kept: Sequence[bool], precision
         filter: the filter.
         params: its parameters.
         inputs: its inputs, time first.
-        kept: which of its outputs, flat, are put out.
+        kept: which of its outputs, flat, are included.
         precision: double or float.
     """
     samples = _with_holes(filter, params, _chosen(inputs))
@@ -74,7 +74,7 @@ def tried(filter: Any, params: Any, inputs: Any, kept: Sequence[bool], precision
 
 
 def _beside(samples: Any, dtype: type[np.floating]) -> Iterator[Any]:
-    """The same samples with other rounding errors: what these change, another machine may."""
+    """The same samples with other rounding errors, whose effect another machine may show."""
     draw = np.random.default_rng(0)
 
     def near(leaf: np.ndarray) -> np.ndarray:
@@ -88,7 +88,7 @@ def _beside(samples: Any, dtype: type[np.floating]) -> Iterator[Any]:
 
 
 def _chosen(inputs: Any) -> Any:
-    """The first half one after another, the others from everywhere behind it."""
+    """The first half consecutive, the others spread over the rest."""
     count = len(jax.tree.leaves(inputs)[0])
     near = np.arange(min(count, SAMPLES // 2))
     far = np.linspace(len(near), count - 1, min(SAMPLES, count) - len(near)).astype(int)
@@ -97,7 +97,7 @@ def _chosen(inputs: Any) -> Any:
 
 
 def _with_holes(filter: Any, params: Any, samples: Any) -> Any:
-    """The same with samples missing in every channel that the filter can miss."""
+    """The samples with gaps in every channel that may be missing."""
     leaves, tree = jax.tree.flatten(samples)
     whole: Any = tree
     for k, leaf in enumerate(leaves):
@@ -125,7 +125,7 @@ def _run(filter: Any, params: Any, samples: Any) -> Any:
 
 
 def _allowed(found: np.ndarray, others: Sequence[np.ndarray], share: float) -> np.ndarray:
-    """How far another machine may be off in a number: by what rounding has grown to so far.
+    """Tolerance for another machine: the accumulated effect of rounding so far.
 
     A filter may forget where it was told exactly (a direction that is normalised has none at rest);
     its first samples still show a wrong constant.

@@ -1,4 +1,4 @@
-"""Operations in their order as statements with loops; a loop within a step stays one."""
+"""Operations in order as statements with loops; a loop within a step remains one."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
@@ -18,7 +18,7 @@ from tuner.code.straight import Atom, Operation, Slot, Straight, straight
 from tuner.code.walk import each, objects
 
 SMALL = 32
-"""A loop whose arrays are no larger has its turns written out entry by entry."""
+"""Largest arrays of a loop whose body is written entry by entry."""
 _SIMPLE: tuple[tuple[frozenset[str], Callable[[Block, Operation, list[Held]], Held]], ...] = (
     (BY_ENTRY, by_entry),
     (frozenset(SUMS), summed),
@@ -29,11 +29,11 @@ _STREAMED = BY_ENTRY | SUMS.keys()
 
 
 class Turns:
-    """Writes operations into a block.
+    """A writer of operations into a block.
 
     Args:
-        block: where to.
-        held: memory that is not free, whatever else.
+        block: the target.
+        held: memory that is never free.
     """
 
     def __init__(self, block: Block, held: frozenset[str] = frozenset()) -> None:
@@ -44,7 +44,7 @@ class Turns:
 
         Args:
             code: the operations.
-            known: what is there already.
+            known: results so far.
         """
         values: dict[Slot, Held] = dict(known)
         for number, operation in enumerate(code.operations):
@@ -67,7 +67,7 @@ class Turns:
         return self.block.tables.read(atom) if isinstance(atom, np.ndarray) else values[atom]
 
     def _kept(self, code: Straight, slot: Slot, x: Held, dying: frozenset[str]) -> Held:
-        """An expression stays one where it is needed once, and entry by entry."""
+        """An expression that remains one where it is needed once, and elementwise."""
         if isinstance(x, View) or x.number is not None:
             return x
         where = code.uses[slot]
@@ -98,7 +98,7 @@ class Turns:
     def _scan(
         self, operation: Operation, given: list[Held], busy: frozenset[str]
     ) -> Sequence[Held]:
-        """A loop of its own: what is carried lies in memory, rows are read and written in turn."""
+        """A loop of its own, with the carry in memory; rows are read and written in turn."""
         block, params = self.block, operation.equation.params
         shared, carried, length = params["num_consts"], params["num_carry"], params["length"]
         given = [block.made(x) if x.buffers or k >= shared else x for k, x in enumerate(given)]
@@ -128,7 +128,7 @@ class Turns:
     def _end(
         self, found: Sequence[Held | Listed], ends: Sequence[View], moving: frozenset[str]
     ) -> None:
-        """Put results of a turn where they belong; none is read after it is written over."""
+        """Store the results of an iteration; none is overwritten before it is read."""
         ready: list[Held | Listed] = []
         for x, into in zip(found, ends, strict=True):
             if isinstance(x, Listed) or x == into or not x.buffers & moving:
@@ -154,7 +154,7 @@ class Turns:
         return Turns(self.block, held).run(code, dict(zip(slots, given, strict=True)))
 
     def _written_out(self, closed: core.ClosedJaxpr, given: list[Held]) -> list[Listed]:
-        """One turn, entry by entry."""
+        """One iteration, entry by entry."""
         graph = Graph(np.float64 if self.block.precision == "double" else np.float32)
         entries = [_entries(graph, x) for x in given]
         found = objects(graph, walk(graph).closed(closed, entries))
@@ -190,7 +190,7 @@ def _like(into: View, shape: tuple[int, ...]) -> View:
 
 
 def _row(x: View, at: str) -> View:
-    """The part of an array of one turn."""
+    """The part of an array for one iteration."""
     start = total(x.base, times(x.strides[0], at))
     return View(x.buffer, x.shape[1:], x.kind, start, x.strides[1:])
 

@@ -1,4 +1,4 @@
-"""A traced function, operation by operation, on arrays whose entries are anything.
+"""The evaluation of a traced function, operation by operation, on arrays of any objects.
 
 The entries are nodes of a graph or another program's symbols, in NumPy arrays of objects. What
 depends on none of them is worked out by JAX. A table says what each operation is; loops within a
@@ -17,14 +17,14 @@ from tuner.code.refused import check_type, no_counterpart
 
 Arrays: TypeAlias = list[np.ndarray]
 Rule: TypeAlias = "Callable[[Algebra, Any, Arrays], Arrays]"
-"""From the entries, an operation as JAX traced it, and its operands to its results."""
+"""The map from an algebra, a traced operation and its operands to its results."""
 
 
 class Algebra(Protocol):
-    """What the entries are."""
+    """Operations on the entries of arrays."""
 
     def constant(self, value: Any) -> Any:
-        """The entry that is a number."""
+        """The entry of a constant."""
         ...
 
     def apply(self, op: str, *entries: Any) -> Any:
@@ -36,7 +36,7 @@ class Algebra(Protocol):
         ...
 
     def convert(self, entry: Any, dtype: np.dtype) -> Any:
-        """The same as another kind of number."""
+        """A conversion to another kind of number."""
         ...
 
 
@@ -45,12 +45,12 @@ class Walk:
     """A way through traced functions.
 
     Attributes:
-        algebra: what the entries are.
-        rules: what each operation is.
+        algebra: of the entries.
+        rules: for each operation.
         moves: those of them that move numbers as well as entries.
-        numbers: functions of NumPy that do with real numbers what operations do.
-        unrolls: whether the turns of a loop are written out, or a loop is refused.
-        told: told of every operation in the function itself and its loops, with its results.
+        numbers: NumPy's functions for operations on real numbers.
+        unrolls: whether loops are unrolled, or refused.
+        told: called with every operation of the function and its loops, and its results.
     """
 
     algebra: Algebra
@@ -85,7 +85,7 @@ class Walk:
     def equation(self, equation: Any, given: Arrays) -> Arrays:
         """The results of one operation."""
         name, inner = equation.primitive.name, inner_of(equation)
-        if inner is not None:  # JAX remembers these, with lines of whoever called them first
+        if inner is not None:  # JAX caches these, with the lines of their first caller
             return replace(self, told=None).closed(inner, given)
         if all(array.dtype != object for array in given):
             return self.known(equation, given)
@@ -100,7 +100,7 @@ class Walk:
         return self.rules[name](self.algebra, equation, given)
 
     def known(self, equation: Any, given: Arrays) -> Arrays:
-        """What is known already: by NumPy where that does the same, else JAX has to compile it."""
+        """A result of known operands: by NumPy where it equals JAX, else compiled by JAX."""
         name = equation.primitive.name
         if name in self.moves:
             return self.moves[name](self.algebra, equation, given)
@@ -140,7 +140,7 @@ class Walk:
 
 
 def inner_of(equation: Any) -> core.ClosedJaxpr | None:
-    """The function that an operation calls, and nothing else."""
+    """The function of an operation that only calls one; else None."""
     name, params = equation.primitive.name, equation.params
     if name in ("jit", "pjit", "closed_call", "core_call", "custom_jvp_call", "custom_vjp_call"):
         for key in ("jaxpr", "call_jaxpr"):
@@ -164,7 +164,7 @@ def rows_of(array: np.ndarray, axis: int = 0) -> Arrays:
 
 
 def each(function: Callable[..., Any], *arrays: np.ndarray) -> np.ndarray:
-    """A function of entries, entry by entry; shapes of JAX fit already, or are of one number."""
+    """A function of entries, elementwise; shapes of JAX agree already, or are scalar."""
     shape = np.broadcast_shapes(*(array.shape for array in arrays))
     out = np.empty(shape, object)
     whole = [np.broadcast_to(array, shape) for array in arrays]
@@ -174,12 +174,12 @@ def each(function: Callable[..., Any], *arrays: np.ndarray) -> np.ndarray:
 
 
 def objects(algebra: Algebra, arrays: Sequence[np.ndarray]) -> Arrays:
-    """The same as entries: numbers become constants."""
+    """The arrays as entries: numbers become constants."""
     return [array if array.dtype == object else each(algebra.constant, array) for array in arrays]
 
 
 def mixed(algebra: Algebra, arrays: Sequence[np.ndarray]) -> Arrays:
-    """The same; as entries, where one of them is of entries."""
+    """The arrays; all as entries, where one of them has entries."""
     if all(array.dtype != object for array in arrays):
         return list(arrays)
     return objects(algebra, arrays)

@@ -1,4 +1,4 @@
-"""What is written of one form of a filter: its declarations, its definitions, and what it took."""
+"""The code of one form of a filter: its declarations, its definitions, and its cost."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -15,12 +15,12 @@ class Written:
     """A form of a filter in C.
 
     Attributes:
-        stem: what the names of its types and functions begin with.
+        stem: prefix of its types and functions.
         precision: of its real numbers.
         state, inputs, outputs, params: its fields; no params where they are numbers.
         declarations: lines of the header.
         definitions: lines of the source.
-        operations: how many a step takes.
+        operations: of a step.
     """
 
     stem: str
@@ -43,10 +43,10 @@ def declarations(
     """The types and functions of a form.
 
     Args:
-        stem: what names begin with.
+        stem: prefix of the names.
         precision: of real numbers.
-        parts: the structs: their names, what they are, their fields.
-        tables: the member for what follows from parameters; None where there are no parameters.
+        parts: the structs: their names, meanings, and fields.
+        tables: the member for values derived from parameters; None without parameters.
     """
     for name, meaning, fields in parts:
         yield f"/* {meaning} */"
@@ -57,7 +57,7 @@ def declarations(
     if tables is None:
         yield from ("/* Begin anew. */", f"void {stem}_init({stem}_state *state);", "")
     else:
-        yield "/* What follows from the parameters, worked out by set. */"
+        yield "/* Values that follow from the parameters, computed by set. */"
         yield "typedef struct {"
         yield f"    {tables}"
         yield f"}} {stem}_tables;"
@@ -88,7 +88,7 @@ def _members(fields: Sequence[Field], precision: Precision) -> Iterator[str]:
 
 
 def unused(lines: Sequence[str], names: Iterable[str]) -> Iterator[str]:
-    """Statements for parameters of a function that none of its lines uses."""
+    """Statements for unused parameters of a function."""
     text = "\n".join(lines)
     for name in names:
         if f"{name}->" not in text:
@@ -96,7 +96,7 @@ def unused(lines: Sequence[str], names: Iterable[str]) -> Iterator[str]:
 
 
 def step(stem: str, tunable: bool) -> str:
-    """How the function is declared that takes a sample."""
+    """The declaration of the step function."""
     more = f", const {stem}_tables *tables" if tunable else ""
     return (
         f"void {stem}_step({stem}_state *state,\n"
@@ -107,7 +107,7 @@ def step(stem: str, tunable: bool) -> str:
 def defaults(
     stem: str, precision: Precision, params: Sequence[Field], values: Sequence[np.ndarray]
 ) -> Iterator[str]:
-    """The function that gives parameters the values that were tuned."""
+    """The function that sets parameters to their tuned values."""
     yield f"void {stem}_defaults({stem}_params *params)"
     yield "{"
     for field, value in zip(params, values, strict=True):

@@ -1,4 +1,4 @@
-"""What a convex program came to."""
+"""The answer of a convex program."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ Report: TypeAlias = Callable[["Answer"], dict[str, float]]
 
 @dataclass(frozen=True)
 class Answer:
-    """What a convex program came to.
+    """The answer of a convex program.
 
     Attributes:
         status: how it ended.
@@ -34,7 +34,7 @@ class Answer:
         violation: the largest violation of a constraint at the point, over one plus the size of
             the constraint's terms; computed from the variables, not taken from the solver.
         iterations: of the solver, over all its runs.
-        seconds: how long it all took.
+        seconds: total time.
     """
 
     status: Status

@@ -1,4 +1,4 @@
-"""The lower bound that a dual point proves, computed again from the program's data."""
+"""The lower bound that a dual point proves, recomputed from the program's data."""
 
 from typing import Any
 
@@ -7,11 +7,11 @@ import numpy as np
 from tuner.convex.cones import kind_of, outside
 
 MARGIN = 10.0
-"""How much larger than the solution a point may be for the lower bound to hold for it."""
+"""Size, relative to the solution, of the points for which the lower bound holds."""
 
 
 def dual_bound(data: dict[str, Any], x: np.ndarray, z: np.ndarray, s: np.ndarray) -> float | None:
-    """What z proves about min x'Px / 2 + c'x with b - Ax in K; None for cones not checked here.
+    """The bound from z on min x'Px / 2 + c'x with b - Ax in K; None for cones not checked here.
 
     From Px + c + A'z = r and z in K* follows the bound -x'Px/2 - b'z + r'y for every admissible
     y; the dual residual r and z's distance from K* are made up for by the size of x and s.

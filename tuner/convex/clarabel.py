@@ -1,4 +1,4 @@
-"""Runs of Clarabel, an interior-point method, on what cvxpy makes of a problem."""
+"""Runs of Clarabel, an interior-point method, on a problem compiled by cvxpy."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     import cvxpy as cp
 
 TOLERANCES = (1e-10, 1e-8, 1e-6)
-"""What the solver is asked for, one after the other until it gets there."""
+"""Tolerances asked of the solver, one after the other until it converges."""
 
 NEAR = 1e3
-"""Sides and costs up to this size, and down to its inverse, are near 1: they stay as they are."""
+"""Sides and costs up to this size, and down to its inverse, are not scaled."""
 
 _FINISHED = {
     "Solved": Status.CONVERGED,
@@ -37,20 +37,20 @@ _BUILDING = RLock()
 
 @contextmanager
 def building() -> Iterator[None]:
-    """Hold this while cvxpy expressions are made: it numbers them all by one unguarded counter."""
+    """A lock for building cvxpy expressions, which one unguarded counter numbers."""
     with _BUILDING:
         yield
 
 
 @dataclass(frozen=True)
 class Descent:
-    """What the solver came to.
+    """The outcome of a run of the solver.
 
     Attributes:
-        ended: its own word for how it ended.
-        tolerance: what it was asked for.
+        ended: its own status.
+        tolerance: the tolerance it was asked for.
         solution: cvxpy's reading of where it ended.
-        proved: the lower bound that its dual point proves, if it does.
+        proved: the lower bound that its dual point proves, if any.
         iterations: how many it took, those of the runs before it among them.
     """
 
@@ -62,17 +62,17 @@ class Descent:
 
     @property
     def looser(self) -> bool:
-        """Whether it was asked for less than usual."""
+        """Whether its tolerance was looser than usual."""
         return self.tolerance > TOLERANCES[0]
 
     @property
     def status(self) -> Status:
-        """How it ended."""
+        """The status."""
         return (_FINISHED | _UNFINISHED).get(self.ended, Status.FAILED)
 
     @property
     def present(self) -> bool:
-        """Whether there should be a point."""
+        """Whether a point is expected."""
         return _has_point(self.ended)
 
 
@@ -82,10 +82,10 @@ def _has_point(ended: str) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What Clarabel found, named as cvxpy reads it.
+    """Clarabel's solution, with the names that cvxpy reads.
 
     Attributes:
-        status: its own word for how it ended.
+        status: its own status.
         x, z, s: the point, the dual point and the slacks.
         obj_val: the objective at x.
         iterations: how many it took.
@@ -116,7 +116,7 @@ class Compiled:
     inverse: Any
 
     def run(self, data: dict[str, Any], tolerance: float) -> "Found":
-        """What Clarabel finds for some data; it gets sides, or costs, all far from 1, near it.
+        """Clarabel's solution of some data; sides, or costs, that are all far from 1 are scaled.
 
         Its tolerances are absolute below 1, and its proofs of infeasibility are lost in large
         sides. Cones do not mind: of x / size the sides are b / size, and the objective, over
@@ -166,7 +166,7 @@ def compiled(problem: "cp.Problem") -> Compiled:
 
 
 def descend(problem: "cp.Problem") -> Descent:
-    """The first run that gets to its tolerance, or the last; with the iterations of all."""
+    """The first run that reaches its tolerance, or the last; with the iterations of all."""
     program = compiled(problem)
     iterations = 0
     for tolerance in TOLERANCES:
@@ -184,7 +184,7 @@ def descend(problem: "cp.Problem") -> Descent:
 
 
 def _ended(program: Compiled, raw: Found, tolerance: float) -> str:
-    """The solver's own word, but where it is unbounded only if there is a point to start from."""
+    """The solver's own status; unbounded only where there is a point to start from."""
     if raw.status != "DualInfeasible":
         return raw.status
     # It found a direction of descent, which says nothing about a point.

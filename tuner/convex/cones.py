@@ -1,4 +1,4 @@
-"""Products of cones as the solver orders them: their class, and the distance from their duals."""
+"""Products of cones in the solver's order: their class, and the distance from their duals."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 def kind_of(data: dict[str, Any]) -> str:
-    """What compiled data amount to: lp, qp, socp, sdp, or conic for what is more."""
+    """The class of compiled data: lp, qp, socp, sdp, or conic for any other."""
     dims = data["dims"]
     if dims.exp or dims.p3d or getattr(dims, "pnd", None):
         return "conic"
@@ -18,7 +18,7 @@ def kind_of(data: dict[str, Any]) -> str:
 
 
 def outside(z: np.ndarray, dims: Any) -> float:
-    """How far z is from the dual of the product of cones, Euclidean."""
+    """The Euclidean distance of z from the dual of the product of cones."""
     first = dims.zero + dims.nonneg
     distance = np.linalg.norm(np.minimum(z[dims.zero : first], 0.0)) ** 2
     for size in dims.soc:

@@ -29,7 +29,7 @@ def linear_program(
         A_ub, b_ub: inequalities, ``(k, n)`` and ``(k,)``.
         A_eq, b_eq: equalities, ``(l, n)`` and ``(l,)``.
         low, high: bounds, ``(n,)`` or a number, infinite where there is none.
-        name: what to call it.
+        name: of the program.
 
     Raises:
         ValueError: for shapes that do not fit, or a matrix without its right-hand side.
@@ -52,7 +52,7 @@ def linear_program(
 
 
 def _built(name: str, values: dict[str, np.ndarray], where: dict[str, np.ndarray]) -> ConvexProgram:
-    """The program of the given arguments; ``where`` says which entries the bounds are for."""
+    """The program of the given arguments; ``where`` selects the entries that have bounds."""
     import cvxpy as cp
 
     with building():

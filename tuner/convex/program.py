@@ -27,7 +27,7 @@ class ConvexProgram:
     by one thread at a time; the others wait.
 
     Attributes:
-        name: what it is called.
+        name: of the program.
         problem: the cvxpy problem, a minimisation by cvxpy's rules for parameters (DPP).
         parameters: all its parameters, by name.
         variables: the variables to be read, by name.
@@ -108,12 +108,12 @@ class ConvexProgram:
         return replace(self, values={**self.values, **values})
 
     def answer(self) -> Answer:
-        """Its solution for its own values."""
+        """The solution for its own values."""
         return solve(self)
 
     @property
     def kind(self) -> str:
-        """What it amounts to for its own values: lp, qp, socp, sdp, or conic for what is more."""
+        """The class for its own values: lp, qp, socp, sdp, or conic for any other."""
         with self.lock:
             self._assign({})
             return kind_of(compiled(self.problem).data)
@@ -149,8 +149,8 @@ def _checked(
 def solve(program: ConvexProgram, values: Mapping[str, ArrayLike] | None = None) -> Answer:
     """Solve a program by Clarabel, an interior-point method, and check what it returns.
 
-    The solver is asked for :data:`tuner.convex.TOLERANCES` one after the other until it says it
-    got there; the message says where that was not the first.
+    The solver is given :data:`tuner.convex.TOLERANCES` one after the other until it reports that it
+    converged; the message tells where that was not the first.
 
     Args:
         program: what is minimised.

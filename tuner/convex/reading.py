@@ -14,17 +14,17 @@ if TYPE_CHECKING:
     import cvxpy as cp
 
 ADMISSIBLE = 1e-6
-"""A point that breaks a constraint by a larger share of the constraint's terms is not trusted."""
+"""The largest violation of a trusted point, as a share of the constraint's terms."""
 
 _WITHOUT_POINT = {Status.INFEASIBLE: np.inf, Status.UNBOUNDED: -np.inf}
 
 
 class Readable(Protocol):
-    """What a program says of itself: its name, and its parts by theirs."""
+    """A program's name, its variables and its constraints."""
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """The program's name."""
         ...
 
     @property
@@ -44,11 +44,11 @@ class Readable(Protocol):
 
 
 def read(program: Readable, run: Descent, begun: float) -> Answer:
-    """The answer that a run amounts to, checked by the constraints themselves.
+    """The answer of a run, checked by the constraints themselves.
 
     Args:
-        program: what was solved.
-        run: how that went.
+        program: the solved one.
+        run: of the solver.
         begun: when it began, by :func:`time.perf_counter`.
     """
     problem, status = program.problem, run.status

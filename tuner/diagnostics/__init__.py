@@ -1,4 +1,4 @@
-"""What the innovations of a filter say about it: size, whiteness, outliers, and their causes."""
+"""Tests of a filter's innovations: size, whiteness, outliers, and their causes."""
 
 from tuner.diagnostics.diagnose import Diagnostics, Ways, diagnose
 from tuner.diagnostics.finding import Finding

@@ -1,4 +1,4 @@
-"""Whether the first innovations contradict the start: x0 and P0 against the first numbers."""
+"""Test of the start: whether the first innovations contradict x0 and P0."""
 
 import numpy as np
 
@@ -7,17 +7,17 @@ from tuner.diagnostics.finding import Finding, judged, not_tried
 
 NAME, WHAT = "start", "mean square of the first innovations over the usual one"
 FEW = 40
-"""Of fewer numbers nothing is said."""
+"""The fewest numbers for a test."""
 WINDOWS = (1, 2, 4, 8, 16)
 CLIPPED = 3.0
-"""In deviations; from the second number on, so that one outlier there is no start."""
+"""Limit in deviations, from the second number on, so that one outlier does not count as a start."""
 ENOUGH = 100
 QUIET = 3
 """A leap after so many numbers is an outlier's; a wrong start shows before, or grows."""
 
 
 def of_start(columns: tuple[Column, ...], way: str) -> Finding:
-    """Test whether the first numbers of each recording lie farther off than all.
+    """Test whether the first numbers of each recording are larger than usual.
 
     Args:
         columns: the measurements.
@@ -62,7 +62,7 @@ def _elsewhere(columns: tuple[Column, ...], width: int, mean: float) -> float:
 
 
 def _firsts(column: Column, width: int) -> np.ndarray:
-    """Squares of the first numbers of each recording that has enough, over the usual one.
+    """Squares of the first numbers of each sufficiently long recording, over the usual square.
 
     A recording in which an outlier leaps out of quiet ones among them is left out.
     """

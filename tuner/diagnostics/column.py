@@ -7,19 +7,19 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 INSIDE = 4.0
-"""Beyond so many deviations a normalised innovation is an outlier: 1 in 15,800 of normal ones."""
+"""Normalised innovations beyond it are outliers: 1 in 15,800 of normal ones."""
 CLIP, CLIPPED = 3.0, 0.97334
 """The usual deviation is that of the numbers within so many, and their mean square where normal."""
 AFTERMATH, SMALL = 10, 2.0
 """Numbers after an outlier that it may have disturbed, and what is small again."""
 Varying: TypeAlias = Literal["", "time", "level"]
-"""What the noise changes with."""
+"""The variable that the noise changes with."""
 PARTS = 10
 FEW = 20
 
 
 def usual(numbers: np.ndarray) -> float:
-    """Deviation of numbers without outliers: of those within three of it, as of normal ones.
+    """Deviation of numbers without outliers, from those within three deviations, if normal.
 
     Begins with the median and goes on with the numbers inside until they stay the same.
 
@@ -49,7 +49,7 @@ class Column:
             filter, as are all below in the same order.
         y: innovations.
         times: s.
-        recording: which recording each is of.
+        recording: the recording of each.
         levels: what was foretold, in the unit of the measurement; None where nobody knows.
     """
 
@@ -69,19 +69,19 @@ class Column:
         return usual(self.e)
 
     def correlation(self, lag: int) -> float:
-        """Of each number with that so many before in the same recording, in units of the square."""
+        """Correlation of numbers that are ``lag`` apart in one recording, over their square."""
         pairs = self.e[lag:] * self.e[:-lag]
         same = self.recording[lag:] == self.recording[:-lag]
         power = float(self.e @ self.e)
         return float((pairs * same).sum()) / power if power > 0 else 0.0
 
     def pairs(self, lag: int) -> int:
-        """How many there are."""
+        """Number of such pairs."""
         return int((self.recording[lag:] == self.recording[:-lag]).sum())
 
     @cached_property
     def spread(self) -> float:
-        """By which factor correlation widens the variance of a mean of squares; 1 if white.
+        """Factor by which correlation increases the variance of a mean of squares; 1 if white.
 
         1 + 2 sum r_k^2 (Bartlett, for normal numbers), up to two lags in a row that say nothing.
         """
@@ -96,7 +96,7 @@ class Column:
 
     @cached_property
     def calm(self) -> np.ndarray:
-        """Which numbers are no outliers and follow none; all where less than half would stay.
+        """Which numbers are not outliers and follow none; all where less than half would remain.
 
         What follows ends with two numbers in a row within two deviations, and not before an outlier
         that halves each time would be as small as one.
@@ -113,20 +113,20 @@ class Column:
         return ~near if 2 * near.sum() < len(near) else np.ones_like(near)
 
     def only(self, rows: np.ndarray) -> "Column":
-        """Some of the numbers."""
+        """The column with some of its numbers."""
         levels = None if self.levels is None else self.levels[rows]
         parts = (self.e[rows], self.y[rows], self.times[rows], self.recording[rows])
         return Column(self.name, *parts, levels)
 
     def parts(self, varying: Varying) -> list[np.ndarray]:
-        """The rows in ten parts of like time or level; all of them in one where nothing varies."""
+        """The rows in ten parts of similar time or level; in one part where nothing varies."""
         rows = np.arange(len(self))
         if varying == "level" and self.levels is not None:
             rows = np.argsort(self.levels, kind="stable")
         return np.array_split(rows, max(min(PARTS, len(rows) // FEW), 1) if varying else 1)
 
     def evened(self, varying: Varying) -> "Column":
-        """With noise that is the same in all parts."""
+        """The column scaled to the same noise in all parts."""
         if not varying:
             return self
         e = self.e.copy()

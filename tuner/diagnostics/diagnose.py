@@ -1,4 +1,4 @@
-"""All that innovations say about a filter, in one pass."""
+"""All tests of a filter's innovations, in one pass."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ from tuner.diagnostics.whiteness import lag_one, of_whiteness
 
 @dataclass(frozen=True)
 class Ways:
-    """The way out of each failure, in words that end a sentence.
+    """The remedy for each failure, in words that end a sentence.
 
     Attributes:
         outliers, turns, start, level, time, whiteness: of the tests by these names.
@@ -34,7 +34,7 @@ class Ways:
 
 @dataclass(frozen=True)
 class Diagnostics:
-    """Whether a filter is right about its innovations.
+    """The consistency of a filter with its innovations.
 
     Attributes:
         nis: mean of y^2 / s over the numbers that count; 1 where the filter is right.
@@ -43,7 +43,7 @@ class Diagnostics:
         factor_low, factor_high: its 95 % interval.
         lag_one: correlation of each normalised innovation with the one before; 0 if white.
         numbers: how many numbers count.
-        findings: every test, causes before what follows from them.
+        findings: every test, causes before their effects.
     """
 
     nis: float
@@ -66,7 +66,7 @@ class Diagnostics:
 
     @property
     def verdict(self) -> str:
-        """Of the NIS, in a few words."""
+        """The NIS in a few words."""
         if self["size"].verdict == "not tried":
             return "nothing counts"
         if not self.nis > 0:
@@ -84,8 +84,8 @@ def diagnose(innovations: Innovations, ways: Ways | None = None, *, fitted: int 
     this change, so that they do not fail for the same reason.
 
     Args:
-        innovations: they.
-        ways: the way out of each failure, in words.
+        innovations: of the run.
+        ways: the remedy for each failure, in words.
         fitted: how many parameters were tuned on these innovations.
 
     >>> import numpy as np
@@ -115,7 +115,7 @@ def diagnose(innovations: Innovations, ways: Ways | None = None, *, fitted: int 
 
 
 def _changes(innovations: Innovations, ways: Ways) -> tuple[Finding, Finding, Varying]:
-    """Whether the noise changes with the level and with time, and with which of them rather.
+    """Whether the noise changes with the level and with time, and which of them explains it better.
 
     Where one change explains the other, and not the other way round, it is told alone.
     """

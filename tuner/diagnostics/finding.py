@@ -1,4 +1,4 @@
-"""What a test of the innovations found, and by which chance it counts as a failure."""
+"""The result of a test of the innovations, and the chance by which it counts as a failure."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -6,7 +6,7 @@ from typing import Literal, TypeAlias
 
 Verdict: TypeAlias = Literal["passed", "failed", "not tried"]
 LEVEL = 0.01
-"""A test fails where a right filter would do as badly in fewer than one of so many recordings."""
+"""A test fails where a consistent filter does as badly with a smaller probability."""
 
 
 @dataclass(frozen=True)
@@ -15,11 +15,11 @@ class Finding:
 
     Attributes:
         test: its name.
-        what: what the statistic is, in words.
+        what: the statistic in words.
         statistic: NaN where it was not tried.
-        p: the chance of so much with a right filter; NaN where it was not tried.
+        p: probability of such a value with a consistent filter; NaN where it was not tried.
         verdict: failed below a chance of 1 %, or where a test says otherwise.
-        sentence: where it failed, what is wrong and the way out; where it was not tried, why.
+        sentence: where it failed, the fault and its remedy; where it was not tried, the reason.
         details: further numbers by name.
     """
 
@@ -41,7 +41,7 @@ def judged(
     details: Mapping[str, float] | None = None,
     level: float = LEVEL,
 ) -> Finding:
-    """A finding; the sentence is kept where it failed.
+    """A finding, with the sentence where it failed.
 
     >>> judged("size", "NIS", 4.0, 1e-9, "NIS is 4").verdict
     'failed'
@@ -53,5 +53,5 @@ def judged(
 
 
 def not_tried(test: str, what: str, why: str) -> Finding:
-    """A test that the recording gives no ground for."""
+    """A test that does not apply to the recording."""
     return Finding(test, what, float("nan"), float("nan"), "not tried", why)

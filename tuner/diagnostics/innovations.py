@@ -12,7 +12,7 @@ from tuner.diagnostics.column import Column
 
 @dataclass(frozen=True, eq=False)
 class Innovations:
-    """What a filter did not foretell over N samples of k recordings with m measurements.
+    """Innovations of a filter over N samples of k recordings with m measurements.
 
     Attributes:
         value: measured less foretold, ``(N, k, m)``.
@@ -21,11 +21,11 @@ class Innovations:
         levels: what was foretold, ``(N, k, m)``, or None.
         names: of the measurements.
         unit: of the levels.
-        turns: what a full turn is, where the measurements are or may be angles.
+        turns: the sizes of a full turn, where the measurements are or may be angles.
         foretold: whether the variances are the filter's, and not the innovations' own mean square.
 
     Raises:
-        ValueError: for shapes that do not go together.
+        ValueError: for shapes that do not match.
     """
 
     value: np.ndarray
@@ -63,7 +63,7 @@ class Innovations:
         turns: Sequence[float] = (),
         foretold: bool = True,
     ) -> "Innovations":
-        """From arrays ``(N,)``, ``(N, m)`` or ``(N, k, m)``; without times, samples are counted.
+        """Innovations from arrays ``(N,)``, ``(N, m)`` or ``(N, k, m)``; without times, by sample.
 
         >>> Innovations.of(np.zeros((5, 2)), np.ones((5, 2))).value.shape
         (5, 1, 2)
@@ -83,7 +83,7 @@ class Innovations:
 
     @cached_property
     def lost(self) -> np.ndarray:
-        """Which numbers are none, or have no variance that is one: the filter went astray."""
+        """Which numbers are not finite, or have no valid variance: the filter diverged."""
         known = np.isfinite(self.value) & np.isfinite(self.variance) & (self.variance >= 0)
         return np.asarray(~known)
 
@@ -114,7 +114,7 @@ class Innovations:
         )
 
     def place(self, column: Column, index: int) -> str:
-        """Where a number is, in words."""
+        """The place of a number, in words."""
         words = f"at {column.times[index]:.5g} s"
         if self.value.shape[1] > 1:
             words += f" of recording {column.recording[index] + 1}"

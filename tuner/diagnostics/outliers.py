@@ -14,15 +14,15 @@ def of_outliers(
 ) -> Finding:
     """Count the innovations beyond 4 deviations, look at the largest, and at the kurtosis.
 
-    A deviation is that of the numbers inside, so that neither many outliers nor wrong variances
+    The deviation is that of the numbers inside, so that neither many outliers nor wrong variances
     of the filter hide them or make them. A number over the deviation of n others is Student's t;
     the kurtosis (Anscombe and Glynn, Biometrika 70, 1983) finds many that are not so far off.
 
     Args:
-        innovations: they.
+        innovations: of the run.
         columns: their measurements.
-        parts: in how many parts of the record the deviation was taken.
-        way: the way out, in words.
+        parts: number of parts of the record with a deviation each.
+        way: the remedy, in words.
     """
     from scipy.stats import binom, kurtosistest, t
 
@@ -46,8 +46,9 @@ def of_outliers(
     first = int(np.argmin(single))
     place = int(np.argmax(sizes[first]))
     found = (
-        f"{count} of {numbers} innovations lie beyond 4 deviations where {expected:.2g} are "
-        f"expected, the largest {largest[first]:.3g} {innovations.place(columns[first], place)}"
+        f"{count} of {numbers} innovations {'lies' if count == 1 else 'lie'} beyond 4 deviations "
+        f"where {expected:.2g} are expected, the largest {largest[first]:.3g} "
+        f"{innovations.place(columns[first], place)}"
     )
     kurtosis = max(float(np.mean(c.e**4) / np.mean(c.e**2) ** 2) for c in columns)
     words = (

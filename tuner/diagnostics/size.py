@@ -1,4 +1,4 @@
-"""Whether innovations are as large as the filter says: NIS, and the factor to the likeliest."""
+"""Test of the size of innovations: NIS, and the most likely factor on all noise."""
 
 from typing import NamedTuple
 
@@ -12,11 +12,11 @@ NAME, WHAT = "size", "NIS, the mean of the innovations' squares over their varia
 
 
 class Size(NamedTuple):
-    """NIS with what is expected of it, and the factor on all noise variances.
+    """NIS with its expected range, and the factor on all noise variances.
 
     Attributes:
         nis: mean of y^2 / s over the numbers that count; 1 where the filter is right.
-        low, high: in which 95 of 100 right filters have it, their correlation being as it is here.
+        low, high: range of 95 of 100 consistent filters, with the correlation found here.
         factor: by which all noise variances (Q, R and P0) would have to be multiplied to make the
             innovations likeliest. Innovations do not change with it and their variances grow alike,
             so the likelihood's optimum is the NIS itself.
@@ -35,7 +35,7 @@ NOTHING = Size(*(float("nan"),) * 6)
 
 
 def size(columns: tuple[Column, ...]) -> Size:
-    """NIS over all numbers of some measurements.
+    """The NIS over all numbers of some measurements.
 
     The squares' mean has the distribution of chi-square over its degrees of freedom, which are the
     numbers over the factor by which correlation widens its variance (Bar-Shalom, Li and
@@ -74,7 +74,7 @@ def _degrees(columns: tuple[Column, ...]) -> float:
 
 
 def _chance(columns: tuple[Column, ...]) -> float:
-    """The chance of a NIS so far from 1, on either side."""
+    """The probability of a NIS so far from 1, on either side."""
     from scipy.stats import chi2
 
     degrees = _degrees(columns)
@@ -99,11 +99,12 @@ def _sentence(found: Size, part: tuple[Column, ...], columns: tuple[Column, ...]
 
 def _astray(innovations: Innovations, lost: np.ndarray) -> Finding:
     row, recording = np.argwhere(lost)[0]
+    count = int(innovations.lost.sum())
     when = f"at {innovations.times[row, recording]:.5g} s"
     if lost.shape[1] > 1:
         when += f" of recording {recording + 1}"
     words = (
-        f"{int(innovations.lost.sum())} innovations are no numbers, the first {when}: the filter "
-        "goes astray with these values; take others"
+        f"{count} {'innovation is' if count == 1 else 'innovations are'} not finite, the first "
+        f"{when}: the filter diverges with these values; take others"
     )
     return Finding(NAME, WHAT, float("nan"), 0.0, "failed", words)

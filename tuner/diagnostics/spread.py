@@ -1,4 +1,4 @@
-"""Whether the noise is the same all the time, and at all levels."""
+"""Tests of constant noise: over time, and over the level."""
 
 from typing import NamedTuple
 
@@ -10,16 +10,16 @@ from tuner.diagnostics.finding import Finding, judged, not_tried
 TIME, TIME_WHAT = "over time", "largest distance of the sum of scores from its straight course"
 LEVEL, LEVEL_WHAT = "over level", "correlation of scores with the level's rank, over its deviation"
 FEW = 40
-"""Of fewer numbers nothing is said."""
+"""The fewest numbers for a test."""
 NEIGHBOURS = 10
 
 
 class Scores(NamedTuple):
-    """What the sizes of numbers would be if they were normal: by their ranks, less the mean.
+    """Normal scores of the sizes of numbers: by their ranks, less the mean.
 
     Attributes:
         values: ``(n,)``.
-        deviation: of them, as a sum of them varies.
+        deviation: of each, as it enters the variance of their sum.
     """
 
     values: np.ndarray
@@ -44,9 +44,9 @@ def scores(column: Column) -> Scores:
 
 
 def _wider(values: np.ndarray, bounds: np.ndarray) -> float:
-    """By which factor the correlation of neighbours widens the variance of a sum of scores.
+    """Factor by which correlation of neighbours increases the variance of a sum of scores.
 
-    Each less its part's mean, for slow changes are what is looked for.
+    Each is taken less its part's mean, for slow changes are the subject of the test.
     """
     means = np.add.reduceat(values, bounds[:-1]) / np.diff(bounds)
     rest = values - np.repeat(means, np.diff(bounds))
@@ -131,7 +131,7 @@ def over_level(columns: tuple[Column, ...], unit: str, way: str) -> Finding:
 
 
 def _with(found: Scores, level: np.ndarray) -> float:
-    """Correlation of the scores with the ranks of levels, over its deviation."""
+    """The correlation of the scores with the ranks of levels, over its deviation."""
     from scipy.stats import rankdata
 
     values, deviation = found
@@ -148,7 +148,7 @@ def _levels(column: Column) -> list[np.ndarray]:
 
 
 def _bounds(column: Column) -> np.ndarray:
-    """Where ten parts begin and end, or several recordings where there are enough."""
+    """Boundaries of ten parts, or of the recordings where there are enough."""
     count = len(column)
     starts = np.flatnonzero(np.diff(column.recording, prepend=-1))
     if len(starts) > 2 and count >= FEW // 2 * len(starts):

@@ -1,4 +1,4 @@
-"""Angles that jump by a full turn."""
+"""Test for angles that jump by a full turn."""
 
 import numpy as np
 
@@ -11,21 +11,21 @@ NAME, WHAT = "full turns", "innovations at a multiple of a full turn"
 NEAR = 3.0
 """In deviations."""
 LIKELY, SURE = 0.05, 0.2
-"""Chances below which it fails: normal noise makes no such number at all, so they need only tell
+"""Probabilities below which it fails: normal noise makes no such number, so they need only tell
 wrapped angles from other outliers; the second where the measurements are known to be angles."""
 APART = 8.0
-"""Deviations in a turn from which on noise is not taken for one."""
+"""The fewest deviations in a turn for noise not to be mistaken for one."""
 
 
 def of_turns(innovations: Innovations, columns: tuple[Column, ...], way: str) -> Finding:
     """Test whether the first innovation of each disturbance is a multiple of a full turn.
 
-    The chance is that of outliers of any size to be as near to one.
+    The probability is that of outliers of any size to be as near to one.
 
     Args:
-        innovations: they.
+        innovations: of the run.
         columns: their measurements.
-        way: the way out, in words.
+        way: the remedy, in words.
     """
     from scipy.stats import binom
 

@@ -1,4 +1,4 @@
-"""Whether innovations are independent: lag one, and Ljung and Box over several lags."""
+"""Test of whiteness: the correlation at lag one, and Ljung and Box's over several lags."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from tuner.diagnostics.finding import LEVEL, Finding, judged, not_tried
 
 NAME, WHAT = "whiteness", "Ljung and Box's Q over the correlations of neighbours"
 SHORT, LONG = 5, 10
-"""Lags. What few parameters leave of coloured noise lies in the first; ten find what lasts."""
+"""Lags: a tuned filter's coloured residual shows in the first five; ten find a slow one."""
 
 
 def of_whiteness(columns: tuple[Column, ...], lag: float, fitted: int, way: str) -> Finding:
@@ -15,12 +15,12 @@ def of_whiteness(columns: tuple[Column, ...], lag: float, fitted: int, way: str)
 
     Args:
         columns: the measurements.
-        lag: their correlation at lag one, to be told.
+        lag: their correlation at lag one, for the sentence.
         fitted: how many parameters were tuned on these innovations, each of which takes a degree
             of freedom.
         way: the way out, in words.
 
-    Source: Ljung and Box, Biometrika 65, 1978. The mean is known to be 0, so none is taken off.
+    Source: Ljung and Box, Biometrika 65, 1978. The mean is known to be 0, so none is subtracted.
     """
     from scipy.stats import chi2, norm
 
@@ -52,7 +52,7 @@ def of_whiteness(columns: tuple[Column, ...], lag: float, fitted: int, way: str)
 
 
 def _degrees(count: int, fitted: int) -> int:
-    """Of freedom; tuning takes at most half of them."""
+    """Degrees of freedom; tuning takes at most half of them."""
     return count - min(fitted, count // 2)
 
 
@@ -63,13 +63,13 @@ def _largest(columns: tuple[Column, ...], squares: np.ndarray) -> str:
 
 
 def _square(column: Column, lag: int) -> float:
-    """Square of a correlation over its variance, of chi-square with one degree."""
+    """The square of a correlation over its variance: chi-square with one degree of freedom."""
     count, pairs = len(column), column.pairs(lag)
     return column.correlation(lag) ** 2 * count * (count + 2) / pairs if pairs else 0.0
 
 
 def lag_one(normalised: np.ndarray) -> float:
-    """Correlation of each number with the one before of the same measurement, over all.
+    """Correlation of each number with the previous one of the same measurement, over all.
 
     >>> round(lag_one(np.array([[1.0], [-1.0], [1.0], [-1.0], [np.nan], [1.0]])), 6)
     -1.0

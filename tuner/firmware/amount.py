@@ -1,4 +1,4 @@
-"""How large a noise is: a number of a run with its unit, read as a density or as a deviation."""
+"""The size of a noise: a number of a run with its unit, read as a density or as a deviation."""
 
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
@@ -19,7 +19,7 @@ _TOLD = {
     for sensor in ("gyroscope", "gyroscope bias", "accelerometer", "accelerometer bias")
 }
 _AT_REST = {told: told.partition("_")[2] for told in _TOLD}
-"""What a record at rest exports them as: noise_density, random_walk."""
+"""Names of the exports of a record at rest: noise_density, random_walk."""
 
 
 class Amount(NamedTuple):
@@ -31,9 +31,9 @@ class Amount(NamedTuple):
         unit: of the number.
         meaning: of the quantity.
         dt: the sample time at which it is a number a sample, s; 0: none.
-        told: what it is known to be: ``gyroscope_noise_density`` and so on; "" where it is not.
-        below: its upper limit, where no more is known; None where it is.
-        again: whether it tells again what other numbers of its filter tell.
+        told: its known meaning: ``gyroscope_noise_density`` and so on; "" where it is not known.
+        below: its upper limit, where only that is known; else None.
+        again: whether it repeats other numbers of its filter.
     """
 
     name: str
@@ -47,10 +47,10 @@ class Amount(NamedTuple):
 
 
 class Known(NamedTuple):
-    """What a run has found of an amount.
+    """A run's result for an amount.
 
     Attributes:
-        told: what it is.
+        told: its meaning.
         below: as of an amount.
     """
 
@@ -63,7 +63,7 @@ class Read(NamedTuple):
 
     Attributes:
         value: the number.
-        how: by which formula.
+        how: the formula.
     """
 
     value: float
@@ -79,8 +79,8 @@ def amounts(
 
     Args:
         tuned: the filters.
-        findings: of their run: they tell which numbers are those of inertial sensors.
-        limits: upper ones of which no more is known, by filter and quantity.
+        findings: of their run, which name the numbers of inertial sensors.
+        limits: upper limits where only these are known, by filter and quantity.
     """
     known = _known(tuned, list(findings))
     found = []
@@ -99,8 +99,8 @@ def amounts(
 
 
 def _known(tuned: Collection[Tuned], findings: list[Finding]) -> dict[tuple[str, str], Known]:
-    """What findings say by filter and quantity: ``z.gyroscope_random_walk.likelihood`` of a record
-    at rest, ``q.gyroscope_noise_density`` of a parameter, whose filter is the run's only one."""
+    """Findings by filter and quantity: ``z.gyroscope_random_walk.likelihood`` of a record at rest,
+    ``q.gyroscope_noise_density`` of a parameter, whose filter is the run's only one."""
     names = {filter.name for filter in tuned}
     found = {}
     for finding in findings:
@@ -117,7 +117,7 @@ def _known(tuned: Collection[Tuned], findings: list[Finding]) -> dict[tuple[str,
 
 
 def _entries(quantity: Quantity) -> Iterator[tuple[str, float, str]]:
-    """Ends of names, numbers and units."""
+    """Suffixes of names, numbers and units."""
     value, unit = quantity.value, quantity.unit
     if value.size == 1:
         yield "", float(value.item()), unit
@@ -165,7 +165,7 @@ _Ways = Mapping[tuple[float, float], tuple[float, float, str]]
 
 
 def _read(amount: Amount, unit: str, ways: _Ways) -> Read | None:
-    """By powers of the unit and of the second: power of the number, factor and formula."""
+    """A number read by powers of the unit and of the second: power, factor and formula."""
     wanted = Unit.of(unit)
     given = _in_si(amount.unit)
     if given is None:
@@ -179,7 +179,7 @@ def _read(amount: Amount, unit: str, ways: _Ways) -> Read | None:
 
 
 def _in_si(unit: str) -> tuple[float, np.ndarray] | None:
-    """Factor to SI and powers of the base units, halves too; None for what is no unit."""
+    """Factor to SI and powers of the base units, halves too; None for text that is not a unit."""
     powers = powers_of(re.sub(r"sqrt\((\w+)\)", r"\1^0.5", unit))
     if not powers:
         return None

@@ -30,7 +30,7 @@ KEYS = (
 
 
 def written(asked: Asked) -> Text:
-    """The file: a line a parameter, of name and value."""
+    """The file: a line for each parameter, with name and value."""
     T = _PREDICTION_S if asked.rate_hz is None else 1 / asked.rate_hz
     found, notes = keyed(asked, KEYS, T, "ArduPilot")
     lines = commented(head(asked, "ArduPilot", TARGET.filter, notes))

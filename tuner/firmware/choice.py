@@ -1,4 +1,4 @@
-"""Which number of a run becomes which parameter of a firmware: known, named, or asked for."""
+"""The assignment of a run's numbers to a firmware's parameters: known, named, or suggested."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,11 +14,11 @@ Axes = Literal["largest", "rms"]
 
 
 class Setting(NamedTuple):
-    """A parameter as it is written.
+    """A parameter of the file.
 
     Attributes:
         key: which.
-        value: the number that is written.
+        value: the written number.
         found: the number by the conversion, which may lie beyond the key's ends.
         how: the conversion, a line for each amount.
     """
@@ -30,7 +30,7 @@ class Setting(NamedTuple):
 
     @property
     def warning(self) -> str:
-        """What was changed to fit; "" where nothing was."""
+        """The change that made the value fit; "" without one."""
         if self.value == self.found:
             return ""
         return (
@@ -41,11 +41,11 @@ class Setting(NamedTuple):
 
 @dataclass(frozen=True)
 class Wish:
-    """What a person says of the numbers.
+    """A person's choices of keys for the numbers.
 
     Attributes:
         maps: keys by the amounts' names.
-        axes: what one key is of several axes; None: nothing was said.
+        axes: how one key combines several axes; None: not chosen.
     """
 
     maps: Mapping[str, tuple[str, ...]]
@@ -55,7 +55,7 @@ class Wish:
 def settings(
     keys: Sequence[Key], amounts: Sequence[Amount], wish: Wish, T: float
 ) -> tuple[list[Setting], list[str]]:
-    """The parameters, in the keys' order, and what was left out, a sentence each.
+    """The parameters, in the keys' order, and a sentence for each amount left out.
 
     Args:
         keys: of the firmware.
@@ -64,7 +64,7 @@ def settings(
         T: time of a prediction, s.
 
     Raises:
-        ValueError: for names that there are not, units that contradict, and several numbers for
+        ValueError: for unknown names, contradicting units, and several numbers for
             one key.
     """
     by_name = {amount.name: amount for amount in amounts}
@@ -85,7 +85,7 @@ def settings(
 def candidates(
     keys: Sequence[Key], amounts: Iterable[Amount], wish: Wish, T: float
 ) -> Iterator[str]:
-    """For amounts whose meaning nothing says: what they could be by their units."""
+    """Suggestions for amounts of unknown meaning, by their units."""
     for amount in amounts:
         fit = [key.name for key in keys if key.of(amount, T) is not None]
         open_ = not (amount.told or amount.again or amount.name in wish.maps)
@@ -119,7 +119,7 @@ def _of_axes(key: Key, amounts: Sequence[Amount], axes: Axes | None, T: float) -
 
 
 def _converted(key: Key, amount: Amount, T: float) -> tuple[float, tuple[str, ...]]:
-    """The number and the line that says how it follows."""
+    """The number and the line that explains it."""
     if not (np.isfinite(amount.value) and amount.value > 0):
         raise ValueError(
             f"{amount.name} is {amount.value:g}, and {key.name} is the size of a noise; map a "
@@ -128,7 +128,7 @@ def _converted(key: Key, amount: Amount, T: float) -> tuple[float, tuple[str, ..
     read: Read | None = key.of(amount, T)
     if read is None:
         raise ValueError(
-            f"{amount.name} is in {amount.unit or 'no unit'}, which is no noise of "
+            f"{amount.name} is in {amount.unit or 'no unit'}, which is not a noise of "
             f"{key.measured_in} as {key.name} is; map another number, or tune with units"
         )
     line = f"{amount.name} = {amount.value:.6g} {amount.unit}"

@@ -18,7 +18,7 @@ KEYS = tuple(
 
 
 def written(asked: Asked) -> Text:
-    """The file; what the run has not is a comment, for kalibr needs all of it."""
+    """The file; missing numbers are comments, for kalibr needs all of them."""
     found, notes = keyed(asked, KEYS, 1.0, "kalibr")
     there = {each.key.name for each in found}
     missing = [key.name for key in KEYS if key.name not in there]

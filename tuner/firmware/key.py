@@ -1,4 +1,4 @@
-"""What a firmware's file has names for."""
+"""A key of a firmware's file."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -13,15 +13,15 @@ class Key:
     """A parameter of a firmware that is the size of a noise.
 
     Attributes:
-        name: as the firmware has it.
+        name: in the firmware.
         unit: of the noise: of its number, but for a density.
         kind: ``density``: the root N of a density, in unit/sqrt(Hz); ``step``: N / sqrt(T), the
             deviation of what is constant over a prediction of T seconds; ``deviation``: of a
             measurement.
         low: least number that the firmware takes.
         high: greatest one.
-        told: of which sensor it is, as findings call it; "" for what no filter declares.
-        note: what else the firmware makes of it.
+        told: its meaning, as findings call it; "" where no filter declares it.
+        note: the firmware's further use of it.
     """
 
     name: str
@@ -36,7 +36,7 @@ class Key:
         """The number for an amount; None where units contradict it.
 
         Args:
-            amount: how large the noise is.
+            amount: the size of the noise.
             T: time of a prediction, s.
         """
         if self.kind == "deviation":
@@ -53,7 +53,7 @@ class Key:
 
     @property
     def ends(self) -> str:
-        """Which numbers the firmware takes, as text."""
+        """The range that the firmware takes, as text."""
         if self.high == float("inf"):
             return f"{self.low:g} and more"
         return f"{self.low:g} to {self.high:g}"

@@ -1,4 +1,4 @@
-"""What a person says that numbers are: NAME=KEY."""
+"""A person's assignments of numbers to keys: NAME=KEY."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
@@ -40,7 +40,7 @@ def named(
     """Amounts by the keys that they are mapped to.
 
     Raises:
-        ValueError: for a name or a key that there is not.
+        ValueError: for an unknown name or key.
     """
     known = {key.name for key in keys}
     found = {}
@@ -55,5 +55,5 @@ def named(
 
 
 def _short(names: Collection[str]) -> Collection[str]:
-    """Without the off-hand ones, where there are many."""
+    """Only the important names, where there are many."""
     return names if len(names) < 30 else [name for name in names if not name[-1].isdigit()]

@@ -29,7 +29,7 @@ KEYS = (
 
 
 def written(asked: Asked) -> Text:
-    """The file: a line a parameter, of vehicle, component, name, value and type."""
+    """The file: a line for each parameter, with vehicle, component, name, value and type."""
     T = _PREDICTION_S if asked.rate_hz is None else 1 / asked.rate_hz
     found, notes = keyed(asked, KEYS, T, "PX4")
     above = ["Onboard parameters for Vehicle 1", "", *head(asked, "PX4", TARGET.filter, notes)]

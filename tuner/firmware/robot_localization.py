@@ -13,7 +13,7 @@ from tuner.firmware.amount import density
 from tuner.firmware.target import Asked, Target, Text, commented, head, yaml_number
 from tuner.names import unknown
 
-# What each is while nothing else is given.
+# The default of each.
 _DEFAULTS = {
     "x": 0.05, "y": 0.05, "z": 0.06, "roll": 0.03, "pitch": 0.03, "yaw": 0.06,
     "vx": 0.025, "vy": 0.025, "vz": 0.04, "vroll": 0.01, "vpitch": 0.01, "vyaw": 0.02,
@@ -76,7 +76,7 @@ def _of_states(
 
 
 def _covariance(tuned: Tuned, parameters: Collection[str]) -> np.ndarray:
-    """The covariance that enters the states in a sample; that of one axis for each of like axes.
+    """The states' process noise per sample; that of one axis, repeated for equal axes.
 
     A parameter of the name Q may be a density as well.
     """
@@ -92,12 +92,12 @@ def _covariance(tuned: Tuned, parameters: Collection[str]) -> np.ndarray:
         )
     found = Q.value.reshape(side, side)
     if not (np.diagonal(found) >= 0).all():
-        raise ValueError(f"{Q.name} of {tuned.name} has a negative variance; it is no covariance")
+        raise ValueError(f"{Q.name} of {tuned.name} has a negative variance; give a covariance")
     return np.kron(found, np.eye(axes))
 
 
 def _alike(tuned: Tuned, side: int, axes: int) -> bool:
-    """Whether the states are so many, or as many for each axis: place_x, place_y, speed_x ..."""
+    """Whether there are ``side`` states for each axis: place_x, place_y, speed_x ..."""
     ends = [state.rpartition("_")[2] for state in tuned.states]
     return side * axes == len(ends) and (axes == 1 or ends == list("xyz"[:axes]) * side)
 

@@ -1,4 +1,4 @@
-"""What is asked of a firmware's file, and what all of them say."""
+"""A request for a firmware's file, and the statements common to all of them."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,14 +12,14 @@ from tuner.firmware.key import Key
 
 @dataclass(frozen=True)
 class Asked:
-    """What is asked for.
+    """A request for a firmware's file.
 
     Attributes:
-        tuned: the filters whose numbers are written.
+        tuned: the filters whose numbers are exported.
         amounts: their numbers.
         parameters: of the filters, by name among the amounts, and whether they were searched for:
             then their meaning is asked for.
-        wish: what a person says.
+        wish: a person's choices.
         rate_hz: of the firmware's predictions; None: its own.
         log_rate_hz: of the record; 0: unknown.
     """
@@ -33,7 +33,7 @@ class Asked:
 
     @property
     def source(self) -> str:
-        """What the numbers are of."""
+        """The origin of the numbers."""
         names = ", ".join(each.name for each in self.tuned)
         first = self.tuned[0].provenance
         return f"{names} ({first.study}" + f", {first.log_name}" * bool(first.log_name) + ")"
@@ -45,7 +45,7 @@ class Text(NamedTuple):
     Attributes:
         text: ASCII.
         numbers: how many parameters it sets.
-        notes: what was changed or left out, a sentence each.
+        notes: a sentence for each number changed or left out.
     """
 
     text: str
@@ -58,9 +58,9 @@ class Target:
     """A firmware, or a program, with a file of its own.
 
     Attributes:
-        name: what a user calls it.
+        name: for users.
         file: its file's usual name.
-        filter: the filter that runs there, which is another one; "" where numbers mean the same.
+        filter: the other filter that runs there; "" where numbers mean the same.
         written: the file.
         of_model: whether it takes the matrices of one filter, which change with the rate.
     """
@@ -78,13 +78,13 @@ def keyed(
     """The parameters, and notes.
 
     Args:
-        asked: what is asked for.
+        asked: the request.
         keys: of the firmware.
         T: time of its predictions, s.
         name: of the firmware, for messages.
 
     Raises:
-        ValueError: where nothing has a meaning there, and as ``settings`` of the choice.
+        ValueError: where no number has a meaning there, and as ``settings`` of the choice.
     """
     found, notes = settings(keys, asked.amounts, asked.wish, T)
     searched = [amount for amount in asked.amounts if asked.parameters.get(amount.name)]
@@ -113,7 +113,7 @@ def how(setting: Setting) -> Iterator[str]:
 
 
 def commented(lines: Iterable[str]) -> list[str]:
-    """Lines that begin with #, each on its line and in ASCII, whatever the text in it.
+    """Comment lines that begin with #, in ASCII, whatever the text.
 
     >>> commented(["a\\nEKF2_X 1", ""])
     ['# a\\\\nEKF2_X 1', '#']
@@ -122,7 +122,7 @@ def commented(lines: Iterable[str]) -> list[str]:
 
 
 def yaml_number(value: float) -> str:
-    """A number with a point, without which YAML takes 1e-05 for text and 1 for an integer.
+    """A number with a decimal point, without which YAML reads 1e-05 as text and 1 as an integer.
 
     >>> yaml_number(1e-05), yaml_number(200.0), yaml_number(0.1)
     ('1.0e-05', '200.0', '0.1')

@@ -1,4 +1,4 @@
-"""All of them."""
+"""All targets."""
 
 from tuner.firmware import ardupilot, kalibr, px4, robot_localization
 

@@ -1,4 +1,4 @@
-"""What can be known of a problem's noise before anything is fitted."""
+"""Identifiable parameters of a problem's noise, before anything is fitted."""
 
 from dataclasses import dataclass, replace
 
@@ -16,16 +16,16 @@ from tuner.problem.problem import Problem
 
 @dataclass(frozen=True, eq=False)
 class Determined:
-    """What the differences of a record's measurements say of its noise.
+    """The noise parameters that the differences of a record's measurements determine.
 
     Attributes:
         entries: the numbers that enter the noise, by name, as R, Q12 or sigma^2.
-        rank: how many combinations of them are determined; all are where it equals their number.
+        rank: number of combinations that are determined; with as many as entries, all are.
         undetermined: combinations along which nothing that is measured changes,
             ``(len(entries) - rank, len(entries))``.
         sentences: the same in words; none where all is determined.
         values: the least-squares estimate of each, not negative.
-        deviations: of these, if the noise is normal and the model right; infinite where it is open.
+        deviations: of these, if noise is normal and the model right; infinite if undetermined.
         start: the point z ``(size,)`` of the estimate, within the box; the other parameters at
             their initial values.
     """
@@ -40,7 +40,7 @@ class Determined:
 
 
 def determined(problem: Problem) -> Determined:
-    """Which numbers of Q and R a linear model's measurements determine, and about what they are.
+    """Which entries of Q and R a linear model's measurements determine, and their estimates.
 
     Nothing is fitted and no likelihood is evaluated: differences of neighbouring measurements do
     not depend on the state, and their covariances are linear in those of the noise. Missing
@@ -71,8 +71,8 @@ def determined(problem: Problem) -> Determined:
     """
     if kind_of(problem.objective) != "likelihood":
         raise NoModelError(
-            f"{problem.name} is not judged by the likelihood of its innovations, and what else its "
-            "objective tells of the noise is not known before it is tried"
+            f"{problem.name} is not judged by the likelihood of its innovations, and "
+            "identifiability by another objective is not known beforehand"
         )
     linear = linear_problem(problem)
     taken = differences(linear.recordings)
@@ -103,7 +103,7 @@ def with_known_start(problem: Problem) -> Problem:
 
 
 def _start(problem: Problem, entries: tuple[Entry, ...], found: Estimate) -> np.ndarray:
-    """Where the estimate lies; a number that may be 0 begins at its deviation."""
+    """The start at the estimate; an entry that may be 0 begins at its deviation."""
     values = problem.parameters(problem.space.start())
     given = {}
     for name, parameter in problem.space.parameters:
@@ -123,7 +123,7 @@ def _start(problem: Problem, entries: tuple[Entry, ...], found: Estimate) -> np.
 
 
 def _inside(parameter: Parameter, value: np.ndarray) -> np.ndarray:
-    """The value, or the nearest that the parameter can be searched at."""
+    """The value, or the nearest one within the parameter's range."""
     if isinstance(parameter, Covariance):
         scale = np.sqrt(np.maximum(np.diag(value), parameter.low**2))
         values, V = np.linalg.eigh(value / np.outer(scale, scale))

@@ -8,15 +8,15 @@ from tuner.identifiability.noise import Entry
 from tuner.identifiability.windows import Differences
 
 _ROUNDS = 12
-_SETTLED = 1e-3  # a hundredth of what such an estimate is good for
-_HOLD = 1e-9  # weight that keeps what the data leave open where it was
+_SETTLED = 1e-3  # a hundredth of such an estimate's accuracy
+_HOLD = 1e-9  # weight that keeps undetermined entries where they were
 _OUTLIER = 1e3  # squares this much beyond the median window's largest
 _MEDIAN = 0.4549364231195724  # median of the square of a standard normal number
 
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Numbers of the noise, by least squares.
+    """Least-squares estimates of the noise parameters.
 
     Attributes:
         values: not negative, and covariances positive semi-definite, ``(p,)``.
@@ -28,7 +28,7 @@ class Estimate:
 
 
 def alone(differences: Differences) -> tuple[np.ndarray, np.ndarray]:
-    """What each number of the noise would be if it caused all differences by itself.
+    """Estimates of each noise parameter, each as if it caused all differences by itself.
 
     Returns:
         By the median of the differences' squares, which outliers do not move, and by their mean,
@@ -46,7 +46,7 @@ def alone(differences: Differences) -> tuple[np.ndarray, np.ndarray]:
 
 
 def estimate(differences: Differences, entries: tuple[Entry, ...]) -> Estimate:
-    """The noise whose covariances of differences are those that were measured, weighted.
+    """The noise whose covariances of differences fit the measured ones, by weighted least squares.
 
     The least-squares problem r r' = sum of theta_i M_i is linear in theta. Its weights are those
     that normal noise of the theta before would have, so that its last round is a step of Fisher's
@@ -59,7 +59,7 @@ def estimate(differences: Differences, entries: tuple[Entry, ...]) -> Estimate:
     r, M = _without_outliers(differences, sizes)
     p = len(M) - 1
     signed = np.array([len(set(e.place)) > 1 for e in entries])
-    unit = M[1:] * sizes[:, None, None, None]  # theta in multiples of what each would be alone
+    unit = M[1:] * sizes[:, None, None, None]  # theta in multiples of each entry's estimate alone
     theta = np.where(signed, 0.0, 1.0 / p)
     for _ in range(_ROUNDS):
         F, b = _normal_equations(r, M[0], unit, theta)
@@ -74,7 +74,7 @@ def estimate(differences: Differences, entries: tuple[Entry, ...]) -> Estimate:
 
 
 def estimate_of_most(differences: Differences, entries: tuple[Entry, ...]) -> Estimate:
-    """The noise of the better half of the windows, for records that are partly wrong.
+    """The noise of the better half of the windows, for records with outliers.
 
     The half whose differences the noise explains best is estimated, and all windows are judged
     anew by that, until the half stays: so what is wrong does not count, however wrong, while it is
@@ -109,7 +109,7 @@ def distances(differences: Differences, theta: np.ndarray) -> np.ndarray:
 
 
 def _without_outliers(differences: Differences, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The differences of windows in which nothing is far beyond what is usual in the others."""
+    """The differences of windows without values far beyond those of the others."""
     r, M = differences.r, differences.M
     diagonals = np.diagonal(M, axis1=2, axis2=3)
     expected = diagonals[0] + np.einsum("p,pkd->kd", sizes, diagonals[1:])
@@ -123,7 +123,7 @@ def _normal_equations(
 ) -> tuple[np.ndarray, np.ndarray]:
     """F theta = b of the weighted problem; F/2 is the Fisher information of theta."""
     S = known + np.einsum("p,pkij->kij", theta, M)
-    # Where the noise before explains next to nothing, what was measured keeps the weights finite.
+    # Where the previous noise explains nearly nothing, measured squares keep the weights finite.
     power = np.mean(r**2) * 1e-12 + np.trace(S, axis1=1, axis2=2).mean() / len(S[0]) * 1e-13
     W = np.linalg.inv(S + power * np.eye(S.shape[1]))
     WM = W @ M
@@ -135,7 +135,7 @@ def _normal_equations(
 
 
 def _bounded(F: np.ndarray, b: np.ndarray, signed: np.ndarray) -> np.ndarray:
-    """The least of x F x / 2 - b x where only the signed x may be negative."""
+    """The minimiser of x F x / 2 - b x in which only the signed entries may be negative."""
     from scipy.optimize import nnls
 
     values, V = np.linalg.eigh(F)
@@ -149,7 +149,7 @@ def _bounded(F: np.ndarray, b: np.ndarray, signed: np.ndarray) -> np.ndarray:
 
 
 def _semidefinite(theta: np.ndarray, sizes: np.ndarray, entries: tuple[Entry, ...]) -> np.ndarray:
-    """The same with each covariance among them replaced by the nearest that is one."""
+    """The same with each covariance replaced by the nearest positive semi-definite one."""
     theta = theta.copy()
     names = dict.fromkeys(e.parameter for e in entries if len(e.place) == 2)
     for name in names:

@@ -1,4 +1,4 @@
-"""A problem as a linear model with noise of unknown size: what the rank test and the start need."""
+"""A problem as a linear model with noise of unknown size, for the rank test and the start."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -46,7 +46,7 @@ class NoiseModel:
 
 @dataclass(frozen=True, eq=False)
 class LinearProblem:
-    """What is unknown of a problem's noise, and its recordings.
+    """The unknown noise parameters of a problem, and its recordings.
 
     Attributes:
         entries: the p numbers, in the order of ``NoiseModel.Q``.
@@ -70,7 +70,7 @@ def linear_problem(problem: Problem) -> LinearProblem:
         hasattr(own, "linear") and hasattr(own, "measured")
     ):
         raise NoModelError(
-            f"{problem.name} has no linear model that is known: its filter is no LinearKalman and "
+            f"{problem.name} has no known linear model: its filter is not a LinearKalman and "
             "has no methods linear and measured"
         )
     timed = _wrapper(problem.filter, Timed) is not None
@@ -99,7 +99,7 @@ def linear_problem(problem: Problem) -> LinearProblem:
 
 
 def _wrapper(filter: Any, cls: type[Any]) -> Any:
-    """The filter of a class among those that a filter is wrapped in; None where there is none."""
+    """The filter of a class inside wrapped filters; None where there is none."""
     while getattr(filter, "same_params", False):
         if isinstance(filter, cls):
             return filter
@@ -170,6 +170,6 @@ def _measured(own: Any, inputs: Any) -> Measured:
 
 
 def _counted(z: np.ndarray, truth: np.ndarray) -> np.ndarray:
-    """The measurements with NaN where the truth says that they do not count."""
+    """The measurements with NaN where the truth excludes them."""
     lacking = np.isnan(truth.reshape(truth.shape + (1,) * (z.ndim - truth.ndim)))
     return np.where(lacking, np.nan, z)

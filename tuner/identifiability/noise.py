@@ -1,4 +1,4 @@
-"""How numbers of the noise enter a linear model: each by itself, or not at all."""
+"""The noise parameters of a linear model, which enter its covariances linearly."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -10,11 +10,11 @@ import numpy as np
 from jax import Array
 
 _SAME = 1e-9
-"""Share of its largest number that rounding may leave of a derivative that is 0 or stays."""
+"""Tolerance of rounding in a derivative that is 0 or constant, over its largest entry."""
 
 
 class NoModelError(ValueError):
-    """Why nothing can be said of a problem by its model alone."""
+    """The reason why a problem's identifiability does not follow from its model alone."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Matrices(NamedTuple):
 
 
 class Parts(NamedTuple):
-    """The p numbers that enter the noise, their values ``(p,)``, and what each enters by."""
+    """The p noise parameters, their values ``(p,)``, and their coefficient matrices."""
 
     entries: tuple[Entry, ...]
     values: np.ndarray
@@ -69,7 +69,7 @@ Noise = Callable[[Mapping[str, Any]], Matrices]
 
 
 def parts_of(noise: Noise, free: Mapping[str, np.ndarray]) -> Parts:
-    """The numbers that enter Q and R, with the matrices that they are factors of.
+    """The parameters of Q and R, with their coefficient matrices.
 
     Numbers of the start alone are left out.
 
@@ -87,7 +87,7 @@ def parts_of(noise: Noise, free: Mapping[str, np.ndarray]) -> Parts:
                 given[e.parameter] = given[e.parameter].at[place].set(flat[i])
         return noise(given)
 
-    # Each by another factor, so that products of two show as well.
+    # Different factors, so that products of two show as well.
     factors = 1.5 + np.arange(len(begun)) / max(len(begun), 1)
     points = jnp.stack([jnp.asarray(begun), jnp.asarray(factors * begun)])
     both = jax.jit(jax.vmap(lambda at: (filled(at), jax.jacfwd(filled)(at))))(points)
@@ -144,7 +144,7 @@ def _column(slope: Matrices, i: int) -> np.ndarray:
 
 
 def _power(entry: Entry, one: np.ndarray, two: np.ndarray, factor: float) -> int:
-    """1 where the slope stays, 2 where it grows with the number, 0 where there is none."""
+    """1 where the slope is constant, 2 where it grows with the number, 0 where there is none."""
     if not one.any() and not two.any():
         return 0
     size = _SAME * np.abs(one).max()

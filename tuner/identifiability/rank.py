@@ -1,4 +1,4 @@
-"""Which numbers of the noise differences of measurements determine, and which only together."""
+"""The noise parameters that differences of measurements determine, alone or only together."""
 
 from dataclasses import dataclass
 
@@ -10,17 +10,17 @@ _NONE = 1e-8
 """Singular value, of columns of length 1, below which a combination leaves no trace: rounding
 leaves 1e-12, and 1e-8 would take 10^16 samples to be seen."""
 _SILENT = 1e-12
-"""Share of what a number of the noise would add if nothing cancelled: rounding is below."""
+"""A noise parameter's effect, relative to that without cancellation, that counts as none."""
 _ZERO = 1e-6  # share of a number in a combination that is rounding
 _WINDOWS = 64
 
 
 @dataclass(frozen=True, eq=False)
 class Rank:
-    """Of p unknown numbers of the noise.
+    """The rank of p unknown noise parameters.
 
     Attributes:
-        rank: how many combinations of them are determined.
+        rank: number of combinations that are determined.
         undetermined: combinations along which nothing that is measured changes, reduced so that
             each has as few numbers as can be, ``(p - rank, p)``.
     """
@@ -61,12 +61,12 @@ def _reduced(rows: np.ndarray) -> np.ndarray:
 
 
 def said(rank: Rank, names: tuple[str, ...], fixable: tuple[str, ...]) -> tuple[str, ...]:
-    """What is not determined, a sentence for each group of numbers that stand for each other.
+    """Undetermined parameters, a sentence for each group that can replace each other.
 
     Args:
         rank: of the numbers.
-        names: what each is called.
-        fixable: what of the names, or the parameters they are entries of, can be held at a value.
+        names: of the parameters.
+        fixable: those of the names, or of their parameters, that can be held at a value.
 
     >>> only_sum = Rank(1, np.array([[1.0, -1.0]]))
     >>> said(only_sum, ("Q22", "R"), ("", "R"))[0].partition(": ")[2]

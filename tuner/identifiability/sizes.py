@@ -1,4 +1,4 @@
-"""How large the noise of a record can be: for the search's defaults and ends."""
+"""Possible sizes of a record's noise, for the search's defaults and limits."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,13 +11,13 @@ from tuner.problem.problem import Problem
 
 @dataclass(frozen=True)
 class NoiseSize:
-    """Of one number of the noise.
+    """The possible size of one noise parameter.
 
     Attributes:
-        alone: what it would be if it caused the smallest differences that do not depend on the
+        alone: its value if it caused the smallest differences that do not depend on the
             state by itself; by their median, which outliers do not move.
         most: the same by their mean.
-        least: the smallest that this record could tell from 0, by its length.
+        least: the smallest that a record of this length distinguishes from 0.
         estimate: its least-squares estimate beside the others.
         deviation: of the estimate.
     """
@@ -30,7 +30,7 @@ class NoiseSize:
 
 
 def noise_sizes(problem: Problem) -> Mapping[str, NoiseSize]:
-    """The size of every single number of the noise that the record says something of, by name.
+    """The size of every scalar noise parameter that the record determines, by name.
 
     Raises:
         NoModelError: as :func:`tuner.determined`.

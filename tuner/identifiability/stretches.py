@@ -1,4 +1,4 @@
-"""Stretches of a record whose measurements contradict the rest: wrong for long, and smoothly.
+"""Stretches of a record whose measurements contradict the rest: long, smooth errors.
 
 What is wrong for seconds and drifts looks like motion to every likelihood, so that neither a gate
 nor heavy tails tell it from a large process noise. Differences within a window do not depend on
@@ -21,7 +21,7 @@ _ROWS = 24
 
 
 class Refusals(NamedTuple):
-    """Of one recording, ``(N, m)`` of bool each.
+    """Refused measurements of one recording, ``(N, m)`` of bool each.
 
     Attributes:
         seen: which measurements there are.
@@ -33,7 +33,7 @@ class Refusals(NamedTuple):
 
 
 def wrong_stretches(problem: Problem, gate: float) -> tuple[Refusals, ...]:
-    """Which measurements lie in stretches that contradict the rest, for each recording.
+    """The measurements in stretches that contradict the rest, for each recording.
 
     The noise is estimated by the better half of all windows. A window is refused where its
     differences are more than ``gate`` times as far out as those of the median one, and so are all
@@ -74,7 +74,7 @@ def _wrong(
 def _windows(
     model: NoiseModel, seen: np.ndarray, noise: Estimate, rows: int, size: np.ndarray
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Where windows begin among the measurements, and how far out each is, in median ones."""
+    """First measurement of each window, and its distance in units of the median one."""
     from scipy.stats import chi2
 
     last = len(seen) - rows
@@ -94,7 +94,7 @@ def _windows(
 
 
 def bridged(far: np.ndarray) -> np.ndarray:
-    """The flags with what lies between two runs of them and is shorter than each.
+    """The flags, with gaps between two runs that are shorter than each filled.
 
     >>> "".join("01"[int(i)] for i in bridged(np.array([int(c) for c in "1110111000110"], bool)))
     '1111111000110'

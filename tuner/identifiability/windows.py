@@ -1,4 +1,4 @@
-"""What of a record does not depend on where it began: differences of neighbouring measurements.
+"""Differences of neighbouring measurements, which do not depend on a record's initial state.
 
 P measurements of a linear model are z = O x + e, with the state x before the first of them and
 noise e. A basis A of all rows with A O = 0 leaves differences r = A z that noise alone causes, of
@@ -21,16 +21,16 @@ _ROWS = 48
 """Measurements of a window, so that slow states show; more where the model has many states."""
 _MOST_ROWS = 160
 _MEMORY = 4e6
-"""Numbers that the noise of all windows' steps may take."""
+"""Memory limit for the noise of all windows' steps, in numbers."""
 _MOST = 8000
 """Measurements in all windows together."""
 _GAP = 2000
 """Longest gap, in samples, that a window may span."""
 _LONGER = 1e8
-"""By so much more than usual may a window's noise be: of a gap of some tens of steps."""
+"""Largest noise of a window over the usual one, as of a gap of some tens of steps."""
 _ROUNDING = 4e-16
 _NONE = 1e-9  # of the largest singular value
-_GROWTH = 1e3  # of what a window's differences leave of a state that grows
+_GROWTH = 1e3  # of a growing state's remainder in a window's differences
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,14 +79,14 @@ def differences(recordings: tuple[NoiseModel, ...], rows: int | None = None) -> 
             return found
         if rows <= 2 * n + 1:
             raise NoModelError(
-                f"no more than {most} measurements are left in a recording, too few for a model of "
-                f"{n} states to tell anything of its noise"
+                f"the number of measurements in a recording is {most} at most, too few to "
+                f"determine the noise of a model of order {n}"
             )
         rows = max(rows // 2, 2 * n + 1)
 
 
 def scales(recordings: tuple[NoiseModel, ...]) -> np.ndarray:
-    """A size of each measurement's steps, ``(m,)``, so that its unit does not matter."""
+    """A typical step of each measurement, ``(m,)``, so that its unit does not matter."""
     found = []
     for i in range(len(recordings[0].H)):
         columns = [model.z[:, i] / model.sigma[:, i] for model in recordings]
@@ -102,7 +102,7 @@ def scales(recordings: tuple[NoiseModel, ...]) -> np.ndarray:
 def _of_rows(
     recordings: tuple[NoiseModel, ...], seen: list[np.ndarray], rows: int, scale: np.ndarray
 ) -> Differences | None:
-    """The differences in windows of so many measurements; None where there are none to take."""
+    """The differences in windows of so many measurements; None without any window."""
     p, n = recordings[0].Q.shape[1], recordings[0].F.shape[-1]
     windows = [
         (model, places)
@@ -122,7 +122,7 @@ def _of_rows(
 
 
 def batch(p: int, n: int, rows: int) -> int:
-    """How many windows are taken at once, of p noises, n states and so many measurements."""
+    """Number of windows processed at once, for p noises, n states and so many measurements."""
     return max(int(min(_MOST, _MEMORY / (p * n * n), _MEMORY * 8 / (p * rows)) / rows), 1)
 
 
@@ -137,7 +137,7 @@ def _cut(places: np.ndarray, rows: int) -> list[np.ndarray]:
 def of_windows(
     windows: list[tuple[NoiseModel, np.ndarray]], rows: int, scale: np.ndarray
 ) -> tuple[Differences, np.ndarray] | None:
-    """The differences of windows, and of which of them they say something, ``(K,)`` of bool.
+    """The differences of windows, and which windows are usable, ``(K,)`` of bool.
 
     Args:
         windows: each a recording, and sample and number of its measurements, ``(rows, 2)``.
@@ -167,7 +167,7 @@ def of_windows(
     if not A.shape[1]:
         return None
     r = np.einsum("kda,ka->kd", A, z - s)
-    # What rounding leaves of numbers that cancel is 0, or a straight line would have a noise.
+    # Rounding residue of cancelled numbers is 0, or a straight line would have a noise.
     r = np.where(np.abs(r) > _ROUNDING * np.abs(z - s).max(axis=1, keepdims=True), r, 0.0)
     M = A @ C @ np.swapaxes(A, 1, 2)
     kept = np.isfinite(r).all(axis=1) & _alike(C)
@@ -175,14 +175,14 @@ def of_windows(
 
 
 def _alike(C: np.ndarray) -> np.ndarray:
-    """Which windows are as long as most, ``(K,)``: noise over a long gap would hide all others."""
+    """Which windows are of usual length, ``(K,)``: noise over a long gap would hide all others."""
     sizes = np.abs(C).max(axis=(2, 3))
     usual = np.median(sizes, axis=1, keepdims=True)
     return np.asarray((sizes <= _LONGER * np.where(usual > 0, usual, np.inf)).all(axis=0))
 
 
 def _sizes(models: list[NoiseModel], scale: np.ndarray) -> np.ndarray:
-    """What each unknown at 1 adds to the measurements in n steps, if nothing cancels, ``(p,)``."""
+    """Size of each parameter's share of n steps' measurements, without cancellation, ``(p,)``."""
     first = models[0]
     H = np.abs(first.H) / scale[:, None]
     F = np.median(np.abs(first.F[first.which]), axis=0)
@@ -198,7 +198,7 @@ def _sizes(models: list[NoiseModel], scale: np.ndarray) -> np.ndarray:
 def _steps(
     models: list[NoiseModel], lane: np.ndarray, at: np.ndarray
 ) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
-    """From each of a window's measurements to the next.
+    """The steps from each of a window's measurements to the next.
 
     Returns:
         Transitions ``(K, rows, n, n)`` and noise ``(K, rows, 1 + p, n, n)``, and what the known
@@ -229,7 +229,7 @@ def _steps(
 def _response(
     steps: tuple[np.ndarray, np.ndarray], pushes: np.ndarray, H: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """How measurements answer to the state before, to the noise and to the known input.
+    """The response of measurements to the state before, to the noise and to the known input.
 
     Returns:
         O of the module's words, ``(K, rows, n)``, covariances ``(1 + p, K, rows, rows)``, inputs

@@ -1,4 +1,4 @@
-"""Models of one's own in a text file: from TOML to a filter class, and nothing is executed.
+"""User models in text files: from TOML to a filter class, with nothing executed.
 
 A document names its parameters, inputs, states and measurements, and says by matrices or
 expressions how the states move and what is measured; ``docs/models.md`` shows how.
@@ -20,7 +20,7 @@ def model_filter(document: Mapping[str, Any]) -> type[Any]:
         document: as :func:`read_model` or ``tomllib`` reads it.
 
     Raises:
-        ValueError: with all that is wrong in it.
+        ValueError: with all mistakes in it.
 
     >>> document = {
     ...     "parameters": {"q": {}, "R": {}},

@@ -1,4 +1,4 @@
-"""What can be said of an expression without numbers: folding, linearity, factors."""
+"""Symbolic properties of expressions: folding, linearity, factors."""
 
 import math
 import operator
@@ -21,10 +21,10 @@ _FOLDED: dict[str, Callable[..., Any]] = {
 
 
 def fold(node: Node) -> Node:
-    """The same with every part that is a number worked out.
+    """The expression with every constant part evaluated.
 
     Raises:
-        ExpressionError: where such a part is no finite real number.
+        ExpressionError: where such a part is not a finite real number.
 
     >>> from tuner.model.expression import parse
     >>> fold(parse("x * (1 + 1) + 0")) == parse("x * 2")
@@ -36,7 +36,7 @@ def fold(node: Node) -> Node:
 
 
 def made(function: str, *arguments: Node) -> Node:
-    """A function of folded arguments, folded: numbers worked out, 0 and 1 left out of sums."""
+    """A function of folded arguments, folded: constants evaluated, 0 and 1 left out."""
     numbers = [each.value for each in arguments if isinstance(each, Number)]
     if len(numbers) == len(arguments):
         return _worked_out(function, numbers)
@@ -57,7 +57,7 @@ def _worked_out(function: str, numbers: list[float]) -> Number:
     shown = [f"{number:g}" for number in numbers]
     infix = function in ("+", "-", "*", "/", "**")
     told = f" {function} ".join(shown) if infix else f"{function}({', '.join(shown)})"
-    raise ExpressionError(f"{told} is no finite number")
+    raise ExpressionError(f"{told} is not a finite number")
 
 
 def _simpler(function: str, arguments: tuple[Node, ...]) -> Node | None:
@@ -90,7 +90,7 @@ def total(terms: Iterator[Node]) -> Node:
 
 
 def names_in(node: Node) -> frozenset[str]:
-    """The names that an expression holds."""
+    """The names in an expression."""
     if isinstance(node, Name):
         return frozenset((node.name,))
     if isinstance(node, Number):
@@ -99,7 +99,7 @@ def names_in(node: Node) -> frozenset[str]:
 
 
 def affine(node: Node, names: Collection[str]) -> Affine | None:
-    """Coefficients of some names and the rest, of an expression linear in them; None of others.
+    """An expression as coefficients of some names and a rest; None where it is not linear in them.
 
     Neither coefficients nor rest hold any of the names.
 
@@ -149,7 +149,7 @@ def _summed(function: str, sides: tuple[Node, ...], names: Collection[str]) -> A
 
 
 def separated(node: Node, names: Collection[str]) -> tuple[Node, Node] | None:
-    """A product as a factor without some names and one of them alone; None where it is none.
+    """A product as a factor without some names and one of them alone; None if it is not one.
 
     >>> from tuner.model.expression import parse
     >>> separated(parse("s^2 * sigma^2"), ["sigma"])[1] == parse("sigma^2")

@@ -18,7 +18,7 @@ from tuner.model.straight import driving_names, one_step
 
 
 class Known(NamedTuple):
-    """What the equations of a sample are worked out with.
+    """Known quantities in the equations of a sample.
 
     Attributes:
         params: the filter's parameters.
@@ -32,7 +32,7 @@ class Known(NamedTuple):
 
 
 class Given(NamedTuple):
-    """Inputs by name: those that moved the states until this sample, and those of this sample."""
+    """Inputs by name: those that drove the states until this sample, and those of this sample."""
 
     before: dict[str, Array]
     now: dict[str, Array]
@@ -40,7 +40,7 @@ class Given(NamedTuple):
 
 @dataclass(frozen=True)
 class Equations:
-    """f, h and the noise of a model, as filters of any model take them.
+    """f, h and the noise of a model, in the form that nonlinear filters take.
 
     A continuous f is integrated over a sample in two steps of Runge and Kutta's method of order 4.
     The noise that enters meanwhile is carried to the end of the step by the Jacobians of these two,
@@ -51,7 +51,7 @@ class Equations:
     model: Model
 
     def move(self, known: Known, x: Array, u: Given) -> Array:
-        """The state a sample later, ``(n,)``."""
+        """The state one sample later, ``(n,)``."""
         model, at = self.model, self._at(known, x, u.before)
         if model.time == "discrete":
             return at.vector(model.f)  # type: ignore[no-any-return]
@@ -60,7 +60,7 @@ class Equations:
         return self._half(known, self._half(known, x, u), u)
 
     def disturb(self, known: Known, x: Array, u: Given) -> Array:
-        """Covariance of the noise that enters meanwhile, ``(n, n)``."""
+        """Covariance of the process noise of the step, ``(n, n)``."""
         model = self.model
         if model.time == "discrete":
             return self._density(known, x, u)
@@ -77,12 +77,12 @@ class Equations:
         return integral
 
     def measure(self, known: Known, x: Array, u: Given) -> Array:
-        """What is foretold, ``(m,)``."""
+        """The predicted measurement, ``(m,)``."""
         return self._at(known, x, u.now).vector(self.model.h)  # type: ignore[no-any-return]
 
     @property
     def _turning(self) -> bool:
-        """Whether the states change what disturbs them."""
+        """Whether the process noise depends on the states."""
         nodes = (node for row in self.model.noise for node in row)
         return any(self.model.holds(node, self.model.state_names) for node in nodes)
 
@@ -109,7 +109,7 @@ class Equations:
         return ahead + matmul(step.push, at.vector(self.model.moved[1]))
 
     def _half(self, known: Known, x: Array, u: Given) -> Array:
-        """Half a sample on, by Runge and Kutta."""
+        """The state half a sample later, by Runge and Kutta."""
         h = known.dt / 2
 
         def rate(at: Array) -> Array:
@@ -153,7 +153,7 @@ class Bent(ModelFilter):
 
 
 def atom(model: Model) -> Any:
-    """The filter for any model that the method names."""
+    """The filter that the model's method names."""
     equations = Equations(model)
     functions = equations.move, equations.disturb, equations.measure
     angles = model.angles if any(model.angles) else ()

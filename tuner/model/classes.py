@@ -17,7 +17,7 @@ from tuner.model.straight import Straight
 
 
 def _reduced(self: Any) -> tuple[Any, ...]:
-    """A class that was made by a function is found by it again in another process."""
+    """The pickled form of a generated class: another process generates it again."""
     return _again, (self.model, self.dt)
 
 
@@ -62,7 +62,7 @@ def _channels(model: Model) -> list[Quantity]:
 
 
 def _channel(each: Quantity) -> tuple[str, Any]:
-    """Where no unit is given, any will do."""
+    """A channel's name and facts; without a unit any will do."""
     unit = "unit" if each.unit is None else each.unit
     return each.name, Annotated[Array, Channel(unit, each.meaning or each.name, each.axes)]
 

@@ -1,4 +1,4 @@
-"""Matrices of expressions, and those that are covariances."""
+"""Matrices and covariances of expressions."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ class Covariance:
 
     Attributes:
         rows: all of it.
-        full: whether there is anything off its diagonal.
+        full: whether an entry off its diagonal is not 0.
     """
 
     rows: Rows
@@ -23,18 +23,18 @@ class Covariance:
 
     @classmethod
     def of(cls, rows: Rows) -> "Covariance":
-        """Of a whole matrix."""
+        """The covariance of a whole matrix."""
         pairs = ((i, j) for i in range(len(rows)) for j in range(len(rows)) if i != j)
         return cls(rows, any(rows[i][j] != ZERO for i, j in pairs))
 
     @classmethod
     def diagonal(cls, variances: Sequence[Node]) -> "Covariance":
-        """Of variances that share nothing."""
+        """The covariance of independent variances."""
         size = range(len(variances))
         rows = (tuple(variances[i] if i == j else ZERO for j in size) for i in size)
         return cls(tuple(rows), False)
 
     @property
     def variances(self) -> tuple[Node, ...]:
-        """Its diagonal."""
+        """The diagonal."""
         return tuple(row[i] for i, row in enumerate(self.rows))

@@ -1,4 +1,4 @@
-"""What a model document describes: a model with its noise, as expressions."""
+"""The content of a model document: a model with its noise, as expressions."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,23 +21,23 @@ class Model:
     """A model with its noise: x' = f(x, u) + G w, z = h(x, u) + v.
 
     Attributes:
-        name: what it is called.
-        title: what it is, in a sentence.
-        method: which filter is made of it.
-        iterations: how often an iterated filter linearises a measurement.
+        name: of the model.
+        title: a sentence about it.
+        method: which filter it gets.
+        iterations: linearisations of a measurement by an iterated filter.
         time: whether f is the rate of the state or its next value.
-        parameters: what may be tuned.
-        inputs: what is known.
-        states: what is estimated.
-        groups: what is measured, one channel each.
+        parameters: that may be tuned.
+        inputs: known signals.
+        states: estimated quantities.
+        groups: measured channels.
         f: n expressions.
         G: where the noise enters, n rows.
         Q: of the noise: spectral density, or covariance a sample.
         h: m expressions.
         R: of the measurements, ``(m, m)``.
         x0: where the states begin.
-        P0: of the start, n rows; 0 for what is unknown.
-        diffuse: numbers of the states of which nothing is known at the start.
+        P0: covariance of the start, n rows; 0 for unknown states.
+        diffuse: indices of states that are unknown at the start.
         unobserved: states that may be shown by no measurement.
     """
 

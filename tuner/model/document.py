@@ -1,4 +1,4 @@
-"""Reading a model file: TOML, capped before it is read, checked before it is used."""
+"""The reader of model files: TOML, limited in size before it is read, checked before use."""
 
 import re
 import tomllib
@@ -12,7 +12,7 @@ from tuner.model.reading import described
 from tuner.model.size import LARGEST_FILE, check_size
 
 _DEEP_KEY = re.compile(r"(?:[\w \t-]{0,80}\.){12}")
-"""Keys of tables in tables in tables, which take TOML quadratically long."""
+"""Deeply nested keys, which take the TOML parser quadratic time."""
 _DEEP_LIST = re.compile(r"[\[{][\s\[{]{20}")
 
 
@@ -26,8 +26,8 @@ def read_model(path: Path) -> dict[str, Any]:
         path: the TOML file.
 
     Raises:
-        ValueError: where there is none, it is too large, no TOML, or no model: all that is wrong,
-            with lines.
+        ValueError: where it is missing, too large, not TOML, or not a model: all mistakes, with
+            lines.
 
     >>> import tempfile
     >>> from tuner.model.template import template
@@ -48,7 +48,7 @@ def read_model(path: Path) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """The same with infinity as a text, for what is kept of a run holds finite numbers alone."""
+    """The same with infinity as text, for a run's folder holds finite numbers only."""
     if isinstance(value, dict):
         return {key: _plain(each) for key, each in value.items()}
     if isinstance(value, list):
@@ -58,7 +58,7 @@ def _plain(value: Any) -> Any:
 
 def _text(path: Path) -> str:
     if not path.is_file():
-        why = "is no file" if path.exists() else "is not there"
+        why = "is not a file" if path.exists() else "is not there"
         raise ValueError(f"{path} {why}; give a model in TOML, tuner init writes one to begin with")
     try:
         with opened(path) as stream:
@@ -67,13 +67,13 @@ def _text(path: Path) -> str:
         raise ValueError(f"{path} cannot be read: {error.strerror}") from None
     if len(data) > LARGEST_FILE:
         raise ValueError(
-            f"{path.name} is larger than {LARGEST_FILE // 1000} kB, which is no model; give names, "
-            "matrices and expressions alone"
+            f"{path.name} is larger than {LARGEST_FILE // 1000} kB, too much for a model; give "
+            "names, matrices and expressions alone"
         )
     try:
         return data.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError:
-        raise ValueError(f"{path.name} is no text in UTF-8; save it as such") from None
+        raise ValueError(f"{path.name} is not text in UTF-8; save it as such") from None
 
 
 def _parsed(text: str, name: str) -> dict[str, Any]:
@@ -86,4 +86,4 @@ def _parsed(text: str, name: str) -> dict[str, Any]:
     except ValueError as error:
         if "integer string" in str(error):
             raise ValueError(f"{name} holds a number of thousands of digits; shorten it") from None
-        raise ValueError(f"{name} is no TOML: {' '.join(str(error).split())}") from None
+        raise ValueError(f"{name} is not TOML: {' '.join(str(error).split())}") from None

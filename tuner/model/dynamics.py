@@ -1,4 +1,4 @@
-"""What a model document says of its states: how they move, what disturbs them, where they begin."""
+"""The states of a model document: dynamics, process noise, and initial values."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -17,7 +17,7 @@ _OWN: dict[str, Time] = {"A": "continuous", "F": "discrete"}
 def moves(
     entries: Entries, model: Mapping[str, Any], states: Sequence[str], inputs: Sequence[str]
 ) -> tuple[Time, tuple[Node, ...] | None]:
-    """Whether f is a rate or a next value, and f: of f itself, or of A or F with B."""
+    """The kind of time, and f: given as such, or by A or F with B."""
     findings = entries.findings
     given = [key for key in ("A", "F", "f") if key in model]
     if len(given) != 1:
@@ -61,7 +61,7 @@ def _time(entries: Entries, model: Mapping[str, Any], key: str) -> Time:
 
 
 def steps(time: Time) -> tuple[str, ...]:
-    """A continuous model knows of no sample time."""
+    """The further names in a model's entries: a continuous model has no sample time."""
     return ("dt",) if time == "discrete" else ()
 
 
@@ -78,7 +78,7 @@ def noise(
         entering = [f"w{j + 1}" for j in range(len(G[0]))]
     if "Q" not in model:
         what = "spectral density" if time == "continuous" else "covariance a sample"
-        entries.findings.add(("model",), f"has no Q, the {what} of what disturbs the states")
+        entries.findings.add(("model",), f"has no Q, the {what} of the process noise")
         return G, None
     return G, entries.covariance(("model", "Q"), model["Q"], entering, scope, rest=0.0).rows
 
@@ -86,7 +86,7 @@ def noise(
 def start(
     entries: Entries, model: Mapping[str, Any], states: Sequence[str]
 ) -> tuple[tuple[Node, ...], Rows, tuple[int, ...]]:
-    """x0, P0 with 0 for what is unknown, and the states of which nothing is known: inf in P0."""
+    """x0, P0 with 0 for unknown states, and the unknown states: those with inf in P0."""
     scope = entries.scope("parameter")
     x0 = entries.vector(("model", "x0"), model.get("x0", {}), states, scope, rest=0.0)
     given, unknowns = _without_infinite(model.get("P0", float("inf")), states)
@@ -95,7 +95,7 @@ def start(
 
 
 def _without_infinite(given: Any, states: Sequence[str]) -> tuple[Any, tuple[int, ...]]:
-    """A covariance with 0 in place of inf on its diagonal, and where these stood."""
+    """A covariance with 0 in place of inf on its diagonal, and the places of these."""
     if _infinite(given):
         return 0.0, tuple(range(len(states)))
     if isinstance(given, Mapping):

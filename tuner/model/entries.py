@@ -17,11 +17,11 @@ from tuner.names import unknown
 
 @dataclass(frozen=True)
 class Scope:
-    """The names that an entry may hold.
+    """The names that an entry may contain.
 
     Attributes:
-        kinds: what each known name is, in words.
-        allowed: which of these kinds an entry may hold.
+        kinds: the kind of each known name, in words.
+        allowed: the kinds that an entry may contain.
     """
 
     kinds: Mapping[str, str]
@@ -30,11 +30,11 @@ class Scope:
 
 @dataclass
 class Entries:
-    """Reads entries, and keeps each as it was written, for its units.
+    """A reader of entries, which keeps each as it was written, for its units.
 
     Attributes:
         findings: where errors go.
-        kinds: what each known name is, in words.
+        kinds: the kind of each known name, in words.
         written: the expressions as they were written, by node, before they were folded.
     """
 
@@ -43,11 +43,11 @@ class Entries:
     written: dict[Path, Node] = field(default_factory=dict)
 
     def scope(self, *allowed: str) -> Scope:
-        """The names of some kinds."""
+        """The scope of names of some kinds."""
         return Scope(self.kinds, frozenset(allowed))
 
     def one(self, path: Path, value: Any, scope: Scope) -> Node:
-        """A number or an expression; 0 where it is neither, which is noted."""
+        """A number or an expression; 0 where it is neither, which is an error."""
         if isinstance(value, int | float) and not isinstance(value, bool):
             found = _float(value)
             if math.isfinite(found):
@@ -78,7 +78,7 @@ class Entries:
                     sorted(f"{each}s" if each != "dt" else each for each in scope.allowed)
                 )
                 self.findings.add(
-                    path, f"holds {name}, {_article(kind)}; it may hold numbers, {may}"
+                    path, f"contains {name}, {_article(kind)}; it may contain numbers, {may}"
                 )
 
     def vector(
@@ -107,7 +107,7 @@ class Entries:
             self.findings.add(path, f"is {brief(value)}; give {_each(names)}")
             return (ZERO,) * len(names)
         if len(value) != len(names):
-            self.findings.add(path, f"has {len(value)} entries; give {_each(names)}")
+            self.findings.add(path, f"has the length {len(value)}; give {_each(names)}")
             return (ZERO,) * len(names)
         return tuple(self.one((*path, i), each, scope) for i, each in enumerate(value))
 
@@ -117,18 +117,19 @@ class Entries:
         Args:
             path: where it stands.
             value: what stands there.
-            rows: how many there have to be.
-            columns: how many there have to be; None: any number, alike in all rows.
+            rows: required number.
+            columns: required number; None: any, equal in all rows.
             scope: the names that entries may hold.
         """
         nothing = ((ZERO,) * (columns or 1),) * rows
-        wanted = f"{rows} rows of {columns}" if columns else f"{rows} rows"
+        wanted = "1 row" if rows == 1 else f"{rows} rows"
+        wanted += f" of {columns}" if columns else ""
         if not isinstance(value, list):
             value = [[value]]
         elif not any(isinstance(row, list) for row in value):
             value = [value] if rows == 1 else [[each] for each in value]
         if len(value) != rows or not all(isinstance(row, list) for row in value):
-            self.findings.add(path, f"has {len(value)} rows; give {wanted}, one list each")
+            self.findings.add(path, f"has the length {len(value)}; give {wanted}, one list each")
             return nothing
         width = columns or len(value[0])
         for i, row in enumerate(value):

@@ -1,4 +1,4 @@
-"""Numbers of expressions, in NumPy or traced by JAX."""
+"""Values of expressions, in NumPy or traced by JAX."""
 
 import operator
 from collections.abc import Mapping, Sequence
@@ -20,12 +20,12 @@ _OF_NUMPY = {
 
 
 class Values:
-    """Works expressions out for names with values; what stands twice is worked out once.
+    """An evaluator of expressions for given names; repeated parts are evaluated once.
 
     Args:
         values: by name.
         library: ``numpy`` or ``jax.numpy``.
-        dtype: of the numbers that come out of :meth:`vector` and :meth:`matrix`.
+        dtype: of the results of :meth:`vector` and :meth:`matrix`.
     """
 
     def __init__(self, values: Mapping[str, Any], library: Any, dtype: Any) -> None:
@@ -33,7 +33,7 @@ class Values:
         self._known: dict[Node, Any] = {}
 
     def __call__(self, node: Node) -> Any:
-        """The value of one expression; a Python number where it is a number."""
+        """The value of one expression; a Python number where it is constant."""
         if isinstance(node, Number):
             return node.value
         if isinstance(node, Name):

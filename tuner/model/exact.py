@@ -1,4 +1,4 @@
-"""One step of a linear model, exactly, at any sample time: also at one that each sample brings."""
+"""Exact discretisation of a linear model at any sample time, also at one traced by JAX."""
 
 from typing import NamedTuple
 
@@ -9,17 +9,17 @@ from jax import Array
 from filters.small_linalg import matmul
 
 TERMS = 16
-"""Of the series where norm(A) h is 1/2 or less: what is left out is below 2^-16 / 17!, 5e-20."""
+"""Terms of the series where norm(A) h is at most 1/2: the rest is below 2^-16 / 17!, 5e-20."""
 MOST_DOUBLINGS = 20
 """Enough for a step a million times as long as the fastest time constant."""
 
 
 class Step(NamedTuple):
-    """What a sample time does to a linear model.
+    """The discretised linear model of one sample time.
 
     Attributes:
         F: transition, ``(n, n)``.
-        push: integral of expm(A t) over the step, through which what is constant within it acts,
+        push: integral of expm(A t) over the step, through which constant inputs act,
             ``(n, n)``.
         Q: covariance of the noise that enters, ``(n, n)``.
     """
@@ -69,7 +69,7 @@ def exact(A: Array, S: Array, dt: Array | float, nilpotent: int | None = None) -
 
 
 def _polynomials(A: Array, S: Array, h: Array | float, nilpotent: int) -> Step:
-    """The sums where they end; no sample time enters products, so that they stand in no loop."""
+    """The finite sums; no sample time enters products, so that they stay outside of loops."""
     one = jnp.eye(len(A), dtype=A.dtype)
     power, push, time = one, one * h, h
     for k in range(2, nilpotent + 1):
@@ -84,7 +84,7 @@ def _polynomials(A: Array, S: Array, h: Array | float, nilpotent: int) -> Step:
 
 
 def _series(T: Array, N: Array, h: Array | float, terms: int) -> Step:
-    """The sums of so many terms, of A h and S h."""
+    """The sums of a given number of terms, of A h and S h."""
     one = jnp.eye(len(T), dtype=T.dtype)
     power, push, noise, Q = one, one, N, N
     for k in range(2, terms + 1):

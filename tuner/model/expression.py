@@ -1,7 +1,7 @@
-"""Expressions of a model document, by a small grammar of their own: nothing is ever executed.
+"""Expressions of a model document, in a small grammar of their own: nothing is ever executed.
 
-Python's ``ast`` splits the text; what is not in the lists below is refused by name. Length, depth
-and size are capped, so that no text costs more than a moment.
+Python's ``ast`` parses the text; anything outside the lists below is refused by name. Length, depth
+and size are limited, so that any text is read quickly.
 """
 
 import ast
@@ -12,14 +12,14 @@ from typing import TypeAlias
 from tuner.names import unknown
 
 LONGEST, DEEPEST, LARGEST = 1000, 40, 400
-"""Of one expression: characters, levels, and parts."""
+"""Limits of one expression: characters, levels, and parts."""
 
 FUNCTIONS = {
     "sin": 1, "cos": 1, "tan": 1, "asin": 1, "acos": 1, "atan": 1, "atan2": 2,
     "sinh": 1, "cosh": 1, "tanh": 1, "exp": 1, "log": 1, "sqrt": 1,
     "abs": 1, "sign": 1, "min": 2, "max": 2, "hypot": 2, "where": 3,
 }  # fmt: skip
-"""Names of functions, and how many numbers each takes; ``where(a < b, c, d)`` chooses."""
+"""Functions and their numbers of arguments; ``where(a < b, c, d)`` chooses."""
 CONSTANTS = {"pi": 3.141592653589793}
 _BINARY = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**"}
 _COMPARED = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">="}
@@ -27,12 +27,12 @@ COMPARISONS = tuple(_COMPARED.values())
 
 
 class ExpressionError(ValueError):
-    """What is wrong with one expression, without where it stands."""
+    """A mistake in one expression, without its place."""
 
 
 @dataclass(frozen=True)
 class Number:
-    """A number, finite."""
+    """A finite number."""
 
     value: float
 
@@ -46,7 +46,7 @@ class Name:
 
 @dataclass(frozen=True)
 class Call:
-    """An operator or a function with what it is applied to."""
+    """An operator or a function with its arguments."""
 
     function: str
     arguments: tuple["Node", ...]
@@ -57,7 +57,7 @@ ZERO, ONE = Number(0.0), Number(1.0)
 
 
 def parse(text: str) -> Node:
-    """The expression that a text is.
+    """The expression of a text.
 
     Both ``**`` and ``^`` are powers. Names are not looked up.
 
@@ -74,20 +74,20 @@ def parse(text: str) -> Node:
             warnings.simplefilter("ignore")
             tree = ast.parse(text.strip().replace("^", "**"), mode="eval")
     except SyntaxError as error:
-        raise ExpressionError(f"{_shown(text)} is no expression: {error.msg}") from None
+        raise ExpressionError(f"{_shown(text)} is not an expression: {error.msg}") from None
     except (ValueError, RecursionError, MemoryError):
-        raise ExpressionError(f"{_shown(text)} is no expression that can be read") from None
+        raise ExpressionError(f"{_shown(text)} is not an expression that can be read") from None
     return _Reader(text).node(tree.body, 0)
 
 
 class _Reader:
-    """Turns the parts of one text into nodes, and counts them."""
+    """A converter of one text's parts into nodes, which counts them."""
 
     def __init__(self, text: str) -> None:
         self.text, self.parts = text, 0
 
     def node(self, tree: ast.AST, depth: int) -> Node:
-        """One part, with what is inside it."""
+        """One part, with the parts inside it."""
         self.parts += 1
         if depth > DEEPEST or self.parts > LARGEST:
             raise ExpressionError(
@@ -112,13 +112,14 @@ class _Reader:
 
     def _call(self, tree: ast.Call, depth: int) -> Node:
         if not isinstance(tree.func, ast.Name):
-            raise ExpressionError(f"{_shown(self.text)} calls what is no name of a function")
+            raise ExpressionError(f"{_shown(self.text)} calls what is not the name of a function")
         name = tree.func.id
         if name not in FUNCTIONS:
             raise ExpressionError(_no_function(name))
         if tree.keywords or len(tree.args) != FUNCTIONS[name]:
             count = len(tree.args) + len(tree.keywords)
-            raise ExpressionError(f"{name} takes {FUNCTIONS[name]} and has {count} arguments")
+            takes = "1 argument" if FUNCTIONS[name] == 1 else f"{FUNCTIONS[name]} arguments"
+            raise ExpressionError(f"{name} takes {takes} and has {count}")
         if name != "where":
             return Call(name, tuple(self.node(each, depth + 1) for each in tree.args))
         chosen = tuple(self.node(each, depth + 1) for each in tree.args[1:])
@@ -135,13 +136,13 @@ class _Reader:
 
 def _number(value: object) -> Number:
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ExpressionError(f"{_shown(repr(value))} is no real number")
+        raise ExpressionError(f"{_shown(repr(value))} is not a real number")
     try:
         number = float(value)
     except OverflowError:
         number = float("inf")
     if not abs(number) < float("inf"):
-        raise ExpressionError("holds a number beyond 1e308")
+        raise ExpressionError("contains a number beyond 1e308")
     return Number(number)
 
 
@@ -149,9 +150,9 @@ def _no_function(name: str) -> str:
     aliases = {"ln": "log", "arctan2": "atan2", "arctan": "atan", "arcsin": "asin"}
     aliases |= {"arccos": "acos", "pow": "**", "power": "**", "fabs": "abs"}
     if name in aliases:
-        return f"{name!r} is no function here; write {aliases[name]}"
+        return f"{name!r} is not a function here; write {aliases[name]}"
     told = str(unknown("function", name, FUNCTIONS))
-    return told.replace(f"unknown function {name!r};", f"{name!r} is no function here;").replace(
+    return told.replace(f"unknown function {name!r};", f"{name!r} is not a function here;").replace(
         "There are:", "there are:"
     )
 

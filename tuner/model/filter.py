@@ -1,4 +1,4 @@
-"""The filter of a model: a class that declares its facts as those of the catalogue do."""
+"""The filter of a model: a class that declares its facts as those of the catalogue."""
 
 from typing import Any, ClassVar, NamedTuple
 
@@ -15,7 +15,7 @@ from tuner.model.quantities import Quantity
 
 
 class ModelState(NamedTuple):
-    """What a filter of a model keeps.
+    """The state of a model's filter.
 
     Attributes:
         estimate: of the states, with its covariance.
@@ -33,7 +33,7 @@ class Now(NamedTuple):
 
     Attributes:
         inputs: the last value of each.
-        absent: of inputs that belong to a measurement: whether there is none.
+        absent: whether an input that belongs to a measurement is missing.
         z: measured numbers, ``(m,)``; NaN is missing.
     """
 
@@ -43,7 +43,7 @@ class Now(NamedTuple):
 
 
 def inputs_now(model: Model, held: tuple[Array, ...], inputs: Any) -> Now:
-    """What a sample brings, with the last value where an input is missing."""
+    """The inputs of a sample, with the last value where one is missing."""
     given, absent = {}, {}
     driving = [name for name in model.input_names if name in model.driving]
     last = dict(zip(driving, held, strict=True))
@@ -64,24 +64,24 @@ def _parts(each: Quantity, inputs: Any) -> list[Array]:
 
 
 def held_of(model: Model, inputs: dict[str, Array]) -> tuple[Array, ...]:
-    """The inputs that stay until the next sample."""
+    """The inputs that are held until the next sample."""
     return tuple(inputs[name] for name in model.input_names if name in model.driving)
 
 
 def values(params: Any, library: Any = jnp, **more: Any) -> Values:
-    """What expressions are worked out with: parameters, and inputs or states by name."""
+    """Values for the symbols in expressions: parameters, and inputs or states by name."""
     given = params._asdict()
     return Values(given | more, library, jnp.result_type(*given.values()))
 
 
 def start(model: Model, params: Any) -> AnyEstimate:
-    """x0 and P0; states without either are unknown."""
+    """The estimate at the start, x0 and P0; states without either are unknown."""
     at = values(params)
     return begin(at.vector(model.x0), at.matrix(model.P0), model.diffuse)
 
 
 def noisy(model: Model, at: Values, now: Now) -> tuple[Array, Array]:
-    """R, ``(m,)`` or ``(m, m)``, and z without the numbers whose variance is not known."""
+    """R, ``(m,)`` or ``(m, m)``, and z without measurements of unknown variance."""
     R = _spread(model, at)
     held = [names_in(node) & frozenset(model.input_names) for node in model.R.variances]
     if not any(held):
@@ -97,7 +97,7 @@ def noisy(model: Model, at: Values, now: Now) -> tuple[Array, Array]:
 
 
 def any_of(flags: list[Array]) -> Array:
-    """Whether any of some flags is set, ``()``."""
+    """Whether any of the flags is set, ``()``."""
     return jnp.stack([jnp.zeros((), bool), *flags]).any()
 
 
@@ -107,7 +107,7 @@ def _spread(model: Model, at: Values) -> Array:
 
 
 class ModelFilter:
-    """What the classes of models have in common.
+    """The common base of the classes of models.
 
     Attributes:
         model: what it is the filter of.
@@ -127,17 +127,16 @@ class ModelFilter:
         return isinstance(self.dt, int | float)
 
     def check_dt(self) -> None:
-        """Refuse varying sample times of a model that knows of none.
+        """Refuse varying sample times of a model that does not depend on them.
 
         Raises:
-            ValueError: with the way out.
+            ValueError: with the remedy.
         """
         if self.static or self.model.time == "continuous" or self.model.stepped:
             return
         raise ValueError(
-            f"{type(self).__name__} is a discrete model without dt, so it cannot tell what a step "
-            "of another length does; write its entries with dt, make it continuous, or give "
-            "--rate HZ where the samples are even"
+            f"{type(self).__name__} is a discrete model without dt, for steps of one length only; "
+            "write its entries with dt, make it continuous, or give --rate HZ"
         )
 
     def said(self, estimate: AnyEstimate, innovation: Array, variance: Array) -> Any:

@@ -1,4 +1,4 @@
-"""All that is wrong with a document, collected and told at once."""
+"""The mistakes in a document, collected and reported together."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -10,10 +10,10 @@ MOST_TOLD = 8
 
 
 class Findings:
-    """Sentences with the entries that they are about.
+    """Errors with the entries that they concern.
 
     Args:
-        lines: where entries stand; of a document without a text none is known.
+        lines: of the entries; unknown for a document without a text.
     """
 
     def __init__(self, lines: Lines) -> None:
@@ -24,7 +24,7 @@ class Findings:
         return len(self.found)
 
     def add(self, path: Path, sentence: str) -> None:
-        """Note what is wrong with an entry."""
+        """Add an error of an entry."""
         line = self.lines.line(path)
         where = f"line {line}, {shown(path)}" if line else shown(path)
         told = (line or 0, f"{where}: {sentence}" if path else sentence)
@@ -32,20 +32,20 @@ class Findings:
             self.found.append(told)
 
     def keys(self, path: Path, table: Mapping[str, Any], known: Iterable[str]) -> None:
-        """Note the keys of a table that are not known."""
+        """Add an error for each unknown key of a table."""
         for key in table:
             if key not in known:
                 self.add((*path, key), str(unknown("entry", key, known)))
 
     def table(self, path: Path, value: Any) -> Mapping[str, Any]:
-        """A value that has to be a table; an empty one where it is not."""
+        """A table; where the value is another thing, an error is added and the table is empty."""
         if isinstance(value, Mapping):
             return value
         self.add(path, f"is {brief(value)}; give a table, as in {shown(path)} = {{ ... }}")
         return {}
 
     def check(self, name: str) -> None:
-        """Raise what was found.
+        """Raise the errors, if any.
 
         Args:
             name: of the file, or "model".
@@ -64,7 +64,7 @@ class Findings:
 
 
 def brief(value: Any) -> str:
-    """A value in few words, whatever it is."""
+    """Any value in few words."""
     if isinstance(value, Mapping):
         return "a table"
     if isinstance(value, list | tuple):

@@ -1,4 +1,4 @@
-"""A linear model for the rank test, the start of a search, and what follows from its noise."""
+"""Linear models for the rank test, the start of a search, and derived quantities."""
 
 from typing import Any
 
@@ -20,7 +20,7 @@ from tuner.model.straight import one_step
 
 
 def linear_parts(model: Model) -> dict[str, Any]:
-    """The methods ``linear`` and ``measured`` of a model that is the same at all times."""
+    """The methods ``linear`` and ``measured`` of a time-invariant model."""
     parts: dict[str, Any] = {}
     if model.steady and model.steadily_seen and (form := _Form.of(model)):
         parts["linear"] = lambda self, params: form.linear(params, self.dt)
@@ -40,7 +40,7 @@ def _derived(model: Model) -> dict[str, Channel]:
 
 
 def _settles(model: Model) -> bool:
-    """Whether there may be a steady gain: nothing depends on a record."""
+    """Whether a steady gain is possible: nothing depends on a record."""
     noises = (node for row in model.R.rows for node in row)
     known = not any(model.holds(node, model.input_names) for node in noises)
     return known and model.steadily_seen
@@ -70,7 +70,7 @@ def _steady(step: Step, H: Array, R: Array, dt: float) -> np.ndarray:
 
 
 class _Form:
-    """A model as z = H x + v with a known push and deviations, of numbers known from the record."""
+    """A model as z = H x + v with a known input and deviations, both from the record."""
 
     def __init__(
         self, model: Model, pushes: tuple[Node, ...], B: Rows | None, sigma: tuple[Node, ...] | None
@@ -79,7 +79,7 @@ class _Form:
 
     @classmethod
     def of(cls, model: Model) -> "_Form | None":
-        """None where the record alone does not tell what is pushed, shown or how noisy it is."""
+        """The form; None where inputs, H or R do not follow from the record alone."""
         assert model.moved is not None
         assert model.seen is not None
         inputs, known = model.input_names, frozenset((*model.input_names, "dt"))
@@ -100,7 +100,7 @@ class _Form:
         return None if sigma is None else cls(model, pushes, B, sigma or None)
 
     def linear(self, params: Any, dt: Any) -> LinearForm:
-        """F, what pushes, Q, H and R."""
+        """F, the input's effect, Q, H and R."""
         model, at = self.model, values(params, dt=dt)
         assert model.seen is not None
         step = one_step(model, at, dt)
@@ -119,7 +119,7 @@ class _Form:
         return own
 
     def measured(self, inputs: Any) -> Measured:
-        """The measurements, what pushed before each, and their deviations, of a whole record."""
+        """The measurements, the input's effect before each, and their deviations, of a record."""
         model = self.model
         assert model.seen is not None
         columns = {
@@ -146,7 +146,7 @@ class _Form:
 
 
 def _deviations(model: Model) -> tuple[Node, ...] | None:
-    """What of each variance the record tells; () for nothing, None where it is no factor."""
+    """Factors of each variance that the record gives; () for none, None where it is no factor."""
     inputs = model.input_names
     if not any(names_in(node) & set(inputs) for row in model.R.rows for node in row):
         return ()
@@ -164,6 +164,6 @@ def _columns(each: Any, inputs: Any) -> list[np.ndarray]:
 
 
 def _held(column: np.ndarray) -> np.ndarray:
-    """The last value where one is missing; 0 before the first."""
+    """A column with each missing value replaced by the last one; 0 before the first."""
     last = np.maximum.accumulate(np.where(np.isnan(column), -1, np.arange(len(column))))
     return np.where(last < 0, 0.0, column[last])

@@ -1,4 +1,4 @@
-"""Where the entries of a TOML text stand, for errors that name the line."""
+"""Line numbers of the entries of a TOML text, for error messages."""
 
 import re
 from dataclasses import dataclass, field
@@ -12,13 +12,13 @@ _QUIET = re.compile(r""""(?:\\.|[^"\\])*"|'[^']*'|\#.*""")
 
 @dataclass(frozen=True)
 class Lines:
-    """The line of each key, and of each element of an array that goes over several lines."""
+    """The line of each key, and of each element of an array over several lines."""
 
     at: dict[Path, int] = field(default_factory=dict)
 
     @classmethod
     def of(cls, text: str) -> "Lines":
-        """Of a text that TOML has accepted.
+        """The lines of a text that is valid TOML.
 
         >>> lines = Lines.of('[model]\\nA = [\\n [1, 0],\\n [0, 1],\\n]')
         >>> lines.line(("model", "A", 1)), lines.line(("model", "A", 0, 1))
@@ -46,7 +46,7 @@ class Lines:
         return cls(found)
 
     def line(self, path: Path) -> int | None:
-        """The line of an entry, or of what it is in; None where that is not known."""
+        """The line of an entry, or of the enclosing one; None where that is not known."""
         for end in range(len(path), 0, -1):
             if path[:end] in self.at:
                 return self.at[path[:end]]
@@ -54,13 +54,13 @@ class Lines:
 
 
 class _Array:
-    """The elements of one value, as long as its brackets are open."""
+    """The elements of one array whose brackets are open."""
 
     def __init__(self, path: Path) -> None:
         self.path, self.depth, self.index, self.fresh = path, 0, 0, True
 
     def take(self, plain: str, number: int, found: dict[Path, int]) -> bool:
-        """Read one line of it; whether the value goes on."""
+        """Read one line of it; whether the array continues."""
         for sign in plain:
             if self.depth == 1 and self.fresh and sign not in " \t,]":
                 found.setdefault((*self.path, self.index), number)
@@ -80,7 +80,7 @@ def _split(key: str) -> Path:
 
 
 def shown(path: Path) -> str:
-    """An entry as people write it.
+    """The usual notation of an entry.
 
     >>> shown(("model", "A", 0, 1)), shown(("parameters", "q", "low"))
     ('model.A, row 1, column 2', 'parameters.q.low')

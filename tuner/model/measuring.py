@@ -1,4 +1,4 @@
-"""What a model document says of its measurements: channels, h, and R."""
+"""The measurements of a model document: channels, h, and R."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -16,11 +16,11 @@ _SHOWN = ("h", "H", "C")
 def groups(
     entries: Entries, document: Mapping[str, Any], inputs: Sequence[Quantity]
 ) -> tuple[Quantity, ...]:
-    """The channels that are measured."""
+    """The measured channels."""
     findings, taken = entries.findings, {each.name for each in inputs}
     tables = named(findings, document, "measurements")
     if not tables and not len(findings):
-        findings.add(("measurements",), "is missing; name what is measured, as in z = {}")
+        findings.add(("measurements",), "is missing; name the measurements, as in z = {}")
     found = []
     for name, table in tables.items():
         path = ("measurements", name)
@@ -107,7 +107,7 @@ def spread(
 
 
 def _noisy(entries: Entries, path: tuple[str, ...], value: Any, names: Sequence[str]) -> Covariance:
-    """R as it is; a measurement without noise is noted."""
+    """R as given; a measurement without noise is an error."""
     before = len(entries.findings)
     scope = entries.scope("parameter", "input", "dt")
     R = entries.covariance(path, value, names, scope)
@@ -118,12 +118,12 @@ def _noisy(entries: Entries, path: tuple[str, ...], value: Any, names: Sequence[
 
 
 def weighted(row: Sequence[Node], names: Sequence[str]) -> Node:
-    """A row of a matrix times what it weighs."""
+    """A row of a matrix times named quantities."""
     return total(made("*", node, Name(name)) for node, name in zip(row, names, strict=True))
 
 
 def _side_by_side(parts: Sequence[Covariance]) -> Covariance:
-    """Covariances of groups that share no noise, as one."""
+    """The block diagonal covariance of groups with independent noise."""
     if not any(part.full for part in parts):
         return Covariance.diagonal([node for part in parts for node in part.variances])
     size = sum(len(part.variances) for part in parts)

@@ -1,4 +1,4 @@
-"""Whether the measurements say something of every state."""
+"""The observability of every state."""
 
 from collections.abc import Mapping, Sequence
 
@@ -11,11 +11,11 @@ from tuner.model.evaluate import Values
 from tuner.model.findings import Findings
 
 _NOTHING = 1e-6
-"""Of a direction: below it a state has no part in it."""
+"""Components of a direction below it count as 0."""
 
 
 def check_observable(model: Model, findings: Findings) -> None:
-    """Note the states of which no measurement says anything, however long it is measured.
+    """Add an error for unobservable states.
 
     Of a nonlinear model that is whether a state enters, by way of others, what is measured at all;
     of a linear one that does not change it is the rank test as well, at two sets of parameters.
@@ -48,7 +48,7 @@ def _and(names: Sequence[str]) -> str:
 
 
 def _silent(model: Model) -> list[str]:
-    """The states that enter no measurement, not even by way of others."""
+    """The states that enter no measurement, not even through others."""
     names = model.state_names
     enters = dict(zip(names, map(names_in, model.f), strict=True))
     heard = frozenset().union(*map(names_in, model.h)) & frozenset(names)
@@ -61,7 +61,7 @@ def _silent(model: Model) -> list[str]:
 
 
 def _unobservable(model: Model, shift: float) -> tuple[list[str], int]:
-    """The states that have a part in what is not seen, and how many directions that is."""
+    """The states with components in the unobservable subspace, and its dimension."""
     if model.moved is None or model.seen is None:
         return [], 0
     A, C = model.moved[0], model.seen[0]

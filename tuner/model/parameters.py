@@ -1,4 +1,4 @@
-"""The parameters of a model document: what is tuned, within what, and what is held."""
+"""The parameters of a model document: tuned ones with their ranges, and fixed ones."""
 
 import math
 from collections.abc import Mapping
@@ -10,12 +10,12 @@ from tuner.model.lines import Path
 from tuner.model.quantities import named, number, text, unit_in_si
 
 WIDE = 1e6
-"""Factor from a start to the ends of its search where they are not given."""
+"""Factor from a start to the default ends of its search."""
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number that is tuned, or held where it has no range; in SI."""
+    """A parameter, tuned, or fixed where it has no range; in SI."""
 
     name: str
     unit: str | None
@@ -31,7 +31,7 @@ def read_parameters(findings: Findings, document: Mapping[str, Any]) -> tuple[Pa
     """The parameters, their numbers in SI."""
     tables = named(findings, document, "parameters")
     if not tables and not len(findings):
-        findings.add(("parameters",), "is missing; name what shall be tuned, as in q = {}")
+        findings.add(("parameters",), "is missing; name the parameters to be tuned, as in q = {}")
     return tuple(_parameter(findings, name, table) for name, table in tables.items())
 
 
@@ -56,7 +56,7 @@ def _parameter(findings: Findings, name: str, table: Mapping[str, Any]) -> Param
 def _range(
     findings: Findings, path: Path, given: Mapping[str, float]
 ) -> tuple[float, float | None, float | None]:
-    """Where a search begins and ends; positive and of any size where nothing is said."""
+    """The start and the ends of a search; by default positive, of any size."""
     if "fixed" in given:
         if len(given) > 1:
             findings.add(path, "is fixed, and has a start or a range as well; give one of them")

@@ -1,4 +1,4 @@
-"""The named quantities of a model document: inputs, states, and what all of them have."""
+"""The named quantities of a model document: inputs, states, and their common entries."""
 
 import keyword
 import math
@@ -13,13 +13,13 @@ from tuner.model.findings import Findings, brief
 from tuner.model.lines import Path
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,59}")
-"""Of a model: it becomes that of a class, and of files."""
+"""Names of models, which become those of classes and files."""
 MOST = 60
-"""Of each kind: more are no model that a filter of one step a sample can run."""
+"""The most quantities of a kind: a filter cannot run a larger model in a sample."""
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 _TAKEN = frozenset((*FUNCTIONS, *CONSTANTS, "dt", "t", "unit", "inf", "nan"))
 _OUTPUTS = frozenset(("innovation", "variance", "P", "count", "index"))
-"""What a filter puts out beside its states, and what tuples have of their own."""
+"""Outputs of a filter beside its states, and attributes of every tuple."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def named(findings: Findings, document: Mapping[str, Any], part: str) -> dict[st
 
 def _no_name(name: str) -> str:
     if not _NAME.fullmatch(name) or keyword.iskeyword(name):
-        return f"{brief(name)} is no name; take letters, digits and _, beginning with a letter"
+        return f"{brief(name)} is not a name; take letters, digits and _, beginning with a letter"
     if name in _TAKEN:
         return f"{name!r} has a meaning of its own in expressions; take another name"
     return ""
@@ -78,13 +78,13 @@ def states(findings: Findings, document: Mapping[str, Any]) -> tuple[Quantity, .
     """The states, in their order."""
     tables = named(findings, document, "states")
     if not tables and not len(findings):
-        findings.add(("states",), "is missing; name what is estimated, as in states = ['level']")
+        findings.add(("states",), "is missing; name the estimated states, as in states = ['level']")
     found = []
     for name, table in tables.items():
         path = ("states", name)
         findings.keys(path, table, ("unit", "meaning", "angle"))
         if name in _OUTPUTS:
-            findings.add(path, f"{name!r} is what every filter puts out; take another name")
+            findings.add(path, f"{name!r} is an output of every filter; take another name")
         found.append(quantity(findings, path, table))
     return tuple(found)
 
@@ -104,7 +104,7 @@ def quantity(findings: Findings, path: Path, table: Mapping[str, Any]) -> Quanti
 
 
 def flag(findings: Findings, path: Path, table: Mapping[str, Any]) -> bool:
-    """Whether a quantity is an angle, whose errors are taken within half a turn."""
+    """Whether a quantity is an angle, whose errors lie within half a turn."""
     value = table.get("angle", False)
     if not isinstance(value, bool):
         findings.add((*path, "angle"), f"is {brief(value)}; give true or false")
@@ -129,7 +129,7 @@ def axes_of(findings: Findings, path: Path, table: Mapping[str, Any]) -> tuple[s
 
 
 def text(findings: Findings, path: Path, table: Mapping[str, Any], key: str) -> str:
-    """A sentence; "" where there is none."""
+    """A short text; "" where there is none."""
     value = table.get(key, "")
     if not isinstance(value, str) or len(value) > 500:
         findings.add((*path, key), f"is {brief(value)}; give a short text in quotes")
@@ -138,7 +138,7 @@ def text(findings: Findings, path: Path, table: Mapping[str, Any], key: str) -> 
 
 
 def number(findings: Findings, path: Path, value: Any, factor: float = 1.0) -> float:
-    """A finite number; 1 where it is none."""
+    """A finite number; 1 where it is not one."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         findings.add(path, f"is {brief(value)}; give a number")
         return 1.0
@@ -176,7 +176,7 @@ def unit_in_si(
         findings.add((*path, "unit"), str(error))
         return None, 1.0
     if unit.offset:
-        return written, 1.0  # a temperature in degrees: steps are those of the kelvin
+        return written, 1.0  # a temperature in degrees: its steps are those of the kelvin
     return (written if unit.factor == 1.0 else unit.si), unit.factor
 
 

@@ -1,4 +1,4 @@
-"""From a document to the model that it describes, checked as a whole."""
+"""The model of a document, checked as a whole."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -30,17 +30,17 @@ def described(document: Mapping[str, Any], lines: Lines, name: str) -> Model:
 
     Args:
         document: as TOML is read.
-        lines: where its entries stand.
+        lines: of its entries.
         name: of the file, for errors.
 
     Raises:
-        ValueError: with all that is wrong in it.
+        ValueError: with all mistakes in it.
     """
     check_size(document, name)
     findings = Findings(lines)
     try:
         return _checked(document, findings, name)
-    except ExpressionError as error:  # where products of entries are no numbers
+    except ExpressionError as error:  # where products of entries are not finite
         raise ValueError(f"{name}: the model {error}") from None
 
 
@@ -50,7 +50,7 @@ def _checked(document: Mapping[str, Any], findings: Findings, name: str) -> Mode
         check_units(model, entries, findings)
     findings.check(name)
     if model is None:
-        raise ValueError(f"{name} describes no model; tuner init writes one to begin with")
+        raise ValueError(f"{name} does not describe a model; tuner init writes one to begin with")
     check_observable(model, findings)
     findings.check(name)
     return model
@@ -62,7 +62,7 @@ _ARTICLE = {
 
 
 def _read(document: Mapping[str, Any], findings: Findings) -> tuple[Model | None, Entries]:
-    """The model, None where it cannot be put together, and its entries as they were written."""
+    """The model, None where it is incomplete, and its entries as they were written."""
     findings.keys((), document, _TOP)
     table = findings.table(("model",), document.get("model", {}))
     findings.keys(("model",), table, _MODEL)
@@ -83,7 +83,7 @@ def _read(document: Mapping[str, Any], findings: Findings) -> tuple[Model | None
     iterations, unobserved = _iterations(findings, document), _unobserved(findings, document, names)
     name, title = (quantities.text(findings, (), document, key) for key in ("name", "title"))
     if name and not quantities.NAME.fullmatch(name):
-        told = "is no name of a model; take letters, digits, - and _, beginning with a letter"
+        told = "is not a name for a model; take letters, digits, - and _, beginning with a letter"
         findings.add(("name",), f"{brief(name)} {told}")
     method = document.get("method")
     if method is not None and method not in METHODS:
@@ -95,7 +95,7 @@ def _read(document: Mapping[str, Any], findings: Findings) -> tuple[Model | None
         name, title, "extended", iterations, time, parameters, inputs, states, groups,
         f, G, Q, h, R, x0, P0, diffuse, unobserved,
     )  # fmt: skip
-    if not len(findings):  # of a half-read model nothing is known
+    if not len(findings):  # an incomplete model is not checked further
         model = replace(model, method=_method(findings, model, method, "P0" in table))
     return model, entries
 
@@ -106,7 +106,7 @@ def _kinds(
     inputs: Sequence[Quantity],
     states: Sequence[Quantity],
 ) -> dict[str, str]:
-    """What each name is; one that is two things is noted."""
+    """The kind of each name; one with two kinds is noted."""
     found = {"dt": "dt"}
     named: list[tuple[str, str, tuple[str, ...]]] = [
         ("parameter", each.name, (each.name,)) for each in parameters
@@ -122,12 +122,12 @@ def _kinds(
 
 
 def _method(findings: Findings, model: Model, given: Method | None, begun: bool) -> Method:
-    """As it is said; else Kalman's for a linear model, and the extended one for others."""
+    """The given method; else Kalman's for a linear model, and the extended one for others."""
     chosen: Method = given or ("kalman" if model.linear else "extended")
     if chosen == "kalman" and not model.linear:
         findings.add(("method",), f"kalman needs a linear model, and {_bent(model)}; take extended")
     if chosen == "unscented" and model.diffuse:
-        told = "is missing or inf, and sigma points need a start that is known"
+        told = "is missing or inf, and sigma points need a known start"
         findings.add(("model", "P0"), told)
     elif not model.linear and not begun:
         findings.add(
@@ -139,7 +139,7 @@ def _method(findings: Findings, model: Model, given: Method | None, begun: bool)
 
 
 def _bent(model: Model) -> str:
-    """Which equation is not linear."""
+    """The nonlinear equation, in words."""
     names = model.state_names
     symbols = [symbol for group in model.groups for symbol in group.symbols]
     for nodes, of in ((model.f, names), (model.h, symbols)):

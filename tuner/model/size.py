@@ -1,4 +1,4 @@
-"""How large a document may be: nothing that a person writes comes near."""
+"""Limits of a document's size, far above any written by hand."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -9,14 +9,14 @@ LARGEST_FILE = 100_000
 """Bytes."""
 MOST_ENTRIES, DEEPEST = 5_000, 6
 MOST_CHARACTERS = 50_000
-"""Of all texts in a document together."""
+"""Characters of all texts in a document together."""
 
 
 def check_size(document: Any, name: str) -> None:
-    """Refuse a document that is none, or is no size for one.
+    """Refuse a document that is not a table, or is too large.
 
     Raises:
-        ValueError: where it holds too much, or tables in tables in tables.
+        ValueError: where it has too much content, or is nested too deep.
     """
     if not isinstance(document, Mapping):
         raise ValueError(f"{name} is {brief(document)}, and a model is a table")
@@ -29,8 +29,8 @@ def check_size(document: Any, name: str) -> None:
             entries += len(inside)
             if entries > MOST_ENTRIES:
                 raise ValueError(
-                    f"{name} has more than {MOST_ENTRIES} entries, which is no model; give names, "
-                    "matrices and expressions alone"
+                    f"{name} has more than {MOST_ENTRIES} entries, too many; give "
+                    "names, matrices and expressions alone"
                 )
             characters += sum(len(part) for part in inside if isinstance(part, str))
             below += [part for part in inside if isinstance(part, Mapping | list | tuple)]
@@ -38,4 +38,4 @@ def check_size(document: Any, name: str) -> None:
     if characters > MOST_CHARACTERS:
         raise ValueError(f"{name} has more than {MOST_CHARACTERS} characters of text; shorten it")
     if level:
-        raise ValueError(f"{name} has tables or lists more than {DEEPEST} deep, which is no model")
+        raise ValueError(f"{name} has tables or lists more than {DEEPEST} deep; flatten it")

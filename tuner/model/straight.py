@@ -27,7 +27,7 @@ from tuner.model.filter import (
 
 
 def nilpotent(A: Rows) -> int | None:
-    """The power of a matrix that is 0 whatever its entries are, by their places; None: none is."""
+    """The power of a matrix that is 0 by its pattern of zeros; None where none is."""
     entries = np.array([[node != ZERO for node in row] for row in A])
     power = entries
     for k in range(1, len(A) + 1):
@@ -38,7 +38,7 @@ def nilpotent(A: Rows) -> int | None:
 
 
 def one_step(model: Model, at: Values, dt: Any) -> Step:
-    """What one sample time does: exactly of a continuous model, of a discrete one as it says."""
+    """One step: exact for a continuous model, as stated for a discrete one."""
     assert model.moved is not None
     A, _ = model.moved
     matrix, noise = at.matrix(A), at.matrix(model.noise)
@@ -51,7 +51,7 @@ class Straight(ModelFilter):
     """The Kalman filter of a linear model; measurements are taken one after another."""
 
     def init(self, params: Any) -> ModelState:
-        """The start, and the step where it is the same at all times."""
+        """The start, and the step where it is time-invariant."""
         model, at = self.model, values(params, dt=self.dt)
         none = jnp.zeros((), at.dtype)
         held = (none,) * len(model.driving)
@@ -59,7 +59,7 @@ class Straight(ModelFilter):
         return ModelState(start(model, params), held, step)
 
     def step(self, params: Any, state: ModelState, inputs: Any) -> tuple[ModelState, Any]:
-        """Predict to this sample's time and take its measurements."""
+        """Predict to this sample's time and update with its measurements."""
         self.check_dt()
         model = self.model
         before = dict(zip(driving_names(model), state.held, strict=True))
@@ -74,13 +74,13 @@ class Straight(ModelFilter):
         there = values(params, dt=self.dt, **now.inputs)
         R, z = noisy(model, there, now)
         found, innovation, variance = taken(model, there, ahead, R, z)
-        # A step that is kept is kept as it came, so that the state has one form.
+        # A stored step stays as it is, so that the state has one structure.
         moved = ModelState(found, held_of(model, now.inputs), state.step)
         return moved, self.said(found, innovation, variance)
 
 
 def driving_names(model: Model) -> list[str]:
-    """The inputs that stay, in their order."""
+    """The inputs that are held, in their order."""
     return [name for name in model.input_names if name in model.driving]
 
 

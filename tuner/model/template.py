@@ -1,4 +1,4 @@
-"""Commented models to begin from."""
+"""Commented models as templates."""
 
 from importlib.resources import files
 

@@ -1,4 +1,4 @@
-"""Whether the equations of a model agree with the units that are given."""
+"""The check of a model's equations against the given units."""
 
 from collections.abc import Mapping, Sequence
 
@@ -13,7 +13,7 @@ from tuner.model.quantities import dimension
 
 
 def check_units(model: Model, entries: Entries, findings: Findings) -> None:
-    """Note sums of different units, and equations whose two sides differ.
+    """Add errors for sums of different units, and for equations whose two sides differ.
 
     A lone number in a matrix may stand for any unit, and so may what has no unit.
     """
@@ -32,7 +32,7 @@ class _Check:
         self.per_step = BARE if model.time == "discrete" else SECOND
 
     def all(self) -> None:
-        """Every entry by itself, then against what it stands for."""
+        """Check every entry by itself, then against the quantity it stands for."""
         self.of = {path: self._dimension(path, node) for path, node in self.written.items()}
         names = self.model.state_names
         self._vector(("model", "f"), names, self._rates())
@@ -72,7 +72,7 @@ class _Check:
                 self._matrix((*path, key), own, states)
 
     def _noise(self) -> None:
-        """Each noise by the states that it enters; an entry of 1 in G is bare."""
+        """Check each noise by the states that it enters; an entry of 1 in G has no unit."""
         path: Path = ("model", "Q")
         states = list(self.states.values())
         if not any(place[:2] == ("model", "G") for place in self.written):
@@ -125,7 +125,7 @@ class _Check:
         units: Sequence[Dimension | None],
         per: Dimension,
     ) -> None:
-        """A covariance, over ``per``."""
+        """Check a covariance, over ``per``."""
         for i, one in enumerate(units):
             for j, other in enumerate(units):
                 if one is None or other is None:

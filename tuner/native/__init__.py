@@ -1,1 +1,1 @@
-"""A second way to a problem's gradient: its time loop in C, compiled on this machine."""
+"""A second implementation of a problem's gradient: its time loop in C, compiled locally."""

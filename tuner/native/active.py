@@ -1,4 +1,4 @@
-"""Which numbers of a filter's parameters move with a point."""
+"""The parameters of a filter that depend on a point."""
 
 from collections.abc import Callable
 from typing import Any
@@ -16,13 +16,13 @@ _MOST = 50_000
 
 
 def moved(build: Callable[[Array], Any], size: int) -> list[np.ndarray]:
-    """Which coordinates of a point each number of the parameters depends on.
+    """The coordinates of a point that each number of the parameters depends on.
 
     By scalars where the way from point to parameters is made of operations that a graph has, else
     by whole arrays: a number more than need be costs time and changes nothing.
 
     Args:
-        build: from a point to parameters.
+        build: the map from a point to parameters.
         size: of a point.
 
     Returns:

@@ -1,4 +1,4 @@
-"""A problem's value and gradient with the time loop in C; what comes before and after is JAX."""
+"""A problem's value and gradient with the time loop in C, and the rest in JAX."""
 
 import ctypes
 import os
@@ -24,7 +24,7 @@ from tuner.native.text import source
 from tuner.native.turn import turn
 
 LANES = 8
-"""Directions or points at once: what the widest vectors of today's processors hold."""
+"""Directions or points at once: the width of today's widest vectors."""
 
 
 class Native:
@@ -35,15 +35,15 @@ class Native:
 
     Args:
         filter: the filter.
-        objective: what judges it.
-        build: from a point to the filter's parameters.
+        objective: of the filter.
+        build: the map from a point to the filter's parameters.
         size: of a point, n.
         data: a record, or its shapes and types.
-        folder: where compiled code is kept.
+        folder: for compiled code.
 
     Raises:
         NoCounterpartError: names the operation that has no counterpart among scalars.
-        TooLargeError: for a turn of the loop of too many operations.
+        TooLargeError: for an iteration of too many operations.
     """
 
     def __init__(
@@ -75,7 +75,7 @@ class Native:
         self._judge_all = jax.jit(jax.vmap(self._judged, in_axes=(0, 0, None)))
 
     def rows(self, data: Data) -> np.ndarray:
-        """A record as the loop takes it, ``(N, k)``."""
+        """A record in the loop's layout, ``(N, k)``."""
         leaves = [
             np.asarray(x, float) for x in jax.tree.leaves(data if self._folds else data.inputs)
         ]
@@ -108,7 +108,7 @@ class Native:
     def values_and_gradients(
         self, Z: np.ndarray, rows: np.ndarray, data: Data
     ) -> tuple[np.ndarray, np.ndarray]:
-        """The same at points Z ``(B, n)``, in as many threads as there are processors.
+        """Objectives and gradients at points Z ``(B, n)``, with a thread for each processor.
 
         Raises:
             NoCodeError: where there is no compiler that works.
@@ -142,7 +142,7 @@ class Native:
 
     @property
     def operations(self) -> int:
-        """How many operations a sample takes, those on all lanes at once counted as one."""
+        """Number of operations per sample; one on all lanes counts once."""
         return -(-self.size // self._lanes) * self._loop.operations
 
     @cached_property
@@ -164,12 +164,12 @@ class Native:
         return function
 
     def _number(self, z: Array) -> Array:
-        """The numbers of the parameters that move with a point."""
+        """The numbers of the parameters that depend on a point."""
         pairs = zip(jax.tree.leaves(self.build(z)), self._places, strict=True)
         return jnp.concatenate([jnp.ravel(leaf)[at].astype(float) for leaf, at in pairs])
 
     def _judged(self, ends: Array, kept: Array, truth: Any) -> tuple[Array, Array]:
-        """The objective and its gradient, of what the loop gave."""
+        """The objective and its gradient, from the loop's results."""
         directions = ends.shape[0] * (ends.shape[2] - 1)
         slopes = jnp.moveaxis(ends[..., 1:], 2, 1).reshape(directions, -1)[: self.size]
         total = _filled(self._total, ends[0, :, 0], ()), _filled(self._total, slopes, (self.size,))
@@ -183,7 +183,7 @@ class Native:
 
 
 def _kept(filter: AnyFilter, objective: Objective, params: Any, data: Data) -> Any:
-    """Shapes and types of what is kept of a sample."""
+    """Shapes and types of the values kept of a sample."""
     state = jax.eval_shape(filter.init, params)
     one = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(leaf.shape[1:], leaf.dtype), data)
     if not is_fold(objective):
@@ -199,7 +199,7 @@ def _kept(filter: AnyFilter, objective: Objective, params: Any, data: Data) -> A
 def _filled(
     shapes: Any, numbers: Array, before: tuple[int, ...], keeps: list[bool] | None = None
 ) -> Any:
-    """Numbers in their places in a tree; zeros in leaves that are not kept."""
+    """A tree filled with numbers; zeros in leaves that are not kept."""
     leaves, tree = jax.tree.flatten(shapes)
     out, at = [], 0
     for k, leaf in enumerate(leaves):
@@ -213,6 +213,6 @@ def _filled(
 
 
 def _address(array: np.ndarray) -> int:
-    """Where an array of rows without gaps begins."""
+    """The address of a contiguous array."""
     assert array.flags.c_contiguous
     return array.ctypes.data

@@ -1,4 +1,4 @@
-"""The system's C compiler, and the folder where what it made is kept."""
+"""The system's C compiler, and the folder of compiled libraries."""
 
 import ctypes
 import hashlib
@@ -15,26 +15,26 @@ from pathlib import Path
 from typing import NamedTuple
 
 FLAGS = ("-std=gnu11", "-fno-math-errno", "-ffp-contract=fast", "-w", "-fPIC")
-"""Strict where numbers are concerned: NaN is a missing sample."""
+"""Compiler options, with strict arithmetic: NaN is a missing sample."""
 HERE = ("-march=native",)
-"""For this very processor, where a compiler knows how."""
+"""Options for this processor, where a compiler supports them."""
 LONG = 4000
-"""Code of more lines is compiled with less effort: in two thirds of the time, and runs alike."""
+"""Lines beyond which code is optimised less: in two thirds of the time, with equal speed."""
 SECONDS = 30
-"""A compiler that takes longer is stopped."""
+"""Time limit of a compiler."""
 
 
 class NoCodeError(Exception):
-    """Why there is no compiled code, in words."""
+    """The reason why there is no compiled code."""
 
 
 class Compiler(NamedTuple):
     """A compiler that works.
 
     Attributes:
-        command: the program with what it is always given.
+        command: the program with its fixed arguments.
         name: its name and version, in words.
-        key: what its code depends on: itself, and the processor that it compiles for.
+        key: of its code: the compiler, and the processor.
     """
 
     command: tuple[str, ...]
@@ -60,7 +60,7 @@ def compiler() -> Compiler:
 
 @cache
 def _asked(program: tuple[str, ...]) -> Compiler | NoCodeError:
-    """What a compiler says of itself; it is asked once."""
+    """A compiler's own description; it is asked once."""
     try:
         told = _ran([*program, "--version"]).decode(errors="replace").splitlines()
     except NoCodeError as error:
@@ -79,7 +79,7 @@ def _asked(program: tuple[str, ...]) -> Compiler | NoCodeError:
 
 
 def _ran(command: list[str], cwd: Path | None = None) -> bytes:
-    """What a program prints; it is stopped with all that it started where it takes too long."""
+    """The output of a program, which is stopped with all its children where it takes too long."""
     name, pipe = Path(command[0]).name, subprocess.PIPE
     try:
         process = subprocess.Popen(
@@ -108,9 +108,9 @@ def _ran(command: list[str], cwd: Path | None = None) -> bytes:
 
 
 def library(source: str, folder: Path) -> ctypes.CDLL:
-    """Compiled code, kept in a folder under a name that says what it was made of and what it is.
+    """Compiled code, cached in a folder under hashes of its source and of itself.
 
-    What is loaded was written by this user: a folder or a file that belongs to another, that others
+    Loaded files were written by this user: a folder or a file that belongs to another, that others
     may write to, or that is a link, is not used, and the code is compiled for this process alone.
 
     Raises:
@@ -126,14 +126,14 @@ def library(source: str, folder: Path) -> ctypes.CDLL:
                 return loaded
         try:
             loaded = _compiled((*found.command, effort), source, folder, key)
-        except OSError:  # full, or read-only after all
+        except OSError:  # full, or read-only
             loaded = None
         if loaded is not None:
             return loaded
     with tempfile.TemporaryDirectory() as name:
         loaded = _compiled((*found.command, effort), source, Path(name), key)
     if loaded is None:
-        raise NoCodeError(f"what {Path(found.command[0]).name} made cannot be loaded")
+        raise NoCodeError(f"the library from {Path(found.command[0]).name} cannot be loaded")
     return loaded
 
 
@@ -154,18 +154,18 @@ def _digest(data: bytes) -> str:
 
 
 def _loaded(file: Path) -> ctypes.CDLL | None:
-    """A library, if it is this user's and what its name says."""
+    """A library, if it belongs to this user and matches its name."""
     try:
         ours = _ours(file.lstat(), stat.S_ISREG)
         if not ours or not file.stem.endswith(f"-{_digest(file.read_bytes())}"):
             return None
         return ctypes.CDLL(str(file))
-    except OSError:  # missing, or no library
+    except OSError:  # missing, or not a library
         return None
 
 
 def own(folder: Path) -> bool:
-    """Whether a folder is there, or could be made, that this user alone may write to or replace."""
+    """Whether a folder exists, or was made, that only this user may write to or replace."""
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         folder.mkdir(mode=0o700, exist_ok=True)
@@ -181,6 +181,6 @@ def _ours(found: os.stat_result, kind: Callable[[int], bool]) -> bool:
 
 
 def _safe(found: os.stat_result) -> bool:
-    """Whether no other user may replace what lies in a folder."""
+    """Whether no other user may replace a folder's files."""
     trusted, sticky = found.st_uid in (0, os.getuid()), found.st_mode & stat.S_ISVTX
     return trusted and (not found.st_mode & 0o022 or bool(sticky))

@@ -1,4 +1,4 @@
-"""Operations on vectors of the compiler's: numbers and truth values that differ between lanes."""
+"""Operations on the compiler's vectors: numbers and truth values that differ between lanes."""
 
 from collections.abc import Callable
 
@@ -50,11 +50,11 @@ class Lanes:
     Args:
         graph: of the nodes.
         wide: those that differ.
-        expected: conditions that a processor guesses well, such as missing samples.
+        expected: conditions that a processor predicts well, such as missing samples.
         name: of a node, as an operand.
 
     Attributes:
-        functions: of math.h that were asked for, with how many numbers each takes.
+        functions: those used of math.h, with their numbers of arguments.
     """
 
     def __init__(
@@ -117,7 +117,7 @@ class Lanes:
         return f"v_trunc({self.broad(k)})"
 
     def _limited(self, op: str, one: int, other: int) -> str:
-        """The larger or smaller of two; of a number and NaN it is NaN."""
+        """The larger or smaller of two; NaN if either is NaN."""
         if self.graph.is_constant(one):
             one, other = other, one
         x, y = self.broad(one), self.broad(other)

@@ -1,4 +1,4 @@
-"""A time loop with derivatives in several directions, without what never changes."""
+"""A time loop with derivatives in several directions, without constant entries."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -11,11 +11,11 @@ from tuner.native.rebuilt import Rebuilt
 from tuner.native.turn import MOST, Pair, Turn
 
 Key: TypeAlias = tuple[int, int]
-"""A number of the state: its cell, and 0 for its value or 1 and more for its derivatives."""
+"""A number of the state: its cell, and 0 for its value or from 1 on for its derivatives."""
 
 
 class Carried(NamedTuple):
-    """Nodes of what is carried over time: before a sample, at the start, after a sample."""
+    """Nodes of a carried number: before a sample, at the start, after a sample."""
 
     input: int
     start: int
@@ -27,12 +27,12 @@ class Loop:
     """A time loop.
 
     Attributes:
-        graph: of what follows. Inputs are those of a turn; derivatives have their direction too.
-        carried: what is carried over time.
-        total: for each number that is asked for in the end, nodes of its value and derivatives,
+        graph: of the nodes. Inputs are those of an iteration; derivatives have a direction too.
+        carried: numbers carried over time.
+        total: for each number needed at the end, nodes of its value and derivatives,
             which are read after the last sample.
-        kept: for each number that is kept of a sample the same.
-        directions: how many derivatives each number has.
+        kept: the same for each number that is kept of a sample.
+        directions: number of derivatives of each number.
     """
 
     graph: Graph
@@ -43,21 +43,21 @@ class Loop:
 
     @property
     def operations(self) -> int:
-        """How many there are in a turn."""
+        """Number of operations in an iteration."""
         roots = [cell.after for cell in self.carried] + [k for row in self.kept for k in row]
         nodes = (self.graph.nodes[k] for k in self.graph.reached(roots))
         return sum(node.op not in ("constant", "input") for node in nodes)
 
 
 def loop(turn: Turn, moves: Sequence[np.ndarray]) -> Loop:
-    """Write a turn in several directions.
+    """The loop of an iteration, with derivatives in several directions.
 
     What is a number at the start and the same number after a sample is one for good; most of these
     are zeros, and what they are multiplied with goes with them.
 
     Args:
-        turn: the turn.
-        moves: for each direction, which of the parameters' numbers that move do so in it.
+        turn: the iteration.
+        moves: for each direction, which of the varying parameters vary in it.
 
     Raises:
         TooLargeError: for more operations than :data:`tuner.native.turn.MOST`.
@@ -72,7 +72,7 @@ def loop(turn: Turn, moves: Sequence[np.ndarray]) -> Loop:
 
 
 class _Attempt:
-    """The loop if some numbers of the state never change; None: all that are known at the start."""
+    """The loop if some numbers of the state are constant; None: all that are known at the start."""
 
     def __init__(self, turn: Turn, moves: Sequence[np.ndarray], assumed: set[Key] | None) -> None:
         self.old, self.new, self.turn, self.assumed = turn.graph, Graph(most=MOST), turn, assumed
@@ -95,7 +95,7 @@ class _Attempt:
         self.kept = [self._row(pair, known) for pair in turn.kept]
 
     def _write(self, order: list[int], known: list[dict[int, int]]) -> None:
-        """Write values once and derivatives in each direction, side by side as they were traced.
+        """Write values once and derivatives in each direction, in the traced order.
 
         So a processor has derivatives to work on while it waits for a value.
         """
@@ -115,7 +115,7 @@ class _Attempt:
                 self._rebuilt.write(entry, one)
 
     def _fix(self, known: list[dict[int, int]]) -> None:
-        """Put numbers in place of what is taken to stay what it is at the start."""
+        """Replace entries that are assumed constant by their numbers at the start."""
         for key, cell in self._parts():
             one = known[key[1]]
             fixed = self.assumed is None or key in self.assumed
@@ -124,7 +124,7 @@ class _Attempt:
                     each[cell.input] = one[cell.start]
 
     def _parts(self) -> Iterator[tuple[Key, Carried]]:
-        """The state's numbers and their derivatives, by nodes of the turn."""
+        """The state's numbers and their derivatives, by nodes of the iteration."""
         for k, cell in enumerate(self.turn.cells):
             for part in range(1 + len(self._moves)):
                 at, start, after = (pair[min(part, 1)] for pair in cell)
@@ -137,11 +137,11 @@ class _Attempt:
         return [values[pair.value], *(self._zero if at is None else one[at] for one in slopes)]
 
     def stays(self, cell: Carried) -> bool:
-        """Whether a number that is known at the start was taken to stay, and does."""
+        """Whether a number known at the start was assumed constant, and is."""
         return self.new.is_constant(cell.input) and cell.input == cell.after
 
     def loop(self, still: set[Key]) -> Loop:
-        """The loop, without what nobody asks for."""
+        """The loop, without unneeded nodes."""
         by_input = {cell.input: cell for key, cell in self.cells.items() if key not in still}
         seen: dict[int, Carried] = {}
         rows = [*self.kept, *self.total]

@@ -1,4 +1,4 @@
-"""A graph written anew: other nodes in place of some, and few divisions."""
+"""A rebuilt graph, with some nodes replaced, and few divisions."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -16,7 +16,7 @@ _TYPES: Mapping[Kind, np.dtype] = {
 
 
 class Rebuilt:
-    """Writes nodes of a graph into another one, as simply as they can be put there.
+    """A writer of a graph's nodes into another graph, with simplification.
 
     A number that several are divided by is inverted once.
 
@@ -33,8 +33,8 @@ class Rebuilt:
         """Write a node.
 
         Args:
-            entry: which; those it is made of are known.
-            known: what stands for nodes of the old graph; grows.
+            entry: the node; its operands are known.
+            known: new nodes by old ones; grows.
         """
         if entry not in known:
             known[entry] = self._written(entry, known)
@@ -55,7 +55,7 @@ class Rebuilt:
         return new.apply(node.op, *given)
 
     def _chosen(self, condition: int, yes: int, no: int) -> int:
-        """One of two; a sign goes outwards, where a sum takes it."""
+        """One of two; a sign moves outwards, where a sum absorbs it."""
         nodes, zero = self.new.nodes, self.new.constant(0.0)
         both = [(k, nodes[k].args[0] if nodes[k].op == "neg" else k) for k in (yes, no)]
         signed = [k != plain for k, plain in both]
@@ -65,7 +65,7 @@ class Rebuilt:
         return self.new.choose(condition, no, yes)
 
     def _over(self, x: int, y: int, *, shared: bool) -> int:
-        """A quotient; a product with the inverse, where others may have that as well."""
+        """A quotient; a product with the inverse, where several share it."""
         graph, node, one = self.new, self.new.nodes[y], self.new.constant(1.0)
         if node.op == "mul" and node.args[0] == node.args[1]:
             inverse = self._over(one, node.args[0], shared=False)

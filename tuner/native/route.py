@@ -1,4 +1,4 @@
-"""Which way a problem's gradient goes: by C that is compiled for it, or by XLA, and why."""
+"""The choice between compiled C and XLA for a problem's gradient, with its reason."""
 
 import os
 from collections.abc import Callable, Hashable
@@ -20,22 +20,22 @@ if TYPE_CHECKING:
     from tuner.native.compiled import Native
 
 Use: TypeAlias = Literal["auto", "on", "off"]
-"""C where it pays, wherever it can be made, or never."""
+"""C where it pays, wherever it is possible, or never."""
 PAYS, COMPILED = 8e6, 2e4
-"""Compiling pays over a search where one gradient takes so many operations, and so many more for
-each operation of a step, which has to be compiled."""
+"""Operations of a gradient from which compiling pays over a search, and the same for
+each operation of a step."""
 AGREED = 1e-9
-"""How far value and gradient may be from XLA's, over the largest of these numbers."""
+"""Tolerance of value and gradient against XLA's, over the largest of these numbers."""
 _BACKWARDS = 3
-"""Passes that a gradient backwards takes about as long as."""
+"""Cost of a backward gradient in passes."""
 _MOST = 4000
-"""Operations of a step beyond which there is no C for it."""
+"""Most operations of a step in C."""
 _NO_WAY = (ValueError, TypeError, LookupError, AttributeError, OSError, MemoryError, NoCodeError)
-"""What keeps a loop from being written as C: nothing of it may end a search."""
+"""Errors that prevent C code of a loop: none of them may end a search."""
 
 
 def use() -> Use:
-    """What ``TUNER_NATIVE`` says; ``auto`` where it says nothing.
+    """The value of ``TUNER_NATIVE``; ``auto`` where it is not set.
 
     Raises:
         ValueError: for another word.
@@ -47,7 +47,7 @@ def use() -> Use:
 
 
 class Static(Hashable, Protocol):
-    """What is compiled for; equal ones share one compilation."""
+    """The static part of a compilation; equal ones share one."""
 
     @property
     def filter(self) -> AnyFilter | None:
@@ -55,7 +55,7 @@ class Static(Hashable, Protocol):
 
     @property
     def objective(self) -> Objective:
-        """What judges it."""
+        """The objective."""
 
     def built(self, z: Array) -> Any:
         """The filter's parameters at a point."""
@@ -67,15 +67,15 @@ Both: TypeAlias = tuple[float, np.ndarray]
 
 @dataclass
 class Route:
-    """Which way a problem's gradient goes; decided as it is first asked for.
+    """The way to a problem's gradient, decided at its first use.
 
     Attributes:
-        static: what is compiled for.
+        static: of the compilation.
         data: the record.
         size: of a point.
-        exact: value and gradient by XLA, which C is held against once.
+        exact: value and gradient by XLA, with which C is compared once.
         backwards: whether XLA goes backwards through the loop, at the price of a few passes.
-        told: which way, in words; "" before it is decided.
+        told: the choice in words; "" before it is made.
     """
 
     static: Static
@@ -89,7 +89,7 @@ class Route:
     _rows: np.ndarray = field(default_factory=lambda: np.empty((0, 0)))
 
     def value_and_gradient(self, z: np.ndarray) -> Both | None:
-        """Both at z ``(n,)`` by C; None where XLA is to work them out."""
+        """Both at z ``(n,)`` by C; None where XLA has to compute them."""
         if self._single is not None:
             return self._single.value_and_gradient(z, self._rows, self.data)
         if self.told:
@@ -158,10 +158,10 @@ class Route:
         return bool(2 * native.operations > _operations(self.static, self.size, *shapes))
 
     def _agrees(self, found: Both, z: np.ndarray) -> bool:
-        """Whether they are XLA's; False as well where XLA has no number to compare with.
+        """Whether both equal XLA's; also False where XLA's are not finite.
 
         Raises:
-            NoCodeError: where they are not.
+            NoCodeError: where they differ.
         """
         value, gradient = self.exact(z)
         right = np.array([value, *gradient])
@@ -174,7 +174,7 @@ class Route:
 
 
 def _shapes(data: Data, folds: bool) -> tuple[tuple[Any, ...], Any]:
-    """Shapes and types of a record; where all is summed up in the loop, of one of any length."""
+    """Shapes and types of a record; of any length where the loop sums everything up."""
     leaves, tree = jax.tree.flatten(data)
     arrays = [np.asarray(leaf) for leaf in leaves]
     return tuple(((1, *x.shape[1:]) if folds else x.shape, x.dtype) for x in arrays), tree
@@ -194,7 +194,7 @@ def _made(static: Static, size: int, leaves: tuple[Any, ...], tree: Any, folder:
 
 @lru_cache(maxsize=128)
 def _operations(static: Static, size: int, leaves: tuple[Any, ...], tree: Any) -> int:
-    """About how many operations a step takes."""
+    """Approximate number of operations of a step."""
     from tuner.code.straight import Slot, straight, work
 
     filter, data = cast("AnyFilter", static.filter), _data(leaves, tree)

@@ -1,4 +1,4 @@
-"""What runs in a time loop, from leaves to leaves, and its functions with derivatives."""
+"""The content of a time loop, from leaves to leaves, and its functions with derivatives."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -19,18 +19,18 @@ Leaves: TypeAlias = Sequence[Any]
 
 @dataclass(frozen=True, eq=False)
 class Runner:
-    """What runs in a time loop.
+    """The content of a time loop.
 
     Attributes:
         start: from parameters to the state before the first sample.
-        step: from parameters, state and sample to the next state, then what is kept of the sample.
-        params: values of the parameters; those that move with a point may be any.
-        moved: which coordinates of a point each of their numbers depends on: each leaf's shape
+        step: from parameters, state and sample to the next state and the kept values.
+        params: values of the parameters; those that depend on a point may be any.
+        moved: the coordinates of a point that each of their numbers depends on: each leaf's shape
             and ``(size,)``.
         state: before the first sample, for its shapes and types.
         sample: one sample, for its shapes and types.
-        wanted: which leaves of the state are asked for in the end.
-        keeps: which leaves of what is kept are asked for.
+        wanted: which leaves of the state are needed at the end.
+        keeps: which leaves of the kept values are needed.
     """
 
     start: Callable[[Leaves], Leaves]
@@ -51,7 +51,7 @@ def is_real(leaf: Any) -> bool:
 def with_slopes(
     function: Callable[..., Leaves], moving: Sequence[Leaves], fixed: Sequence[Leaves] = ()
 ) -> Any:
-    """A function of lists of leaves as JAX traced it, with derivatives along a direction.
+    """A traced function of lists of leaves, with derivatives along a direction.
 
     It takes the leaves that move, the direction in those of them that are real, and the leaves that
     are fixed; its results are followed by the derivatives of those that are real.
@@ -76,15 +76,15 @@ def with_slopes(
 def runner_of(
     filter: AnyFilter, objective: Objective, build: Callable[[Array], Any], z: Array, data: Data
 ) -> Runner:
-    """What runs in the loop of a filter that is judged by an objective.
+    """The loop of a filter that is judged by an objective.
 
-    An objective that takes part in the loop is asked for its sum in the end; for another one those
-    outputs are kept that it looks at.
+    An objective inside the loop provides its sum at the end; for another one the outputs that it
+    uses are kept.
 
     Args:
         filter: the filter.
         objective: the objective.
-        build: from a point to the filter's parameters.
+        build: the map from a point to the filter's parameters.
         z: a point, ``(n,)``.
         data: shapes and types of a record, or the record.
     """
@@ -123,7 +123,7 @@ def runner_of(
 
 
 def _looked_at(objective: Any, filter: AnyFilter, params: Any, data: Data) -> list[bool]:
-    """Which outputs an objective takes part of."""
+    """Which outputs an objective uses."""
     outputs = jax.eval_shape(lambda inputs: run(filter, params, inputs)[1], data.inputs)
     leaves, tree = jax.tree.flatten(outputs)
     judged = jax.make_jaxpr(lambda seen, truth: objective(jax.tree.unflatten(tree, seen), truth))

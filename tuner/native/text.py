@@ -16,16 +16,16 @@ are no vectors, that a processor has derivatives to work on while it waits for a
 
 
 def source(loop: Loop, lanes: int, *, points: bool) -> str:
-    """A function ``run`` that takes a loop over a record.
+    """A function ``run`` that runs a loop over a record.
 
-    It takes the number of samples and of columns, the parameters' numbers that move and their
-    derivatives, the record, rows of numbers, and where it puts what is asked for in the end and
-    what is kept of each sample. A value is followed by its derivatives. Where lanes are points, the
+    It takes the number of samples and of columns, the varying parameters and their derivatives,
+    the record, rows of numbers, and memory for the results at the end and the values kept of
+    each sample. A value is followed by its derivatives. Where lanes are points, the
     lanes of each number lie side by side, else those of each derivative.
 
     Args:
-        loop: what it does, in one direction that stands for all lanes, or in each of several.
-        lanes: how many; a power of two.
+        loop: the loop, in one direction that stands for all lanes, or in each of several.
+        lanes: their number, a power of two.
         points: whether each lane has its own point.
 
     Raises:
@@ -46,7 +46,7 @@ class _Source:
         self._inverse: set[int] = set()
 
     def text(self) -> str:
-        """All of it."""
+        """The whole text."""
         before, turn, after = self._before(), self._turn(), self._after()
         used = sorted(self.lanes.functions.items())
         main = [
@@ -67,7 +67,7 @@ class _Source:
         return "\n".join([head, *functions, "\n".join(main), ""])
 
     def _before(self) -> list[str]:
-        """Parameters, what follows from them alone, and the state at the start."""
+        """The code of parameters, of values that follow from them, and of the initial state."""
         self.lines = []
         for k, value in self._inputs("p", "dp"):
             self._load(k, value)
@@ -83,7 +83,7 @@ class _Source:
         return self.lines
 
     def _turn(self) -> list[str]:
-        """What is done of a sample."""
+        """The code of one sample."""
         self.lines = []
         carried = self.loop.carried
         for k, (_, column) in self._inputs("u"):
@@ -100,7 +100,7 @@ class _Source:
         return self.lines
 
     def _after(self) -> list[str]:
-        """What is asked for in the end."""
+        """The code after the last sample."""
         self.lines = []
         for n, cell in enumerate(self.loop.carried):
             self.names[cell.input] = f"S{n}"
@@ -113,7 +113,7 @@ class _Source:
         return [(k, n.value) for k, n in nodes if n.op == "input" and n.value[0] in groups]
 
     def _load(self, k: int, value: Sequence[Any]) -> None:
-        """A number of the parameters, or its derivatives."""
+        """Load a number of the parameters, or its derivatives."""
         group, number, *direction = value
         name = self.names[k] = "_".join(map(str, value))
         if k not in self.wide:
@@ -127,7 +127,7 @@ class _Source:
         self.lines.append(f"    {each} {name}[j] = {group}[{block * self.count} + j];")
 
     def _statements(self, roots: Iterable[int], *, steady: bool) -> None:
-        """Statements for what is needed; of it what no sample changes, or the rest."""
+        """Add statements for needed nodes: those that no sample changes, or the rest."""
         ordered = _in_depth if self.points or self.loop.operations > LONG else Graph.reached
         for k in ordered(self.graph, roots):
             known = k in self.names or self.graph.nodes[k].op in ("constant", "input")
@@ -138,7 +138,7 @@ class _Source:
             self.lines.append(f"    const {self._type(k)} t{k} = {text};")
 
     def _twice(self, k: int) -> str:
-        """Twice a number as a sum, which keeps the units free that multiply; "" of all else."""
+        """Twice a number as a sum, which leaves the multipliers free; "" for any other node."""
         node = self.graph.nodes[k]
         for at, other in (node.args, node.args[::-1]) if node.op == "mul" else ():
             if node.kind == "real" and self.graph.is_constant(at, 2.0):
@@ -146,7 +146,7 @@ class _Source:
         return ""
 
     def _wide_text(self, k: int) -> str:
-        """An operation on lanes; the inverse of what they are all divided by is worked out once."""
+        """An operation on lanes; the inverse of a common divisor is computed once."""
         node = self.graph.nodes[k]
         if node.op != "div" or node.args[1] in self.wide:
             return self.lanes.text(k)
@@ -185,11 +185,11 @@ class _Source:
         return "masks" if kind == "truth" else "lanes"
 
     def _like(self, other: int, k: int) -> str:
-        """A node as what another one is, which may be a vector."""
+        """A node of the type of another one, which may be a vector."""
         return self.lanes.broad(k) if other in self.wide else self.name(k)
 
     def _put(self, row: Sequence[int], where: str) -> None:
-        """A value and its derivatives."""
+        """Write a value and its derivatives."""
         value, *slopes = row
         if self.points:
             slopes = [value, *slopes]
@@ -215,7 +215,7 @@ def _column(kind: Kind, column: int) -> str:
 
 
 def _wide(loop: Loop, seeds: set[str]) -> set[int]:
-    """Nodes that differ between lanes: what depends on the seeds, over time as well."""
+    """Nodes that differ between lanes: those that depend on the seeds, also over time."""
     graph, wide = loop.graph, set[int]()
     while True:
         before = len(wide)
@@ -237,7 +237,7 @@ def _of(graph: Graph, groups: set[str]) -> set[int]:
 
 
 def _in_depth(graph: Graph, roots: Iterable[int]) -> list[int]:
-    """What roots are made of, each part just before what it is for."""
+    """Nodes that the roots depend on, each just before the first that needs it."""
     done, order = set[int](), list[int]()
     for root in roots:
         ahead = [(root, False)]

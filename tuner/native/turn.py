@@ -1,4 +1,4 @@
-"""One turn of a time loop with its derivatives, as a graph of scalars: as it was traced."""
+"""One iteration of a time loop with its derivatives, as a graph of scalars."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from tuner.code.walk import Arrays, objects
 from tuner.native.runner import Runner, is_real, with_slopes
 
 MOST = 12_000
-"""A turn of more operations, derivatives included, is left to XLA: it would compile too long."""
+"""Most operations of an iteration, derivatives included, for C: more compile too long."""
 
 
 class Pair(NamedTuple):
@@ -25,7 +25,7 @@ class Pair(NamedTuple):
 
 
 class Cell(NamedTuple):
-    """A number of the state: as it comes in, before the first sample, and after a sample."""
+    """A number of the state: as an input, before the first sample, and after a sample."""
 
     input: Pair
     start: Pair
@@ -34,15 +34,15 @@ class Cell(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Turn:
-    """A turn as it was traced, with derivatives in one direction of which nothing is known.
+    """A traced iteration, with derivatives in one arbitrary direction.
 
     Attributes:
-        graph: with inputs ``("p", k)`` for the k-th number of the parameters that moves,
+        graph: with inputs ``("p", k)`` for the k-th varying number of the parameters,
             ``("dp", k)`` for its derivative, ``("u", k)`` for a number of a sample, ``("s", k, i)``
             and ``("ds", k, i)`` for a number of the state and its derivative.
         cells: the state.
-        total: the cells that are asked for in the end, one for each number.
-        kept: what is kept of a sample, one for each number.
+        total: the cells needed at the end, one for each number.
+        kept: the values kept of a sample, one for each number.
     """
 
     graph: Graph
@@ -67,7 +67,7 @@ def turn(runner: Runner) -> Turn:
 
     Raises:
         NoCounterpartError: names the operation that has no counterpart among scalars.
-        TooLargeError: for a turn of more than :data:`MOST` operations.
+        TooLargeError: for an iteration of more than :data:`MOST` operations.
     """
     begun = with_slopes(runner.start, [runner.params])
     stepped = with_slopes(runner.step, [runner.params, runner.state], [runner.sample])
@@ -80,7 +80,7 @@ def turn(runner: Runner) -> Turn:
 
 
 def _attempt(runner: Runner, begun: Any, stepped: Any, halves: set[int]) -> tuple[Turn, set[int]]:
-    """The turn if these matrices are symmetric, and which of them are not after all."""
+    """The iteration if these matrices are symmetric, and which of them turn out not to be."""
     graph, size = Graph(most=MOST), len(runner.state)
     way = walk(graph)
     params = _parameters(graph, runner)
@@ -103,7 +103,7 @@ def _attempt(runner: Runner, begun: Any, stepped: Any, halves: set[int]) -> tupl
 def _cells(
     runner: Runner, halves: set[int], before: list[_Both], starts: list[_Both], after: list[_Both]
 ) -> tuple[list[Cell], list[int]]:
-    """The state, and which of its numbers are asked for."""
+    """The state, and which of its numbers are needed."""
     cells: list[Cell] = []
     total: list[int] = []
     for k, wanted in enumerate(runner.wanted):
@@ -118,7 +118,7 @@ def _cells(
 
 
 def _parameters(graph: Graph, runner: Runner) -> list[_Both]:
-    """Numbers, and inputs where they move with a point."""
+    """Constants, and inputs for numbers that depend on a point."""
     found, count = [], 0
     for leaf, moved in zip(runner.params, runner.moved, strict=True):
         values, slopes = np.empty(leaf.shape, object), np.empty(leaf.shape, object)

@@ -16,13 +16,13 @@ from tuner.problem.problem import Problem
 from tuner.problem.space import Space
 
 SPREAD = 1e4
-"""How much larger than a fast Kalman filter's the states' variances may be, on average."""
+"""Mean ratio that the states' variances may have to those of a fast Kalman filter."""
 
 
 def fastest_decay(
     name: str, system: LinearSystem, error: ArrayLike, bound: float, unit: str = ""
 ) -> Problem:
-    """The observer whose slowest pole decays fastest while the variance keeps a bound.
+    """The observer whose slowest pole decays fastest while a variance meets its bound.
 
     Its unknowns are coordinates of the poles (:mod:`tuner.observers.pole_placement`). With one
     measurement that sees every state the search begins where all poles coincide. Otherwise the
@@ -40,8 +40,8 @@ def fastest_decay(
         unit: of the variance.
 
     Raises:
-        ValueError: for a bound that no observer keeps, with the least variance, one that even the
-            deadbeat observer of a discrete system keeps, or a system without a stable observer.
+        ValueError: for a bound that no observer meets, with the least variance, one that even the
+            deadbeat observer of a discrete system meets, or a system without a stable observer.
     """
     variance = Variance.of(system, error)
     require_detectable(system)
@@ -75,7 +75,7 @@ def fastest_decay(
 
 
 def _time_constant(observer: Observer, _: None) -> Array:
-    """Of the slowest pole, s."""
+    """Time constant of the slowest pole, s."""
     return 1 / observer.decay
 
 
@@ -90,7 +90,7 @@ def _placing_most(
 
 
 def _coinciding(placement: PolePlacement, variance: Variance, bound: float) -> dict[str, float]:
-    """The fastest decay rate at which coinciding poles keep the bound, else of least variance."""
+    """Coinciding poles of the fastest decay rate that meets the bound, else of least variance."""
     system = placement.system
     unit = max(float(np.abs(np.linalg.eigvals(system.A)).max()), 1e-6)
     rates = np.geomspace(1e-6, 1e6, 241) * unit
@@ -113,14 +113,13 @@ def _refuse_deadbeat(system: LinearSystem, variance: Variance, bound: float) -> 
     if found <= bound:
         entries = ", ".join(f"{entry:.9g}" for entry in L[:, 0])
         raise ValueError(
-            f"even the deadbeat observer, L = [{entries}], keeps the bound {bound:g}: its variance "
-            f"is {found:.6g}, an error is gone after {len(L)} samples, and nothing is faster; "
-            "use it, or give a bound below its variance"
+            f"even the deadbeat observer, L = [{entries}], meets the bound {bound:g} with variance "
+            f"{found:.6g}, and nothing is faster; use it, or give a bound below its variance"
         )
 
 
 def _sizes(system: LinearSystem, variance: Variance) -> np.ndarray:
-    """A typical error of every state, ``(n,)``: in its units nothing depends on the user's."""
+    """A typical error of every state, ``(n,)``: in these units nothing depends on the user's."""
     if system.discrete or system.noisy:
         P = steady_kalman(system).predicted
     else:

@@ -1,4 +1,4 @@
-"""A point of a design: an observer, what it costs, and matrices of gains as parameters."""
+"""A point of a design: an observer, its variances, and matrices of gains as parameters."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -40,7 +40,7 @@ class Variance:
 
     @classmethod
     def of(cls, system: LinearSystem, error: ArrayLike) -> "Variance":
-        """Of an error of a system.
+        """The variance of an error of a system.
 
         Raises:
             ValueError: where the weights do not fit the states, or are all zero.
@@ -55,18 +55,18 @@ class Variance:
         return cls(row)
 
     def under(self, P: np.ndarray) -> float:
-        """Of the error that counts where the states' errors have the covariance P, ``(n, n)``."""
+        """Variance of the error that counts, for a covariance P of all errors, ``(n, n)``."""
         return float(self.error @ P @ self.error)
 
     def __call__(self, observer: Observer, _: None) -> Array:
-        """Of the error that counts, ``()``."""
+        """Variance of the error that counts, ``()``."""
         row = jnp.asarray(self.error)
         return row @ observer.P @ row
 
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """How far the states' errors grow beyond those of a reference, as a mean of ratios.
+    """Mean ratio of the states' variances to those of a reference.
 
     Attributes:
         weights: of the states' variances, ``(n,)``.
@@ -76,7 +76,7 @@ class Spread:
 
     @classmethod
     def beyond(cls, system: LinearSystem, L: np.ndarray) -> "Spread":
-        """Over the variances under a gain; a state without error there does not count."""
+        """Relative to the variances under a gain; a state without error there does not count."""
         variances = np.diag(system.covariance(L))
         counts = variances > 1e-12 * variances.max()
         return cls(counts / np.where(counts, variances, 1.0) / counts.sum())
@@ -103,7 +103,7 @@ class Entries:
     """A matrix whose entries are tuned one by one.
 
     Attributes:
-        symbol: what the entries' names begin with.
+        symbol: prefix of the entries' names.
         shape: of the matrix.
     """
 
@@ -121,7 +121,7 @@ class Entries:
         for at, name in self._names():
             value, scale = float(start[at]), float(unit[at])
             reach = 1e3 * max(abs(value), scale)
-            # The ends belong to the search: who gets there has not found an optimum.
+            # The ends belong to the search: a solution there is not an optimum.
             found[name] = Limited(value, -reach, reach, scale=scale, limited=False)
         return found
 

@@ -19,8 +19,8 @@ def minimum_variance(name: str, system: LinearSystem, error: ArrayLike) -> Probl
 
     Args:
         name: of the problem.
-        system: the system; noise must drive what never dies out
-            (:func:`objectives.without_undriven` takes out what it does not).
+        system: the system; noise must drive every mode that does not decay
+            (:func:`objectives.without_undriven` removes the others).
         error: weights of the error that counts, ``(n,)``.
 
     Raises:
@@ -48,7 +48,7 @@ def minimum_variance(name: str, system: LinearSystem, error: ArrayLike) -> Probl
 def least_variance(system: LinearSystem, error: ArrayLike) -> float:
     """The least variance of an error over all observers.
 
-    Where a continuous measurement has no noise it is not known here, and 0 is returned.
+    Where a continuous measurement has no noise, the value is not known, and 0 is returned.
 
     Args:
         system: the system.
@@ -64,14 +64,14 @@ def least_variance(system: LinearSystem, error: ArrayLike) -> float:
 
 
 def riccati(system: LinearSystem) -> Known:
-    """The same observer by the Riccati equation."""
+    """The minimum-variance observer by the Riccati equation."""
     found = _entries(system).named(steady_kalman(system).predictor)
     return Known("riccati", lambda _: found, "the Riccati equation's solution")
 
 
 @dataclass(frozen=True, eq=False)
 class _Gains:
-    """From single gains to a point of the design."""
+    """The map from single gains to a point of the design."""
 
     system: LinearSystem
     entries: Entries
@@ -86,5 +86,5 @@ def _entries(system: LinearSystem) -> Entries:
 
 
 def _beside(system: LinearSystem, best: np.ndarray) -> np.ndarray:
-    """A stable gain beside the best one, to start from."""
+    """A stable gain near the best one, to start from."""
     return next((f * best for f in (1.5, 1.2, 1.1, 1.02) if system.decay(f * best) > 0), best)

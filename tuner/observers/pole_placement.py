@@ -1,4 +1,4 @@
-"""Observers by their poles: the slowest decay rate is a coordinate, and no constraint is needed.
+"""Observers by their poles: the slowest decay rate is a coordinate, so it needs no constraint.
 
 With one measurement a gain is as good as its characteristic polynomial, whose factors are the
 coordinates (:class:`objectives.Factors`). With several, one measurement guides: whatever gains the
@@ -19,22 +19,22 @@ from tuner.observers.gains import Entries, Observer
 from tuner.problem.parameters import Limited, Parameter, Positive
 
 WIDEST = 100.0
-"""How many times as fast as the slowest pole the others may be."""
+"""Largest ratio of the other poles' decay rates to the slowest one's."""
 _SLOWER = 0.98
-"""The decay rate asked of a gain to begin with, as a share of its slowest pole's."""
+"""Initial decay rate for a gain, as a share of its slowest pole's."""
 _SAME = 1e-6
-"""How closely coordinates have to give back the gain that they were worked out from."""
+"""Tolerance at which coordinates have to reproduce the gain that they were computed from."""
 
 
 @dataclass(frozen=True, eq=False)
 class PolePlacement:
-    """From coordinates of the poles, and gains of the measurements beside the guide, to a gain.
+    """The map from coordinates of the poles, and gains of the other measurements, to a gain.
 
     Attributes:
         system: the system.
         T: x = T x', the model's own units, seen states first, ``(n, n)``.
         H: y' = H y, the guide first, ``(m, m)``.
-        seen: how many states the measurements show.
+        seen: number of observable states.
     """
 
     system: LinearSystem
@@ -44,17 +44,17 @@ class PolePlacement:
 
     @property
     def factors(self) -> Factors:
-        """Of the characteristic polynomial of what is seen."""
+        """Factors of the characteristic polynomial of the observable states."""
         return Factors(self.seen, self.system.discrete)
 
     @property
     def side(self) -> Entries:
-        """Gains of the measurements beside the guide, for what is seen."""
+        """Gains of the measurements beside the guide, on the observable states."""
         return Entries("side", (self.seen, len(self.H) - 1))
 
     @property
     def hidden(self) -> Entries:
-        """Gains for what is not seen."""
+        """Gains on the unobservable states."""
         return Entries("hidden", (len(self.T) - self.seen, len(self.H)))
 
     def __call__(self, values: dict[str, Array]) -> Observer:
@@ -91,14 +91,14 @@ class PolePlacement:
         return values if np.abs(back - L).max() <= _SAME * np.abs(L).max() else None
 
     def coinciding(self, decay: float) -> dict[str, float]:
-        """The coordinates of poles that all decay alike, with no gains beside the guide's."""
+        """The coordinates of poles with one decay rate, and no gains beside the guide's."""
         alike: dict[str, float] = dict.fromkeys(self._most(), 0.0)
         for entries in (self.side, self.hidden):
             alike |= entries.named(np.zeros(entries.shape))
         return alike | {"decay": decay}
 
     def limit(self) -> float:
-        """The slowest decay rate of what is not seen, 1/s: no observer is faster."""
+        """The slowest decay rate of the unobservable states, 1/s: no observer is faster."""
         A = np.linalg.solve(self.T, self.system.A @ self.T)[self.seen :, self.seen :]
         return float(self.system.rates(np.linalg.eigvals(A)).min(initial=np.inf))
 
@@ -114,7 +114,7 @@ class PolePlacement:
         return found | self._gains(self.side, start) | self._gains(self.hidden, start)
 
     def _most(self) -> dict[str, float]:
-        """The factors' coordinates by name, and the most that they may be."""
+        """The factors' coordinates by name, with their upper limits."""
         widest = WIDEST if self.factors.odd else None
         return self._named(widest, [(WIDEST, WIDEST**2)] * self.factors.pairs)
 

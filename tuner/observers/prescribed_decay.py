@@ -12,13 +12,13 @@ from objectives.linear_systems.model import derived
 from tuner.observers.gains import Variance
 
 DRAWS = 24
-"""How many weightings are tried beside the model's own noise."""
+"""Number of weightings that are tried beside the model's own noise."""
 _ROOM = 0.98
 """A start uses this share of the bound."""
 
 
 class Weights(NamedTuple):
-    """The noise that a gain is worked out for, true or not.
+    """The noise that a gain is computed for, true or not.
 
     Attributes:
         W: of the states, ``(n, n)``.
@@ -42,7 +42,7 @@ def prescribed_decay(system: LinearSystem, variance: Variance, bound: float) -> 
 def starting_gains(
     system: LinearSystem, variance: Variance, bound: float, size: np.ndarray
 ) -> list[np.ndarray]:
-    """Such gains that keep the bound, for the system's noise and for drawn ones; fastest first.
+    """Such gains that meet the bound, for the system's noise and for drawn ones; fastest first.
 
     The draws (their seed is fixed: they belong to the problem, not to a solver) break symmetries
     in which a search would be caught.
@@ -91,7 +91,7 @@ def _gain(system: LinearSystem, weights: Weights, alpha: float) -> np.ndarray:
 def _largest(
     system: LinearSystem, weights: Weights, variance: Variance, bound: float
 ) -> np.ndarray | None:
-    """The gain with the largest alpha that keeps the bound, by bisection; None where none does."""
+    """The gain with the largest alpha that meets the bound, by bisection; None where none does."""
 
     def kept(alpha: float) -> np.ndarray | None:
         try:

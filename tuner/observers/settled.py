@@ -18,7 +18,7 @@ from tuner.problem.problem import Problem
 from tuner.problem.space import Space
 
 SETTLED = 0.02
-"""An error has settled where this share of its largest, or less, is left for good."""
+"""An error has settled when it stays below this share of its largest value."""
 _POINTS, _REACH = 48, 4  # it is looked at so often, on the span of so many settling times
 _POWER = 32  # of the mean that stands for the largest, so that it has a gradient
 _STARTS = 3
@@ -29,7 +29,7 @@ _DEADBEAT = 20.0  # poles that decay by e^-20 a sample are as good as gone
 
 @dataclass(frozen=True, eq=False)
 class Settling:
-    """What is left of the error that counts once a time is over, whichever state began it.
+    """The error that counts after a given time, whichever state it began in.
 
     Attributes:
         system: the system.
@@ -42,7 +42,7 @@ class Settling:
     within_s: float
 
     def __call__(self, observer: Observer, _: None) -> Array:
-        """The largest share that is left later, ``()``; a little more where several are near it."""
+        """The largest share that remains later, ``()``; slightly more where several are near it."""
         later, size = self.left(observer.L)
         share = later / size / SETTLED
         largest = jnp.maximum(jnp.max(share), 1e-12)
@@ -50,7 +50,7 @@ class Settling:
         return SETTLED * largest * total
 
     def left(self, L: Array) -> tuple[Array, Array]:
-        """The error after the time, for one in each state, ``(k, n)``; and its largest, ``(n,)``.
+        """The error after the time, for one in each state, ``(k, n)``; its largest value, ``(n,)``.
 
         Where a state does not touch the error that counts the largest is infinite.
         """
@@ -77,14 +77,14 @@ class Settling:
 
 
 def _rows(row: Array, step: Array, count: int) -> tuple[Array, Array]:
-    """A row vector and what repeated multiplication makes of it, ``(count + 1, n)``; the last."""
+    """A row vector times the powers of a matrix, ``(count + 1, n)``, and the last of these."""
     last, found = run(_Multiplied(), (row, step), jnp.zeros(count + 1))
     return found, last
 
 
 @dataclass(frozen=True)
 class _Multiplied:
-    """A row vector that every sample multiplies by a matrix; row and matrix are its parameters."""
+    """A row vector multiplied by a matrix at every sample; both are its parameters."""
 
     def init(self, params: tuple[Array, Array]) -> Array:
         return params[0]
@@ -130,7 +130,7 @@ def settled(name: str, system: LinearSystem, error: ArrayLike, within_s: float) 
 
 
 def settling_time(system: LinearSystem, L: np.ndarray, error: np.ndarray) -> float:
-    """When the error that counts, after one in any state, is below 2 % of its largest for good, s.
+    """Time after which the error that counts, from any state, stays below 2 % of its largest, s.
 
     Infinite if it never is.
 
@@ -145,7 +145,7 @@ def settling_time(system: LinearSystem, L: np.ndarray, error: np.ndarray) -> flo
     step = 15 / decay / _FINE
     if system.dt is None:
         each = np.asarray(expm(jnp.asarray(closed * step)))
-    else:  # a slow observer of fast samples is looked at now and then
+    else:  # a slow observer of fast samples is evaluated at intervals
         apart = max(int(step / system.dt), 1)
         step, each = apart * system.dt, np.linalg.matrix_power(closed, apart)
     rows = [np.asarray(error, float)]
@@ -198,7 +198,7 @@ def _reached(settling: Settling, gains: list[np.ndarray]) -> str:
 
 @dataclass(frozen=True, eq=False)
 class _Gains:
-    """From single gains to a point of the design."""
+    """The map from single gains to a point of the design."""
 
     system: LinearSystem
     entries: Entries

@@ -1,4 +1,4 @@
-"""The dual simplex method from corner to corner, which are kept for windows of the same t.
+"""The dual simplex method, with corners that are kept for windows of the same t.
 
 At a corner of the feasible set as many rows are tight as there are unknowns. Which rows those are
 decides its multipliers, and what the tight sides make of every other row, whatever the samples: the
@@ -16,21 +16,21 @@ from scipy.linalg import lapack
 from tuner.regression.window import Regressors, Window, one
 
 FEASIBLE = 1e-13
-"""Sides have the size 1: a row that is broken by less is held, one with less to spare tight."""
+"""Tolerance of sides of size 1: a row violated by less is met, one with less slack is tight."""
 CERTAIN = 1e-9
-"""Multipliers below this share of the largest may be zero, where the optimum is not unique."""
+"""Multipliers below this share of the largest may be zero, and the optimum not unique."""
 LARGEST = 1e9
-"""Rows of the size 1 whose inverse has larger entries hardly differ."""
+"""Rows of size 1 whose inverse has larger entries are nearly dependent."""
 FARTHER = 10.0
 """By so much residuals count more than places, in the choice of samples to start at."""
 STEPS = 25
-"""More corners than this one after the other, and the interior-point method is the faster one."""
+"""Corners in a row beyond which the interior-point method is faster."""
 KEPT = 1 << 16
 """Entries of the shares that are kept for a t: 512 kB, 744 corners of ten samples on a line."""
 
 
 class Corner(NamedTuple):
-    """Where some rows are tight.
+    """A vertex at which some rows are tight.
 
     Attributes:
         rows: which, ascending, as many as there are unknowns, ``(n,)``.
@@ -49,7 +49,7 @@ class Corner(NamedTuple):
     certain: bool
 
     def spare(self, sides: np.ndarray) -> np.ndarray:
-        """What every row is above its side here, ``(rows,)``."""
+        """The amount by which each row exceeds its side here, ``(rows,)``."""
         return np.asarray(self.shares @ sides.take(self.rows) - sides)
 
 
@@ -70,7 +70,7 @@ def _corner(of: Regressors, tight: tuple[int, ...]) -> Corner | None:
 
 
 def _first(of: Regressors) -> Corner | None:
-    """The corner that t alone makes.
+    """The corner that follows from t alone.
 
     Both rows of one sample j, with the largest multiplier w for which 2 w abs(t_j) stays below the
     cost. Rows of other samples, to determine the center, have the multiplier 0.
@@ -118,7 +118,7 @@ def _tight(of: Regressors, rows: list[int], spread: np.ndarray) -> Corner | None
 
 
 class Corners:
-    """Those of one t that were met."""
+    """The corners of one t that were visited."""
 
     def __init__(self, of: Regressors) -> None:
         self._of = of
@@ -129,11 +129,11 @@ class Corners:
 
     @cached_property
     def _first(self) -> Corner | None:
-        """The corner that t alone makes."""
+        """The corner that follows from t alone."""
         return _first(self._of)
 
     def at(self, rows: tuple[int, ...]) -> Corner | None:
-        """The corner of these rows, ascending; None where they hardly differ or prove nothing."""
+        """The corner of these rows, ascending; None where they are dependent or prove nothing."""
         if rows in self._met:
             return self._met[rows]
         found = _corner(self._of, rows)
@@ -144,7 +144,7 @@ class Corners:
         return found
 
     def optimum(self, window: Window, steps: int = STEPS) -> Corner | None:
-        """An optimal corner, the same whatever was met before; None where it is not reached."""
+        """An optimal corner, whichever were visited before; None where it is not reached."""
         end, spare = self._end(self._best(window), window.sides, steps)
         if end and end.certain and np.count_nonzero(spare < FEASIBLE) == len(end.rows):
             return end
@@ -152,7 +152,7 @@ class Corners:
         return self._end(self._first, window.sides, steps)[0]
 
     def _best(self, window: Window) -> Corner | None:
-        """The corner met that proves most; of a new t, one beside the samples farthest off."""
+        """The visited corner with the highest bound; of a new t, one at the farthest samples."""
         if not self._found:
             return _start(self._of, window.values)
         corners, bounds = self._starts
@@ -166,7 +166,7 @@ class Corners:
     def _end(
         self, at: Corner | None, sides: np.ndarray, steps: int
     ) -> tuple[Corner | None, np.ndarray]:
-        """Where the walk ends, and what rows have to spare there."""
+        """The end of the walk, and the slack of the rows there."""
         spare = sides
         for _ in range(steps):
             if at is None:
@@ -179,7 +179,7 @@ class Corners:
         return None, spare
 
     def _beside(self, at: Corner, entering: int) -> Corner | None:
-        """The corner with one more row tight, in place of that which keeps multipliers positive."""
+        """The neighbouring corner: one row enters, and the ratio test chooses which one leaves."""
         ratios = [
             (multiplier / share, place)
             for place, (multiplier, share) in enumerate(
@@ -196,5 +196,5 @@ class Corners:
 
 @lru_cache(maxsize=64)
 def corners(of: Regressors) -> Corners:
-    """Those of a t."""
+    """The corners of a t."""
     return Corners(of)

@@ -1,4 +1,4 @@
-"""One window solved to the last digits: from corner to corner, or from an interior point.
+"""One window solved to full precision: by the simplex method, or from an interior point.
 
 A corner with positive multipliers is the only optimum. Where there may be others, an interior-point
 method ends in the middle of the set of optima, where every constraint is either tight on the whole
@@ -18,11 +18,11 @@ from tuner.regression.corners import Corner, corners
 from tuner.regression.window import Window
 
 TOLERANCES = (1e-8, 1e-12)
-"""What Clarabel is asked for, the second where the first does not tell tight from slack."""
+"""Clarabel's tolerances, the second where the first does not tell tight from slack."""
 PATIENT = 2000
-"""So many corners are tried where the interior-point method fails too."""
+"""Number of corners that are tried where the interior-point method fails too."""
 EXACT = 1e-10
-"""Scaled data have the size 1: a point is kept that breaks no row by more, and proves as much."""
+"""Largest violation and gap of an accepted point; scaled data have size 1."""
 ROUNDED = 1e-13
 _RANK = 1e-9
 
@@ -36,7 +36,7 @@ class Point:
         multipliers: of the rows, not negative.
         unique: whether there is no other optimum with these coordinates; None if that is not known.
         cost: what is minimised, of z.
-        violation: by how much z breaks a row at most.
+        violation: the largest violation of a row by z.
         gap: cost of z less what the multipliers prove.
     """
 
@@ -57,7 +57,7 @@ def solve(window: Window) -> Point:
     """The optimum of a window, and of several the one nearest the data.
 
     Raises:
-        ArithmeticError: where neither method got there.
+        ArithmeticError: where neither method converged.
     """
     corner = corners(window.of).optimum(window)
     point = _at(window, corner) if corner and corner.certain else None
@@ -89,7 +89,7 @@ def _proved(window: Window, z: np.ndarray, multipliers: np.ndarray, unique: bool
 
 
 def interior_point(window: Window, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Where the interior-point method ends, in the middle of the optima: z and the multipliers."""
+    """The interior-point method's result, in the middle of the optima: z and the multipliers."""
     import clarabel
 
     of = window.of
@@ -120,7 +120,7 @@ def _zeros(size: int) -> Any:
 
 
 def _sharpened(window: Window, z: np.ndarray, y: np.ndarray) -> Point:
-    """The point itself from one nearby."""
+    """The exact optimum from a point nearby."""
     G, b, cost = window.of.rows, window.sides, window.of.cost
     tight = y > G @ z - b
     rows, sides = G[tight], b[tight]
@@ -161,7 +161,7 @@ def _nearest(window: Window, z: np.ndarray, tight: np.ndarray) -> np.ndarray:
 
 
 def _least_distance(C: np.ndarray, d: np.ndarray) -> np.ndarray:
-    """The shortest w with C w >= d, of which there is one."""
+    """The shortest w with C w >= d, which is unique."""
     from scipy.optimize import nnls
 
     if not len(C):

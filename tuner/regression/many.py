@@ -13,7 +13,7 @@ from tuner.regression.window import check_degree
 FEW = 256
 """Fewer windows are solved one by one before the others are compiled."""
 BLOCK = 1024
-"""Windows a call: with as many always, one compilation serves every number of windows."""
+"""Windows per call: as it is fixed, one compilation serves any number of windows."""
 _LANES = 32  # tables of so many programs stay in the processor's fast cache
 
 
@@ -66,7 +66,7 @@ def tanaka_windows(
 
 
 def _unsolved(t: np.ndarray) -> Windows:
-    """Room for the regressions, none of them unique yet."""
+    """Arrays for the regressions, none of them solved yet."""
     count, _, regressors = t.shape
     return Windows(
         center=np.zeros((count, regressors + 1)),
@@ -125,8 +125,8 @@ def _checked(
     own = own[None] if own.ndim == 2 else own
     if own.ndim != 3 or len(own) not in (1, len(x)) or own.shape[1] != x.shape[1]:
         raise ValueError(
-            f"t has the shape {given.shape} and x {x.shape}; W windows of m samples of k "
-            "regressors are (m,), (m, k) or (W, m, k), and (W, m)"
+            f"t has the shape {given.shape} and x {x.shape}; give t as (m,), (m, k) or "
+            "(W, m, k), and x as (W, m)"
         )
     if not x.shape[1]:
         raise ValueError("the windows are empty; give at least one sample for each")

@@ -12,7 +12,7 @@ from tuner.regression.window import Window, window
 
 
 class Outcome(Enum):
-    """What a regression came to."""
+    """The outcome of a regression."""
 
     UNIQUE = "unique"
     SEVERAL = "several optima"
@@ -29,13 +29,13 @@ class Regression:
         spread: c, not negative, ``(k + 1,)``.
         objective: the sum of the spreads at all samples.
         unique: whether no other (p, c) has that objective.
-        status: how it ended; only the first has a center one can rely on.
+        status: how it ended; only with the first is the center reliable.
         message: that, in a sentence.
         above, below: multipliers of p't + (1 - h) c'abs(t) >= x + (1 - h) e and of
             (1 - h) c'abs(t) - p't >= (1 - h) e - x, ``(m,)``: with them no spread that is smaller
             in sum holds all samples.
         least: multipliers of c >= 0, ``(k + 1,)``.
-        violation: by how much a constraint is broken at most, in the unit of x.
+        violation: the largest violation of a constraint, in the unit of x.
         gap: objective less what the multipliers prove.
     """
 
@@ -103,7 +103,7 @@ def tanaka(t: ArrayLike, x: ArrayLike, h: float = 0.0, e: ArrayLike | None = Non
 
 
 def _ended(asked: Window, point: Point) -> tuple[Outcome, str]:
-    m, n = asked.of.columns.shape
+    n = asked.of.columns.shape[1]
     if not point.error <= EXACT:
         return Outcome.INEXACT, (
             f"the point found is right to {point.error:.1g} of the data's range only; check "
@@ -116,7 +116,7 @@ def _ended(asked: Window, point: Point) -> tuple[Outcome, str]:
         )
     if asked.of.rank < n:
         return Outcome.UNDETERMINED, (
-            f"{m} samples whose t has rank {asked.of.rank} with the intercept do not determine {n} "
+            f"t has rank {asked.of.rank} with the intercept and does not determine {n} "
             "coefficients; the shortest center that fits is given: take more, or other, samples"
         )
     if not point.unique:

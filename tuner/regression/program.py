@@ -7,7 +7,7 @@ from tuner.convex import ConvexProgram, building
 from tuner.regression.window import Regressors, window
 
 NEAR = 1e4
-"""Up to this size, and down to its inverse, regressors are near 1."""
+"""Largest size of regressors that need no scaling; its inverse is the smallest."""
 
 
 def tanaka_program(t: ArrayLike, h: float = 0.0) -> ConvexProgram:
@@ -56,11 +56,11 @@ def tanaka_program(t: ArrayLike, h: float = 0.0) -> ConvexProgram:
 
 
 def _refuse(of: Regressors) -> None:
-    """What is not determined, or too large or small to be solved as it stands."""
+    """Refuses regressors that determine too little, or are too large or small to be solved for."""
     if of.rank < len(of.scale):
         raise ValueError(
-            f"{len(of.columns)} samples whose t has rank {of.rank} with the intercept do not "
-            f"determine {len(of.scale)} coefficients; take more, or other, samples, or tuner.tanaka"
+            f"t has rank {of.rank} with the intercept and does not determine {len(of.scale)} "
+            "coefficients; take more, or other, samples, or tuner.tanaka"
         )
     if not 1 / NEAR <= of.scale.min() <= of.scale.max() <= NEAR:
         raise ValueError(

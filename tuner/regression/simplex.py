@@ -33,7 +33,7 @@ def tanaka_simplex(
 
     Raises:
         ValueError: as :func:`tuner.tanaka`.
-        ArithmeticError: where HiGHS does not get there.
+        ArithmeticError: where HiGHS does not converge.
 
     >>> tanaka_simplex([0.0, 1.0, 2.0], [1.0, 1.5, 2.0]).center.round(9).tolist()
     [1.0, 0.5]
@@ -53,7 +53,7 @@ def tanaka_simplex(
         options={"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10},
     )
     if found.status:
-        raise ArithmeticError(f"HiGHS did not get there: {found.message}")
+        raise ArithmeticError(f"HiGHS did not converge: {found.message}")
     center, spread = asked.restored(np.asarray(found.x))
     determined = of.rank == len(center)
     return Vertex(center, spread, float(found.fun) * asked.size / (1 - h), determined)

@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike
 from scipy.linalg import lapack
 
 TINY = 1e-290
-"""Smaller sizes leave numbers next to them few digits, or none."""
+"""Smaller sizes cost neighbouring numbers most of their digits."""
 _RANK = 1e-11
 """Singular values below this share of the largest count as zero."""
 
 
 @dataclass(frozen=True, eq=False)
 class Regressors:
-    """What the regression makes of t alone: m samples of k regressors, n = k + 1 columns.
+    """Quantities that depend on t alone: m samples of k regressors, n = k + 1 columns.
 
     The program's unknowns z are the center's coordinates, as many as the rank of t, and (1 - h)
     times the spreads of the columns that are not zero throughout.
@@ -32,8 +32,8 @@ class Regressors:
         restore: from z to the shortest center and the spread in the user's scale,
             ``(2n, rank + used)``.
         level: the shortest center of a constant 1, ``(n,)``.
-        rows: what has to be at least the window's sides, of z: ``(2m + used, rank + used)``.
-        cost: what is minimised, of z.
+        rows: coefficients of the constraints rows z >= sides, ``(2m + used, rank + used)``.
+        cost: coefficients of z in the cost.
     """
 
     columns: np.ndarray
@@ -55,7 +55,7 @@ class Regressors:
 
     @property
     def rank(self) -> int:
-        """How many coordinates of the center the samples determine."""
+        """Number of coordinates of the center that the samples determine."""
         return int(self.basis.shape[1])
 
 
@@ -69,7 +69,7 @@ class Window:
         spreads: (1 - h) times the scaled spreads, ``(m,)``.
         h: degree to which samples have to belong to the regression.
         middle, size: of the values.
-        sides: what the rows have to be at least.
+        sides: lower bounds of the rows.
     """
 
     of: Regressors
@@ -81,7 +81,7 @@ class Window:
     sides: np.ndarray
 
     def restored(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Center, the shortest that fits, and spread in the user's scale."""
+        """The shortest center that fits, and the spread, in the user's scale."""
         both, n = self.size * (self.of.restore @ z), len(self.of.scale)
         return both[:n] + self.middle * self.of.level, np.maximum(both[n:], 0.0) / (1 - self.h)
 
@@ -131,7 +131,7 @@ def _range(x: np.ndarray, e: np.ndarray | None) -> tuple[float, float]:
 
 
 def check_degree(h: float) -> None:
-    """Refuse an h that is not a degree.
+    """Refuse an h outside its range.
 
     Raises:
         ValueError: for an h outside 0 to below 1.
@@ -182,14 +182,14 @@ def _regressors(t: bytes, shape: tuple[int, ...]) -> Regressors:
 
 @cache
 def one(size: int) -> np.ndarray:
-    """The identity, to be read only."""
+    """The identity, read-only."""
     made = np.eye(size)
     made.flags.writeable = False
     return made
 
 
 def _rows(center: np.ndarray, spread: np.ndarray) -> np.ndarray:
-    """What has to be at least (x + e', e' - x, 0), with e' = (1 - h) e, of z."""
+    """Rows of (x + e', e' - x, 0), with e' = (1 - h) e, as linear functions of z."""
     (m, rank), used = center.shape, spread.shape[1]
     rows = np.zeros((2 * m + used, rank + used))
     rows[:m, :rank], rows[m : 2 * m, :rank] = center, -center
@@ -199,7 +199,7 @@ def _rows(center: np.ndarray, spread: np.ndarray) -> np.ndarray:
 
 
 def _beside(A: np.ndarray, B: np.ndarray) -> np.ndarray:
-    """The two on the diagonal of a matrix that is zero elsewhere."""
+    """The block diagonal matrix of two."""
     (m, n), (p, q) = A.shape, B.shape
     both = np.zeros((m + p, n + q))
     both[:m, :n], both[m:, n:] = A, B

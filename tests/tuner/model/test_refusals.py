@@ -120,21 +120,21 @@ def test_states_that_cannot_be_told_apart_are_named_and_may_be_wanted(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (level('"level + 9**9**9"'), "line 12, measurements.z.h: 9 ** 3.8742e+08 is no finite"),
+        (level('"level + 9**9**9"'), "line 12, measurements.z.h: 9 ** 3.8742e+08 is not a finite"),
         (level('"' + "(" * 450 + "level" + ")" * 450 + '"'), "too many nested parentheses"),
         (level('"' + "-" * 900 + 'level"'), "more than 40 levels or 400 parts"),
         (level('"' + "level+" * 300 + 'level"'), "has 1805 characters; 1000 is the most"),
-        (level('"level + ' + "9" * 900 + '"'), "holds a number beyond 1e308"),
-        (level("\"__import__('os').system('id')\""), "calls what is no name of a function"),
-        (level('"(lambda: level)()"'), "calls what is no name of a function"),
+        (level('"level + ' + "9" * 900 + '"'), "contains a number beyond 1e308"),
+        (level("\"__import__('os').system('id')\""), "calls what is not the name of a function"),
+        (level('"(lambda: level)()"'), "calls what is not the name of a function"),
         (level('"level.__class__"'), "'level.__class__' is not allowed"),
         (level('"[level for level in z]"'), "is not allowed"),
-        (level('"eval(level)"'), "'eval' is no function here"),
-        (level('"level * 1j"'), "no real number"),
+        (level('"eval(level)"'), "'eval' is not a function here"),
+        (level('"level * 1j"'), "not a real number"),
         (level('"level / 0"'), "divides by 0"),
-        (level('"level * (-8)**(1/3)"'), "is no finite number"),
-        (level('"lev\\u0000el"'), "is no expression"),
-        (level('"sin(level, 2)"'), "sin takes 1 and has 2 arguments"),
+        (level('"level * (-8)**(1/3)"'), "is not a finite number"),
+        (level('"lev\\u0000el"'), "is not an expression"),
+        (level('"sin(level, 2)"'), "sin takes 1 argument and has 2"),
         (level('"where(level, 1, 2)"'), "where compares two numbers first"),
         (template("level").replace("A = 0", "A = nan"), "is nan; give a finite number"),
         (template("level").replace("A = 0", "A = " + "9" * 400), "a huge number"),
@@ -147,9 +147,9 @@ def test_states_that_cannot_be_told_apart_are_named_and_may_be_wanted(tmp_path):
         ("a = " + "{b=" * 8000, "far too deep"),
         ('a = "' + "x" * 60_000 + '"', "more than 50000 characters"),
         ("a = [[[[[[[[1]]]]]]]]", "more than 6 deep"),
-        ('name = "../../x"\n' + template("level"), "'../../x' is no name of a model"),
-        (b"\xff\xfe\x00", "is no text in UTF-8"),
-        ("a = ", "is no TOML: Invalid value (at end of document)"),
+        ('name = "../../x"\n' + template("level"), "'../../x' is not a name for a model"),
+        (b"\xff\xfe\x00", "is not text in UTF-8"),
+        ("a = ", "is not TOML: Invalid value (at end of document)"),
         ("", "parameters: is missing"),
     ],
 )  # fmt: skip
@@ -168,13 +168,13 @@ def test_what_is_no_file(name):
     ("kind", "old", "new", "words"),
     [
         ("tracking", "     [0, 0]]", "     [0, 0, 0]]", "line 17, model.A, entry 2: is a row of 3"),
-        ("tracking", "A = [[0, 1],", "A = [", "model.A: has 1 rows; give 2 rows of 2"),
+        ("tracking", "A = [[0, 1],", "A = [", "model.A: has the length 1; give 2 rows of 2"),
         ("tracking", "C = [1, 0]", "", "model: does not say what it shows; give one of h"),
         ("tracking", 'R = "R"', "", "model: has no R, the variance of what is measured"),
-        ("tracking", 'Q = "q"', "", "model: has no Q, the spectral density of what disturbs"),
+        ("tracking", 'Q = "q"', "", "model: has no Q, the spectral density of the process noise"),
         ("tracking", 'Q = "q"', 'Q = "q"\nF = 1', "model: has A and F; give one of A"),
         ("tracking", 'R = "R"', "R = 0", "has the variance 0; every measurement has some noise"),
-        ("tracking", 'R = "R"', 'R = "position"', "holds position, a state; it may hold numbers"),
+        ("tracking", 'R = "R"', 'R = "position"', "contains position, a state; it may"),
         ("tracking", "[states]", "[stats]", "unknown entry 'stats'; did you mean states?"),
         ("level", 'R = "R" }', 'R = "dt*R", C = 1 }', "has h and C; give one of h"),
         ("robot", 'time = "continuous"', "", "say time = 'continuous' or time = 'discrete'"),
@@ -184,7 +184,7 @@ def test_what_is_no_file(name):
         ("robot", "P0 = {", "# {", "has no P0, the variances of the start"),
         ("robot", "start = 0.1,", "start = -0.1,", "begins at -0.1, which is not between"),
         ("robot", "[states]\nx =", "[states]\nturn =", "'turn' is an input as well"),
-        ("robot", "[states]\nx =", "[states]\nlambda =", "'lambda' is no name"),
+        ("robot", "[states]\nx =", "[states]\nlambda =", "'lambda' is not a name"),
         ("robot", "[states]\nx =", "[states]\nsin =", "'sin' has a meaning of its own"),
         ("robot", "angle = true", "angle = 1", "states.heading.angle: is 1; give true or false"),
     ],
@@ -200,7 +200,7 @@ def test_a_discrete_model_without_dt_takes_no_varying_times():
 
     walk = model_filter(tomllib.loads(SHORT.replace("A = 0", "F = 1")))
     inputs = TimedSample(jnp.array([1.0, 2.0]), walk.inputs(jnp.zeros(2)))
-    with pytest.raises(ValueError, match="cannot tell what a step of another length does"):
+    with pytest.raises(ValueError, match="for steps of one length only"):
         run(Timed(walk(1.0)), walk.params(jnp.array(1.0), jnp.array(1.0)), inputs)
 
 

@@ -7,7 +7,7 @@ With Y the inverse of a bound on the error's covariance and Z = Y L, both design
 inequalities (Boyd, El Ghaoui, Feron, Balakrishnan: Linear Matrix Inequalities in System and
 Control Theory, 1994, chapters 6 and 7; Scherer, Gahinet, Chilali, IEEE TAC 42, 1997).
 
-All is solved in units that the system itself suggests, so that no result depends on the user's.
+All is solved in units that follow from the system, so that no result depends on the user's.
 """
 
 from tuner.observers.lmi.fastest_decay import FastestObserver, fastest_observer

@@ -1,4 +1,4 @@
-"""A system and the errors of its observer that count, and what a gain comes to there."""
+"""A system, the errors of its observer that count, and their variances under a gain."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from objectives import LinearSystem
 
 @dataclass(frozen=True)
 class Design:
-    """What an observer is designed for.
+    """The system of an observer, and the errors that it is designed for.
 
     Attributes:
         system: the system.
@@ -43,7 +43,7 @@ class Design:
         return self.variances(self.covariance(gain))
 
     def total(self, gain: np.ndarray) -> float:
-        """Their sum."""
+        """The sum of these variances."""
         return float(self.variances_under(gain).sum())
 
 
@@ -55,7 +55,7 @@ def design_of(system: LinearSystem, errors: ArrayLike) -> Design:
         errors: M, ``(k, n)``.
 
     Raises:
-        ValueError: where the errors do not fit the system, or hold what is not finite.
+        ValueError: where the errors do not fit the system, or are not finite.
     """
     M = np.asarray(errors, float)
     n = len(system.A)

@@ -1,4 +1,4 @@
-"""The fastest observer whose variances keep their bounds."""
+"""The fastest observer whose variances meet their bounds."""
 
 import time
 from dataclasses import dataclass
@@ -16,14 +16,14 @@ from tuner.observers.lmi.units import Scaled, scaled
 
 @dataclass(frozen=True)
 class FastestObserver:
-    """The observer that forgets fastest while the variances of M e keep their bounds.
+    """The observer whose error decays fastest while the variances of M e meet their bounds.
 
     Attributes:
         status: converged where ``alpha`` and ``limit`` meet; unattained where better observers
             have ever larger gains, towards the limit; unbounded where every rate is admissible.
         message: that, in a sentence.
         alpha: the decay rate that the matrix inequalities reach, in 1/s.
-        limit: a rate that they cannot reach; inf where none is known.
+        limit: a rate that is out of their reach; inf where none is known.
         gain: L, ``(n, m)``.
         poles: eigenvalues of A - L C, ``(n,)``, the slowest first; in 1/s, or of a sample.
         rate: the decay rate of the slowest, in 1/s: what one Lyapunov matrix for both demands
@@ -31,7 +31,7 @@ class FastestObserver:
         covariance: of the error, ``(n, n)``, by its Lyapunov equation.
         variances: of M e, ``(k,)``, from that.
         multipliers: by how many per cent alpha rises where a bound is 1 % wider, ``(k,)``.
-        needed: at ``limit``, no observer that keeps the inequalities has all variances below this
+        needed: at ``limit``, no observer that meets the inequalities has all variances below this
             share of their bounds, as the dual solution proves: above 1. inf where no observer
             keeps them at all, nan where no limit is known.
         solved: how many matrix inequalities were solved.
@@ -56,7 +56,7 @@ class FastestObserver:
 def fastest_observer(
     system: LinearSystem, errors: ArrayLike, bound: ArrayLike, *, tolerance: float = 1e-7
 ) -> FastestObserver:
-    """The observer with the largest decay rate whose variances of M e keep their bounds.
+    """The observer with the largest decay rate whose variances of M e meet their bounds.
 
     It is the fastest of those that one Lyapunov matrix proves to keep both rate and bounds
     (:mod:`tuner.observers.lmi.search`). A design with two Lyapunov matrices may be faster; none is
@@ -88,7 +88,7 @@ def fastest_observer(
 
 
 def _outside(own: Scaled, found: Ended, seconds: float) -> FastestObserver:
-    """What was found for the inner design, for the outer one."""
+    """The result for the outer design, from that for the inner one."""
     covariance = own.covariance(found.gain)
     return FastestObserver(
         status=found.status,

@@ -11,7 +11,7 @@ from tuner.observers.lmi.design import Design
 
 
 def _cvxpy() -> Any:
-    """cvxpy, whose stubs do not say what it exports; loaded when it is first used."""
+    """The module cvxpy, whose stubs lack its exports; loaded on first use."""
     import cvxpy
 
     return cvxpy
@@ -33,7 +33,7 @@ def _noise_roots(system: LinearSystem) -> tuple[np.ndarray, np.ndarray]:
 
 @dataclass(frozen=True)
 class _Common:
-    """The expressions both designs are made of, given cvxpy's parameters and variables."""
+    """The expressions common to both designs, from cvxpy's parameters and variables."""
 
     Y: Any
     Z: Any
@@ -121,7 +121,7 @@ def riccati_program(design: Design) -> ConvexProgram:
 
 
 def gain_of(answer: Answer, design: Design) -> np.ndarray:
-    """The gain of a point; none of it where there is no point."""
+    """The gain of a point; zero where there is no point."""
     if "Y" not in answer.variables:
         return np.zeros(design.sizes[:2])
     Y, Z = answer.variables["Y"], answer.variables["Z"]

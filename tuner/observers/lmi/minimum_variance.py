@@ -27,7 +27,7 @@ POLISHES = 3
 """Steps of Kleinman's iteration; each doubles the digits of the gain."""
 
 SLOW = 1e-6
-"""An observer that forgets slower, over the size of A, may be about not to forget at all."""
+"""An observer that decays more slowly, over the size of A, may be on the stability limit."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def h2_observer(system: LinearSystem, errors: ArrayLike) -> H2Observer:
 
 @dataclass(frozen=True)
 class _Found:
-    """A gain in coordinates of its own, the bound it is held against, and how that ended."""
+    """A gain in coordinates of its own, its lower bound, and the status."""
 
     own: Scaled
     gain: np.ndarray
@@ -133,7 +133,7 @@ def _least(plain: Scaled) -> _Found:
 
 
 def _whitened(plain: Scaled) -> Scaled:
-    """Coordinates in which the Riccati inequality's solution is the unit matrix."""
+    """Coordinates in which the Riccati inequality's solution is the identity."""
     dual = solve(riccati_program(plain.inner))
     return plain.whitened(dual.variables["X"]) if "X" in dual.variables else plain
 
@@ -153,6 +153,6 @@ def _polished(design: Design, gain: np.ndarray) -> np.ndarray:
 
 
 def _better(design: Design, gain: np.ndarray) -> np.ndarray:
-    """A gain, or none where the system left alone does as well: what is not driven decays."""
+    """A gain, or zero where the system without one does as well: what is not driven decays."""
     none = np.zeros_like(gain)
     return none if design.total(none) <= design.total(gain) else gain

@@ -1,4 +1,4 @@
-"""What is proved about a least variance: its lower bound, and whether an observer reaches it."""
+"""Proofs about a least variance: its lower bound, and whether an observer reaches it."""
 
 from itertools import pairwise
 
@@ -11,13 +11,13 @@ from tuner.observers.lmi.design import Design
 from tuner.observers.lmi.inequalities import gain_of, variance_program
 
 AGREEMENT = 1e-6
-"""Two sides of a certificate that are nearer than this, relative, count as one."""
+"""Relative tolerance at which both sides of a certificate agree."""
 
 CAPS = (1e1, 1e2, 1e3)
 """Bounds on Y, in the own units of a system, that show whether an optimum is reached."""
 
 ROUNDING = 1e-11
-"""What rounding may take from an inequality in the own units of a system."""
+"""Tolerance of an inequality for rounding, in the own units of a system."""
 
 
 def proved(design: Design, gain: np.ndarray, primal: Answer, dual: Answer) -> float:
@@ -49,7 +49,7 @@ def met(value: float, lower: float) -> tuple[Status, str]:
 
 
 def limit(design: Design, lower: float) -> tuple[np.ndarray, Status, str]:
-    """What happens as Y may grow: whether the optimum is a limit that no observer reaches.
+    """The optimum as Y may grow: whether it is a limit that no observer reaches.
 
     It is where each cap holds Y, and where the dual of each proves it worse than the next.
 
@@ -73,7 +73,7 @@ def limit(design: Design, lower: float) -> tuple[np.ndarray, Status, str]:
 
 
 def _held(answer: Answer, cap: float) -> bool:
-    """Whether a cap on Y holds it."""
+    """Whether a cap on Y is active."""
     return "Y" in answer.variables and np.linalg.eigvalsh(answer.variables["Y"])[-1] > 0.99 * cap
 
 

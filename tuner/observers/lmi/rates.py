@@ -1,4 +1,4 @@
-"""What is found at one decay rate: the least share of all bounds, and what it proves."""
+"""The problem at one decay rate: the least share of all bounds, and what it proves."""
 
 from dataclasses import dataclass
 
@@ -12,12 +12,12 @@ from tuner.observers.lmi.inequalities import gain_of, share_program, values_of
 from tuner.observers.lmi.units import scaled
 
 KEPT = 1e-6
-"""By what share an observer may miss the rate and the variances that its inequalities promise."""
+"""Relative tolerance of an observer's rate and variances against those of its inequalities."""
 
 
 @dataclass(frozen=True)
 class Point:
-    """What was found at one rate.
+    """The result at one rate.
 
     Attributes:
         alpha: the rate.
@@ -35,7 +35,7 @@ class Point:
 
     @property
     def admissible(self) -> bool:
-        """Whether an observer is at hand that keeps rate and bounds."""
+        """Whether an observer was found that meets rate and bounds."""
         return self.kept and self.answer.value <= 1 and not self.refused
 
     @property
@@ -45,7 +45,7 @@ class Point:
 
 
 class Rates:
-    """Least shares at given rates, in coordinates that may be changed; counts what it solves."""
+    """Least shares at given rates, in coordinates that may change; counts the programs solved."""
 
     def __init__(self, design: Design) -> None:
         self.scaled = scaled(design, np.ones(len(design.M)))
@@ -75,7 +75,7 @@ class Rates:
         return Point(alpha, answer, self.scaled.gain(gain), bool(kept), needed)
 
     def decay(self, alpha: float) -> float:
-        """The parameter that stands for a rate."""
+        """The programs' parameter for a rate."""
         return float(np.exp(-2 * alpha)) if self.design.system.discrete else 2 * alpha
 
     def whiten(self, point: Point) -> None:

@@ -1,4 +1,4 @@
-"""Measurements free of noise: what they show is followed, and the rest is designed for.
+"""Measurements free of noise: the states they show are followed, the rest is designed for.
 
 Such a measurement may be followed arbitrarily fast, so that its error vanishes, and its derivative
 is the next measurement (Luenberger, IEEE TAC 11, 1966): what the matrix inequalities come to as Z,
@@ -56,7 +56,7 @@ class Reduction:
 
 
 def reduction(design: Design) -> Reduction | None:
-    """What remains of a continuous system with measurements free of noise; None without such."""
+    """The reduced system where some measurements are free of noise; None where none are."""
     system = design.system
     values, vectors = np.linalg.eigh(system.V)
     free = values <= CLEAN * max(values[-1], 1.0)
@@ -102,7 +102,7 @@ def largest_decay(design: Design, tolerance: float, bounds: np.ndarray) -> Ended
         return replace(
             ended,
             status=Status.FAILED,
-            message="no finite gain was found that keeps the bounds",
+            message="no finite gain was found that meets the bounds",
             gain=np.full(design.sizes[:2], np.nan),
         )
     if ended.status is Status.CONVERGED:
@@ -116,7 +116,7 @@ def largest_decay(design: Design, tolerance: float, bounds: np.ndarray) -> Ended
 
 
 def _all_shown(step: Reduction) -> Ended:
-    """What a search comes to where nothing is left to be found out."""
+    """The result of a search in which no state remains to be estimated."""
     nothing = np.zeros(step.reduced.sizes[:2])
     return Ended(
         status=Status.UNBOUNDED,
@@ -132,7 +132,7 @@ def _all_shown(step: Reduction) -> Ended:
 
 
 def _followed(step: Reduction, gain: np.ndarray) -> np.ndarray | None:
-    """The slowest of a few speeds that takes at most half the room below the bounds."""
+    """The slowest of a few speeds that takes at most half the margin below the bounds."""
     inner, full = step.reduced, step.full
     used = np.zeros(len(full.M)) if step.complete else inner.variances_under(gain)
     for speed in 2.0 ** np.arange(0, 60):

@@ -1,4 +1,4 @@
-"""The search for the largest decay rate: bisection, from both sides.
+"""The search for the largest decay rate: bisection between a point and a proof.
 
 One Lyapunov matrix proves both demands, for only then are they linear: Y with the noise inequality
 for the variances, and 2 alpha Y more than nothing left of the drift for the rate. For a given rate
@@ -15,7 +15,7 @@ from tuner.observers.lmi.design import Design
 from tuner.observers.lmi.rates import Point, Rates
 
 ROOM = 0.01
-"""What share of the rate is given away where only infinite gains reach all of it."""
+"""Share of the rate that is given up where only infinite gains reach all of it."""
 
 FASTEST = 1e4
 """A decay rate beyond this, in the own unit of time of a system, counts as any."""
@@ -25,7 +25,7 @@ EVERY = "every rate is admissible"
 
 @dataclass(frozen=True)
 class Ended:
-    """Where a search for the rate ended, for the design it was given.
+    """The end of a search for the rate, for the design it was given.
 
     ``slower`` is a gain with room below the bounds, at a share ROOM less of the rate; the others
     are as in :class:`tuner.observers.lmi.FastestObserver`.
@@ -48,7 +48,7 @@ def search(design: Design, tolerance: float, bounds: np.ndarray) -> Ended:
     Args:
         design: with noise in every measurement, and errors in units of their bounds.
         tolerance: relative, of the rate.
-        bounds: of the variances in the user's units, for the words of a refusal.
+        bounds: of the variances in the user's units, for error messages.
 
     Raises:
         ValueError: where no rate is admissible.
@@ -86,7 +86,7 @@ def _proof(rates: Rates, high: Point, beyond: Point, tolerance: float) -> Point 
 
 
 def _quickest(design: Design) -> float:
-    """The rate that counts as any: of a sample, what leaves 1e-4 of an error."""
+    """The rate that counts as infinite; in discrete time a sample leaves 1e-4 of an error."""
     return float(-np.log(1e-4)) if design.system.discrete else FASTEST
 
 
@@ -105,7 +105,7 @@ def _first(rates: Rates, bounds: np.ndarray) -> Point:
     share = max(rates(0.0).needed, 0.0)
     there = f"{share:.6g} of that, {_listed(share * bounds)}" if share > 1 else "more"
     raise ValueError(
-        f"no observer keeps the variances within {_listed(bounds)}: the least that can be reached "
+        f"no observer has the variances within {_listed(bounds)}: the least that can be reached "
         f"is {there}; allow more"
     )
 

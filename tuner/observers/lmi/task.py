@@ -21,11 +21,11 @@ class MinimumVarianceTask:
     poles' real parts and, named after the errors, their variances.
 
     Attributes:
-        name: what it is called.
-        system: what is designed for.
+        name: of the task.
+        system: the system.
         M: the errors that count, M e, ``(k, n)``.
         errors: their names, ``(k,)``.
-        units: units of the variables, where they are to be told.
+        units: units of the variables, where they are known.
         report: more derived numbers, given the answer.
     """
 
@@ -70,12 +70,12 @@ class FastestDecayTask:
     the errors.
 
     Attributes:
-        name: what it is called.
-        system: what is designed for.
+        name: of the task.
+        system: the system.
         M: the errors that count, M e, ``(k, n)``.
         bound: of their variances, ``(k,)`` or a number.
         errors: their names, ``(k,)``.
-        units: units of the variables ``gain`` and ``poles``, where they are to be told.
+        units: units of the variables ``gain`` and ``poles``, where they are known.
         report: more derived numbers, given the answer.
     """
 
@@ -113,7 +113,7 @@ class FastestDecayTask:
 
 @dataclass(frozen=True)
 class Attempt:
-    """A matrix inequality beside a search: where its numbers fail, the search still counts.
+    """A matrix inequality beside a search: where it fails numerically, the search still counts.
 
     Attributes:
         task: the matrix inequality.
@@ -125,16 +125,16 @@ class Attempt:
 
     @property
     def name(self) -> str:
-        """That of the task."""
+        """The task's name."""
         return self.task.name
 
     @property
     def units(self) -> Mapping[str, str]:
-        """Those of the task."""
+        """The task's units."""
         return self.task.units
 
     def answer(self) -> Answer:
-        """The task's answer, or one that says that there is none."""
+        """The task's answer, or a failed one."""
         try:
             return self.task.answer()
         except ValueError as error:

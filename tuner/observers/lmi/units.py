@@ -1,4 +1,4 @@
-"""Coordinates that a system itself suggests: its own units, and those of a covariance."""
+"""Coordinates that follow from a system: its own units, and those of a covariance."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -59,7 +59,7 @@ class Scaled:
         return np.asarray(np.linalg.solve(self.states, np.linalg.solve(self.states, outside).T))
 
     def whitened(self, X: np.ndarray) -> "Scaled":
-        """The same in coordinates in which a covariance X, given in these, is the unit matrix.
+        """The same in coordinates in which a covariance X, given in these, is the identity.
 
         Directions without variance keep a share of the largest one.
         """
