@@ -58,8 +58,8 @@ def lyapunov(A: Array, Q: Array) -> Array:
     X: Array = jax.lax.custom_linear_solve(
         lambda X: -_both_sides(A, X),
         Q,
-        solve=lambda _, B: _twice(A, B),
-        transpose_solve=lambda _, B: _twice(A.T, B),
+        solve=lambda _, B: _improved_once(A, B),
+        transpose_solve=lambda _, B: _improved_once(A.T, B),
     )
     return X
 
@@ -142,7 +142,7 @@ def _transform(A: Array) -> _Cayley:
 
 
 @traced_once
-def _twice(A: Array, Q: Array) -> Array:
+def _improved_once(A: Array, Q: Array) -> Array:
     """The solution from X = 0, improved once; in a loop, which is compiled once."""
     cayley = _transform(A)
     X: Array = jax.lax.fori_loop(0, 2, lambda _, X: cayley.improved(Q, X), jnp.zeros_like(Q))

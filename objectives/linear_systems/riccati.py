@@ -55,7 +55,9 @@ def dare(F: Array, H: Array, Q: Array, R: Array) -> Array:
         L = product(F, steady_gain(P, H, R))
         return doubled(F - product(L, H), Q + congruence(L, R))
 
-    return _newton(step, _doubling(F.T, *_tamed(F.T, product(H.T, solve(R, H)), Q, _MOST_TOLD)))
+    return _fixed_point(
+        step, _doubling(F.T, *_regularised(F.T, product(H.T, solve(R, H)), Q, _MOST_TOLD))
+    )
 
 
 def steady_gain(P: Array, H: Array, R: Array) -> Array:
@@ -115,7 +117,7 @@ def care(A: Array, C: Array, W: Array, V: Array) -> Array:
 
     A0, G0, W0 = _cayley(A, product(C.T, solve(V, C)), W)
     # There less of G0 would be another A as well.
-    return _newton(step, _doubling(A0, *_tamed(A0, G0, W0, jnp.inf)))
+    return _fixed_point(step, _doubling(A0, *_regularised(A0, G0, W0, jnp.inf)))
 
 
 def bucy_gain(P: Array, C: Array, V: Array) -> Array:
@@ -167,7 +169,7 @@ def _doubling(A: Array, G: Array, H: Array) -> Array:
     return jax.lax.while_loop(more, double, _Doubling(A, G, H, jnp.zeros((), int))).H
 
 
-def _tamed(A: Array, G: Array, H: Array, most: float) -> tuple[Array, Array]:
+def _regularised(A: Array, G: Array, H: Array, most: float) -> tuple[Array, Array]:
     """G and H as the doubling can take them; a filter that is stable with them is so without.
 
     It subtracts, so digits are lost where G H is large: G is made smaller there. And from zero it
@@ -209,7 +211,7 @@ class _Steps(NamedTuple):
     rounds: Array
 
 
-def _newton(improve: Callable[[Array], Array], start: Array) -> Array:
+def _fixed_point(improve: Callable[[Array], Array], start: Array) -> Array:
     """The fixed point P = improve(P); NaN where the iteration does not converge."""
 
     def more(state: _Steps) -> Array:

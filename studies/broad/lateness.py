@@ -43,7 +43,7 @@ def late(trial: Trial) -> Late:
     seen = ~np.isnan(trial.truth).any(axis=1)
     if trial.place is not None:
         seen &= ~np.isnan(trial.place).any(axis=1)
-    at = _clear(seen, int(np.ceil(CLEAR * width)))
+    at = _away_from_gaps(seen, int(np.ceil(CLEAR * width)))
     if len(at) < FEWEST:
         return Late(np.nan, np.nan)
     every = max(int(width / 2), 1)  # smoothed neighbours are redundant
@@ -52,23 +52,23 @@ def late(trial: Trial) -> Late:
     def smooth(values: np.ndarray) -> np.ndarray:
         return np.asarray(gaussian_filter1d(values, width, axis=0))
 
-    turn = smooth(_joined(_one_sign(trial.truth, seen), seen))
+    turn = smooth(_interpolated(_one_sign(trial.truth, seen), seen))
     turn /= np.linalg.norm(turn, axis=1, keepdims=True)
     rate = _rate(turn, step)
     known = np.concatenate([rate, np.ones((len(rate), 1))], axis=1)[at]
     by_axis = np.kron(np.eye(3), known).reshape(3, len(at), 12)
     t = step * np.arange(len(turn))
-    gyroscopes = _shift(CubicSpline(t, smooth(trial.rate)), t[at], by_axis)
+    gyroscopes = _delay(CubicSpline(t, smooth(trial.rate)), t[at], by_axis)
     if trial.place is None:
         return Late(gyroscopes, np.nan)
-    speed = np.gradient(smooth(_joined(trial.place, seen)), step, axis=0)
+    speed = np.gradient(smooth(_interpolated(trial.place, seen)), step, axis=0)
     push = np.gradient(speed, step, axis=0) + np.array([0.0, 0.0, GRAVITY])
     force = Rotation.from_quat(turn, scalar_first=True).inv().apply(push)
-    columns = _felt(force[at], _arm(rate, step)[at])
-    return Late(gyroscopes, _shift(CubicSpline(t, smooth(trial.acceleration)), t[at], columns))
+    columns = _regressors(force[at], _arm(rate, step)[at])
+    return Late(gyroscopes, _delay(CubicSpline(t, smooth(trial.acceleration)), t[at], columns))
 
 
-def _clear(seen: np.ndarray, margin: int) -> np.ndarray:
+def _away_from_gaps(seen: np.ndarray, margin: int) -> np.ndarray:
     """Samples that are known with all their neighbours up to a margin."""
     unknown = np.array([0, *np.cumsum(~seen)])
     at = np.arange(margin, len(seen) - margin)
@@ -85,7 +85,7 @@ def _one_sign(q: np.ndarray, seen: np.ndarray) -> np.ndarray:
     return found
 
 
-def _joined(values: np.ndarray, seen: np.ndarray) -> np.ndarray:
+def _interpolated(values: np.ndarray, seen: np.ndarray) -> np.ndarray:
     """Values interpolated over the gaps, which do not count."""
     at = np.flatnonzero(seen)
     whole = np.arange(len(values))
@@ -111,14 +111,14 @@ def _skew(v: np.ndarray) -> np.ndarray:
     return np.array([[o, -z, y], [z, o, -x], [-y, x, o]]).transpose(2, 0, 1)
 
 
-def _felt(force: np.ndarray, arm: np.ndarray) -> np.ndarray:
+def _regressors(force: np.ndarray, arm: np.ndarray) -> np.ndarray:
     """Regressors of a reading, ``(3, n, 15)``: each axis' matrix and bias, and an arm."""
     known = np.concatenate([force, np.ones((len(force), 1))], axis=1)
     own = np.kron(np.eye(3), known).reshape(3, len(force), 12)
     return np.concatenate([own, arm.transpose(1, 0, 2)], axis=2)
 
 
-def _shift(
+def _delay(
     reading: Callable[[np.ndarray], np.ndarray], t: np.ndarray, columns: np.ndarray
 ) -> float:
     """The delay of a reading: the shift at which columns ``(3, n, m)`` fit it best, s."""

@@ -70,7 +70,7 @@ def _turned(filter: GpsAidedKalman) -> float:
     return float(jnp.degrees(found.angles[-1, 2]))
 
 
-def _each(sweep: Sweep, angles: tuple[float, ...]) -> dict[Step, Behaviour]:
+def _behaviour_by_step(sweep: Sweep, angles: tuple[float, ...]) -> dict[Step, Behaviour]:
     """Behaviour of the fuzzy law, by step."""
     found = {}
     for step in (Step(angle, motion) for angle in angles for motion in MOTIONS):
@@ -82,7 +82,7 @@ def _each(sweep: Sweep, angles: tuple[float, ...]) -> dict[Step, Behaviour]:
 
 def tracking_error(sweep: Sweep, solutions: Solutions) -> Comparison:
     """The steady error after a step, in per cent of it."""
-    found = _each(sweep, TRACKED)
+    found = _behaviour_by_step(sweep, TRACKED)
     error = {step: float(np.hypot(b.offset, b.ripple).mean()) for step, b in found.items()}
     worst = max(error.values())
     each = ", ".join(f"{step.pitch:g} deg {step.motion} {e:.2g}" for step, e in error.items())
@@ -99,7 +99,7 @@ def tracking_error(sweep: Sweep, solutions: Solutions) -> Comparison:
 
 def steady_deviation(sweep: Sweep, solutions: Solutions) -> Comparison:
     """Whether the deviation of the steady error depends on the angle."""
-    found = _each(sweep, STEADY)
+    found = _behaviour_by_step(sweep, STEADY)
     degrees = {step: float(b.ripple.mean()) * step.pitch / 100 for step, b in found.items()}
     small, large = (
         max(d for step, d in degrees.items() if step.pitch == angle)

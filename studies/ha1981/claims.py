@@ -214,7 +214,7 @@ def _printed_noise(case: Case, solutions: Solutions) -> Comparison:
             unit="",
             tolerance=None,
             verdict=Verdict.INCONSISTENT,
-            note=f"{error}; it is none for any Ts < 1 s",
+            note=f"{error}; it is not a covariance for any Ts < 1 s",
         )
     return claim(
         "kalman.printed_Q_psd", "below (12)", True, ours=None, note="a covariance at Ts = 0.5 s"

@@ -54,10 +54,12 @@ def _loop_quantities(channel: Channel, params: Loop) -> tuple[Quantity, ...]:
 def _loop_runs(channel: Channel, params: Loop) -> dict[str, Trial]:
     at = np.arange(0, 5 / channel.eta, LOOP_DT)
     step = loop_step(_gains(params).loop(channel.k_gh), LOOP_DT, channel.k_gh)
-    return {"loop": Trial(Weighed(ConventionalLoop(), BIAS), step, _altitude(channel, at))}
+    return {
+        "loop": Trial(Weighed(ConventionalLoop(), BIAS), step, _uncorrected_altitude(channel, at))
+    }
 
 
-def _altitude(channel: Channel, at: np.ndarray) -> np.ndarray:
+def _uncorrected_altitude(channel: Channel, at: np.ndarray) -> np.ndarray:
     """The altitude that a bias of one standard deviation leads to when uncorrected."""
     bias, w = np.sqrt(channel.sigma2_ab), np.sqrt(channel.k_gh)
     shape = (np.cosh(w * at) - 1) / channel.k_gh if w else at**2 / 2
@@ -94,6 +96,6 @@ def _stored_quantities(
 
 def _stored_runs(channel: Channel, storage: scheme.Storage, params: GainTable) -> dict[str, Trial]:
     gains = params.K[storage.which]
-    z = _altitude(channel, np.arange(len(gains)) * storage.Ts)
+    z = _uncorrected_altitude(channel, np.arange(len(gains)) * storage.Ts)
     inputs = GainedSample(jnp.asarray(z)[:, None], gains)
     return {"stored gains": Trial(Weighed(StoredGains(), BIAS), params.model, inputs)}

@@ -102,7 +102,7 @@ def _white_from(curve: AllanCurve, last: int) -> int | None:
     """The first point from which the curve has no bend; None where there is none."""
     for first in range(max(last - 3, 1)):
         tried = _fit(curve, first, last)
-        if _holds(curve, tried, first, last) and _stays(curve, tried, first, last):
+        if _holds(curve, tried, first, last) and _density_stays(curve, tried, first, last):
             return first
     return None
 
@@ -127,7 +127,7 @@ def _holds(curve: AllanCurve, noise: Noise, first: int, last: int) -> bool:
     return bool(np.all(miss < ROOM + 3 * np.sqrt(2 / curve.freedom[near])))
 
 
-def _stays(curve: AllanCurve, noise: Noise, first: int, last: int) -> bool:
+def _density_stays(curve: AllanCurve, noise: Noise, first: int, last: int) -> bool:
     """Whether a fit that begins half a decade later gives the same density, up to chance."""
     later = int(np.searchsorted(curve.taus[:last], _LATER * curve.taus[first]))
     if last - later < 4:

@@ -114,7 +114,7 @@ def noise_problem(rest: Rest) -> Problem:
         data=Data(LevelSample(jnp.asarray(averages.means)), np.zeros((len(averages.means), 1))),
         source=rest.axis.source,
         derive=partial(_derived, averages),
-        exported=replace(exported_of(filter, unit), derived=partial(_noise_told, rest)),
+        exported=replace(exported_of(filter, unit), derived=partial(_noise_quantities, rest)),
     )
 
 
@@ -189,11 +189,11 @@ def _filter_told(rest: Rest, gain: Array) -> tuple[Quantity, ...]:
         Quantity("settles_s", np.array(asked.settling(K, rest.dt)), "s", "a step to 2 %"),
         Quantity("bandwidth_hz", np.array(asked.bandwidth(K, rest.dt)), "Hz", "to -3 dB"),
         Quantity("output_sd", deviation, unit, "deviation of the output at rest"),
-        *_noise_told(rest, None),
+        *_noise_quantities(rest, None),
     )
 
 
-def _noise_told(rest: Rest, _: object) -> tuple[Quantity, ...]:
+def _noise_quantities(rest: Rest, _: object) -> tuple[Quantity, ...]:
     """Noise parameters of a Kalman filter: densities, and variances per sample on the target."""
     unit, at = rest.axis.unit, f"a sample at {rest.rate_hz:g} Hz"
     return (

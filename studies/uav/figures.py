@@ -52,7 +52,7 @@ def _innovations(flight: Flight, outcome: Outcome, i: int) -> Chart:
     # After minutes without a measurement the band would hide the rest.
     highest = max(2.0 * float(np.abs(y).max(initial=1.0)), 1.5 * float(np.median(band)))
     cut = f", cut at {highest:.0f} deg" if band.max(initial=0.0) > highest else ""
-    t, y, band = _broken(t, flight.every * flight.dt, y, np.minimum(band, highest))
+    t, y, band = _with_gaps(t, flight.every * flight.dt, y, np.minimum(band, highest))
     return Chart(
         name=f"innovations_{ANGLES[i]}_{flight.name}",
         title=f"Innovations of the {NAMES[ANGLES[i]]} on {flight.name}, constant process noise",
@@ -65,7 +65,7 @@ def _innovations(flight: Flight, outcome: Outcome, i: int) -> Chart:
     )
 
 
-def _broken(t: np.ndarray, step: float, *values: np.ndarray) -> tuple[np.ndarray, ...]:
+def _with_gaps(t: np.ndarray, step: float, *values: np.ndarray) -> tuple[np.ndarray, ...]:
     """Curves with gaps where measurements are missing."""
     at = np.flatnonzero(np.diff(t) > 1.5 * step) + 1
     return tuple(np.insert(column, at, np.nan) for column in (t, *values))
@@ -77,8 +77,8 @@ def _attitude(flight: Flight, outcome: Outcome, i: int) -> Chart:
     if flight.reference is not None:
         lines.append(Line("autopilot", flight.t[::step], _degrees(flight.reference[::step, i])))
     seen = ~np.isnan(flight.z[:, i])
-    t, z = _broken(flight.t[seen], flight.every * flight.dt, np.degrees(flight.z[seen, i]))
-    lines.append(Line("constructed", t, _unjoined(z)))
+    t, z = _with_gaps(flight.t[seen], flight.every * flight.dt, np.degrees(flight.z[seen, i]))
+    lines.append(Line("constructed", t, _without_wraps(z)))
     return Chart(
         name=f"attitude_{ANGLES[i]}_{flight.name}",
         title=f"{NAMES[ANGLES[i]].capitalize()} on {flight.name}, constant process noise",
@@ -89,10 +89,10 @@ def _attitude(flight: Flight, outcome: Outcome, i: int) -> Chart:
 
 
 def _degrees(angle: np.ndarray) -> np.ndarray:
-    return _unjoined(np.degrees((angle + np.pi) % (2 * np.pi) - np.pi))
+    return _without_wraps(np.degrees((angle + np.pi) % (2 * np.pi) - np.pi))
 
 
-def _unjoined(degrees: np.ndarray) -> np.ndarray:
+def _without_wraps(degrees: np.ndarray) -> np.ndarray:
     """Angles with gaps where they wrap around."""
     found = degrees.copy()
     found[1:][np.abs(np.diff(degrees)) > 180] = np.nan
@@ -105,7 +105,7 @@ def _glitch(field: Field, flight: Flight, solutions: Solutions) -> Chart:
         nis = field.tuned_outcome(flight, law, solutions).nis
         seen = ~np.isnan(nis).all(axis=1)
         t, mean = flight.t[seen], np.nanmean(nis[seen], axis=1)
-        x, y = _broken(t, flight.every * flight.dt, mean)
+        x, y = _with_gaps(t, flight.every * flight.dt, mean)
         lines.append(Line(law, x, y))
     at = flight.t[flight.glitch]
     if len(at):

@@ -144,7 +144,7 @@ def flight(recording: Recording, dt: float, slowest: float, gravity: float) -> F
     count = int((end - begin) / dt)
     edges = begin + dt * np.arange(count + 1)
     force = over_ticks(acc.times, acc.values, edges)
-    position = _joined(fixes.times - late.position, fixes.values, edges[1:])
+    position = _interpolated(fixes.times - late.position, fixes.values, edges[1:])
     z = _constructed(position, force, dt, slowest, gravity)
     seen = np.flatnonzero(~np.isnan(z).any(axis=1))
     if len(seen) < 10:
@@ -160,7 +160,7 @@ def flight(recording: Recording, dt: float, slowest: float, gravity: float) -> F
     ground = np.hypot(*speed.values.T)[:, None]
     near = [np.abs(t - at) <= AROUND for at in jumps]
     reference = _reference(recording.record, edges)
-    rate, along = over_ticks(gyr.times, gyr.values, edges), _joined(told, ground, t)
+    rate, along = over_ticks(gyr.times, gyr.values, edges), _interpolated(told, ground, t)
     found = Flight(
         dt=dt,
         t=t[kept],
@@ -194,7 +194,7 @@ def cut(whole: Flight, seconds: float | None) -> Flight:
     return replace(whole, **parts, reference=reference, jumps=jumps, whole=shorter, source=source)
 
 
-def _joined(t: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
+def _interpolated(t: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Linearly interpolated values; NaN in gaps."""
     found = np.stack([np.interp(at, t, column) for column in values.T], axis=1)
     after = np.clip(np.searchsorted(t, at), 1, len(t) - 1)

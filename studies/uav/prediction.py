@@ -90,7 +90,7 @@ def _flat(error: np.ndarray) -> np.ndarray:
     return np.asarray(np.hypot(error[..., 0], error[..., 1]))
 
 
-def _filled(values: np.ndarray) -> Array:
+def _padded(values: np.ndarray) -> Array:
     """Values padded to :data:`MOST` rows, so that all flights share one compilation."""
     rest = np.zeros((MOST - len(values), *values.shape[1:]))
     return jnp.asarray(np.concatenate([values, rest]))
@@ -100,7 +100,7 @@ def _attitudes(flight: Flight, x: np.ndarray, rates: np.ndarray) -> np.ndarray:
     """Angles of the filter without measurements, ``(B, n, 3)``."""
     level = np.tile([1.0, *6 * (0.0,)], (MOST - len(x), 1))
     filter = GpsAidedKalman(flight.dt, every=flight.every)
-    found = _turned_on(filter, jnp.asarray(np.concatenate([x, level])), _filled(rates))
+    found = _turned_on(filter, jnp.asarray(np.concatenate([x, level])), _padded(rates))
     return np.asarray(found)[: len(x)]
 
 
@@ -120,7 +120,7 @@ def _turned_on(filter: GpsAidedKalman, x: Array, rates: Array) -> Array:
 
 def _tracks(flight: Flight, p0: np.ndarray, speed: np.ndarray, angles: np.ndarray) -> np.ndarray:
     """Positions by dead reckoning, ``(B, n, 3)``."""
-    found = _moved_on(DeadReckoningKalman(flight.dt), _filled(p0), _filled(speed), _filled(angles))
+    found = _moved_on(DeadReckoningKalman(flight.dt), _padded(p0), _padded(speed), _padded(angles))
     return np.asarray(found)[: len(p0)]
 
 

@@ -168,7 +168,7 @@ class Bench:
         for errors in self._chunks(count) if wanted else ():
             for case in wanted:
                 parts[case].append(self._one(case, errors))
-        self._known.update({(case, count): _joined(part) for case, part in parts.items()})
+        self._known.update({(case, count): _concatenated(part) for case, part in parts.items()})
         return [self._known[case, count] for case in cases]
 
     def _chunks(self, count: int) -> Iterator[Errors]:
@@ -215,7 +215,7 @@ def _mean_square(errors: np.ndarray) -> np.ndarray:
     return np.asarray((errors**2).mean(axis=0))
 
 
-def _joined(parts: list[Spread]) -> Spread:
+def _concatenated(parts: list[Spread]) -> Spread:
     """The runs of all parts joined."""
 
     def along(name: str) -> np.ndarray:

@@ -27,7 +27,7 @@ def refuse(bench: Bench) -> None:
         _turn(bench.settings, name, flight)
         _attitude(bench.settings, name, flight)
     missing, low, high = np.concatenate([_of(shown) for shown in bench.shown()], axis=1)
-    _exists(missing)
+    _enough_attitudes(missing)
     _switch(bench.settings.threshold, low, high)
 
 
@@ -76,7 +76,7 @@ def _missing(shown: PiSample) -> np.ndarray:
     return np.asarray(share)
 
 
-def _exists(missing: np.ndarray) -> None:
+def _enough_attitudes(missing: np.ndarray) -> None:
     """Refuse runs with too large a share of samples without arc sine, ``(k,)``."""
     if missing.max() > MISSING:
         raise ValueError(

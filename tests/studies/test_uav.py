@@ -229,7 +229,7 @@ REFUSED = {
         altered("IMU.txt", (9, 0), 1.0),
         "flight one: the times of 'gyr' do not rise at row 9",
     ),
-    "seconds": (scaled("IMU.txt", 0, 1e-3), "so give it in ms"),
+    "seconds": (scaled("IMU.txt", 0, 1e-3), "give it in ms"),
     "gap": ({"IMU": np.delete(IMU, slice(1000, 1100), axis=0)}, "so cut the flight there"),
     "g": (scaled("IMU.txt", slice(5, 8), 1 / GRAVITY), "say so with --set acc_unit=g"),
     "twice": (scaled("IMU.txt", slice(5, 8), 2), "acc of one reads 19.6 m/s^2 at rest"),

@@ -60,12 +60,12 @@ def flat(problem: Problem, yard: Yardstick, z: np.ndarray, curved: Spectrum) -> 
     for direction in curved.directions.T[np.isfinite(curved.curvatures)]:
         step = direction / direction[np.argmax(np.abs(direction))]
         alone = np.where(np.abs(step) < HARDLY, 0.0, step)
-        untold = next((each for each in (alone, step) if not _told(best, each)), None)
+        untold = next((each for each in (alone, step) if not _distinguishable(best, each)), None)
         found += [] if untold is None else [untold]
     return found
 
 
-def _told(best: Best, direction: np.ndarray) -> bool:
+def _distinguishable(best: Best, direction: np.ndarray) -> bool:
     """Whether a tenfold change along a direction is distinguishable, to one side at least."""
     limited = best.problem.space.limited()
     low, high = best.problem.space.box()

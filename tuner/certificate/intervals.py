@@ -122,13 +122,13 @@ def _intervals(
         ends[0 if side < 0 else 1] = one
     limits = [
         end.z if end.reached else unlimited
-        for end, unlimited in zip(ends, _farthest(problem, at), strict=True)
+        for end, unlimited in zip(ends, _extremes(problem, at), strict=True)
     ]
     interval = Interval(_in_parameter(problem, z, at, name, limits), kind)
     return interval, _robust(problem, z, hessian, scatter, at, name, limits)
 
 
-def _farthest(problem: Problem, at: int) -> tuple[float, float]:
+def _extremes(problem: Problem, at: int) -> tuple[float, float]:
     """Ends of an interval where none was reached: the parameter's own limits, or infinity."""
     low, high = problem.space.box()
     if problem.space.limited()[at]:
@@ -155,7 +155,7 @@ def _robust(
     if not own > 0 or not scatter.covariance[at, at] > 0:
         return None
     wider = np.sqrt(scatter.covariance[at, at] / own) * _quantile(scatter.freedom) / 1.959964
-    low, high = _farthest(problem, at)
+    low, high = _extremes(problem, at)
     ends = [float(np.clip(z[at] + wider * (end - z[at]), low, high)) for end in limits]
     return Interval(_in_parameter(problem, z, at, name, ends), SANDWICH)
 

@@ -140,20 +140,20 @@ class _Profile:
             deviation=float(np.sqrt(covariance[held, held])),
             ridge=covariance[:, held] / covariance[held, held],
             inverse=np.linalg.inv(model[np.ix_(others, others)]),
-            insensitive=_idle(problem, yard, hessian, others),
+            insensitive=_insensitive(problem, yard, hessian, others),
         )
 
     def at(self, near: _Point, coordinate: float) -> _Point:
         """The best point with the coordinate held there, searched from a point nearby."""
-        start = self._begun(near, coordinate)
+        start = self._start_near(near, coordinate)
         if not self.others.any() or len(start) >= MANY.get(self.yard.kind, 3):
             return self._measured(start)
-        point = self._followed(start)
+        point = self._minimised(start)
         if len(self.insensitive):
-            point = self._from_afar(point)
+            point = self._searched_globally(point)
         return self._measured(point)
 
-    def _begun(self, near: _Point, coordinate: float) -> np.ndarray:
+    def _start_near(self, near: _Point, coordinate: float) -> np.ndarray:
         """On the ridge of the model, or with the others as they were: whichever is better.
 
         Beside a jump the model's curvatures are those of the jump, and its ridge leads across.
@@ -167,7 +167,7 @@ class _Profile:
         better = self.problem.value(start) <= self.problem.value(plain)
         return start if better else plain
 
-    def _from_afar(self, point: np.ndarray) -> np.ndarray:
+    def _searched_globally(self, point: np.ndarray) -> np.ndarray:
         """The point with the insensitive coordinates searched through their whole range.
 
         No slope shows where such a coordinate begins to matter, as one variance of two does whose
@@ -180,12 +180,12 @@ class _Profile:
             tried += [np.where(np.arange(len(point)) == at, end, point) for end in ends]
         values = [self.problem.value(each) for each in tried]
         best = int(np.argmin(values))
-        return self._followed(tried[best]) if best else point
+        return self._minimised(tried[best]) if best else point
 
     def _measured(self, point: np.ndarray) -> _Point:
         return _Point(point, self.yard.of(self.problem.value(point) - self.value))
 
-    def _followed(self, point: np.ndarray) -> np.ndarray:
+    def _minimised(self, point: np.ndarray) -> np.ndarray:
         """The others moved to their best by quasi-Newton steps (BFGS) from the model's inverse."""
         inverse = self.inverse
         value, slope = self._slope(point)
@@ -219,7 +219,9 @@ class _Profile:
         return value / self.yard.unit, gradient[self.others] / self.yard.unit
 
 
-def _idle(problem: Problem, yard: Yardstick, hessian: np.ndarray, others: np.ndarray) -> np.ndarray:
+def _insensitive(
+    problem: Problem, yard: Yardstick, hessian: np.ndarray, others: np.ndarray
+) -> np.ndarray:
     """Which of the others hardly matter: a factor of ten either way is as good as the best."""
     if yard.kind != "likelihood":
         return np.zeros(0, int)

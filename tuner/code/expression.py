@@ -137,14 +137,14 @@ class Expressions:
 
     def text(self, entry: int) -> str:
         """An expression by itself."""
-        return self._said(entry)[0]
+        return self._text_and_compound(entry)[0]
 
     def operand(self, entry: int) -> str:
         """An expression as an operand: in brackets where it is compound."""
-        text, compound = self._said(entry)
+        text, compound = self._text_and_compound(entry)
         return f"({text})" if compound else text
 
-    def _said(self, entry: int) -> tuple[str, bool]:
+    def _text_and_compound(self, entry: int) -> tuple[str, bool]:
         """The text, and whether it is compound."""
         if entry in self.names:
             return self.names[entry], False

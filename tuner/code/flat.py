@@ -59,7 +59,7 @@ class Statements:
                     self._declare(entry, None)
                 continue
             size[entry] = 1 + sum(size.get(k, 1) for k in node.args if k not in self.names)
-            told = self._told(entry) if entry in self.labels else None
+            told = self._name_source(entry) if entry in self.labels else None
             named = told is not None and size[entry] > 2
             if uses[entry] > 1 or entry in wanted | both or size[entry] > _LONGEST or named:
                 self._declare(entry, told)
@@ -80,7 +80,7 @@ class Statements:
         node = self.graph.nodes[entry]
         return node.args[1:] if node.op == "choose" else ()
 
-    def _told(self, entry: int) -> tuple[Said, tuple[int, ...], int] | None:
+    def _name_source(self, entry: int) -> tuple[Said, tuple[int, ...], int] | None:
         for source, index, number in self.labels[entry]:
             found = said(source)
             if found is not None:

@@ -35,7 +35,7 @@ def _unstacked(_: Algebra, equation: Any, given: Arrays) -> Arrays:
     return rows_of(given[0], equation.params["axis"])
 
 
-def _placed(first: int, last: int = 100) -> Rule:
+def _indexed(first: int, last: int = 100) -> Rule:
     """A move along indices, which are found by moving the positions of entries.
 
     Args:
@@ -63,7 +63,7 @@ def _by_index(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
     """A part of a short table by an index that is known only at run time: one of a few."""
     table, *starts = given
     if all(start.dtype != object for start in starts):
-        return _placed(1)(algebra, equation, given)
+        return _indexed(1)(algebra, equation, given)
     sizes = equation.params["slice_sizes"]
     free = [n - size for n, size in zip(table.shape, sizes, strict=True)]
     ways = [
@@ -139,11 +139,11 @@ MOVES: Mapping[str, Rule] = {
 """Moves that apply to numbers and entries alike."""
 
 PLACED: Mapping[str, Rule] = {
-    "pad": _placed(2),
-    "gather": _placed(1),
-    "scatter": _placed(1, 2),
+    "pad": _indexed(2),
+    "gather": _indexed(1),
+    "scatter": _indexed(1, 2),
     "dynamic_slice": _by_index,
-    "dynamic_update_slice": _placed(2),
+    "dynamic_update_slice": _indexed(2),
     "scatter-add": _added,
     "scatter_add": _added,
 }

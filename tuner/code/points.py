@@ -17,9 +17,9 @@ from tuner.code.operations import COMPARE, in_numpy
 
 COUNT = 8
 _SMALL = 1e-6
-_NOTHING, _ENDLESS = 0.739, 61.7
+_NAN, _INFINITY = 0.739, 61.7
 """Stand-ins for NaN and for infinity: any number will do."""
-_ANY: Mapping[str, Callable[..., Any]] = {
+_SUBSTITUTES: Mapping[str, Callable[..., Any]] = {
     "sqrt": lambda x: np.sqrt(np.abs(x)),
     "log": lambda x: np.log(np.abs(x)),
     "log1p": lambda x: np.log(np.abs(1 + x)),
@@ -84,11 +84,11 @@ class Points:
         given = [self._values[k] for k in node.args]
         if node.op == "constant":
             number = np.full(COUNT, node.value, float)
-            return np.nan_to_num(number, nan=_NOTHING, posinf=_ENDLESS, neginf=-_ENDLESS)
+            return np.nan_to_num(number, nan=_NAN, posinf=_INFINITY, neginf=-_INFINITY)
         if node.op == "input":
             low, high = (0.1, 0.9) if node.kind == "truth" else (0.4, 1.6)
             return self._draw.uniform(low, high, COUNT)
         if node.op == "convert":
             return given[0] if node.kind != "whole" else 1.7 * given[0]
-        function = _ANY.get(node.op)
+        function = _SUBSTITUTES.get(node.op)
         return in_numpy(node.op, *given) if function is None else function(*given)

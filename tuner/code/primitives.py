@@ -81,7 +81,7 @@ def _convert(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
             f"a number of {dtype} among those of {before} has no counterpart; give it no type"
         )
     if before.kind == "f" and dtype.kind == "i":
-        given = [each(lambda x: _in_range(algebra, x, before.type), *given)]
+        given = [each(lambda x: _castable(algebra, x, before.type), *given)]
     return [each(lambda x: algebra.convert(x, dtype), *given)]
 
 
@@ -89,19 +89,19 @@ def _size(algebra: Algebra) -> int:
     return 4 if getattr(algebra, "precision", None) in ("float", np.float32) else 8
 
 
-def _in_range(algebra: Algebra, x: Any, number: type[np.floating]) -> Any:
+def _castable(algebra: Algebra, x: Any, number: type[np.floating]) -> Any:
     """A number that C can convert to int: NaN and large numbers are replaced."""
-    low, high = (number(end) for end in _ENDS[_size(algebra)])
+    low, high = (number(end) for end in _INT_LIMITS[_size(algebra)])
     x = algebra.choose(algebra.apply("isnan", x), x, algebra.constant(number(0)))
     x = algebra.apply("max", x, algebra.constant(low))
     return algebra.apply("min", x, algebra.constant(high))
 
 
-_ENDS = {8: (-(2.0**31), 2.0**31 - 1), 4: (-(2.0**31), 2.0**31 - 128)}
+_INT_LIMITS = {8: (-(2.0**31), 2.0**31 - 1), 4: (-(2.0**31), 2.0**31 - 128)}
 """Limits of int, as real numbers by their size in bytes."""
 
 
-def _before(algebra: Algebra, _: Any, given: Arrays) -> Arrays:
+def _less_in_total_order(algebra: Algebra, _: Any, given: Arrays) -> Arrays:
     """Less in the total order, in which NaN is last."""
 
     def of(x: Any, y: Any) -> Any:
@@ -113,7 +113,7 @@ def _before(algebra: Algebra, _: Any, given: Arrays) -> Arrays:
 
 
 def _not_behind(algebra: Algebra, equation: Any, given: Arrays) -> Arrays:
-    (behind,) = _before(algebra, equation, given[::-1])
+    (behind,) = _less_in_total_order(algebra, equation, given[::-1])
     return [each(lambda one: algebra.apply("not", one), behind)]
 
 
@@ -162,7 +162,7 @@ RULES: Mapping[str, Rule] = {
     "logistic": _logistic,
     "select_n": _choose,
     "convert_element_type": _convert,
-    "lt_to": _before,
+    "lt_to": _less_in_total_order,
     "le_to": _not_behind,
     "clamp": _clamp,
     "integer_pow": _power,

@@ -49,10 +49,10 @@ def moved(block: Block, operation: Operation, given: Sequence[Held]) -> list[Hel
         shapes = [out.shape for out in operation.outputs]
         return [Lazy(shape, x.kind, lambda _: text, x.buffers, x.number) for shape in shapes]
     source = block.made(x)
-    return [_placed(block, source, table) for table in places(operation.equation, asked)]
+    return [_gathered(block, source, table) for table in places(operation.equation, asked)]
 
 
-def _placed(block: Block, x: View, table: np.ndarray) -> View:
+def _gathered(block: Block, x: View, table: np.ndarray) -> View:
     """Entries gathered by a table of positions, counted through the array."""
     if x.alone:
         return View(x.buffer, table.shape, x.kind, 0, (0,) * table.ndim, alone=True)
@@ -115,7 +115,7 @@ def scattered(
         raise NoCounterpartError(
             f"{operation.name} by an index that is known only as the step runs"
         )
-    line = affine(_hit(operation, target.shape, more.shape))
+    line = affine(_targets(operation, target.shape, more.shape))
     if line is None:
         raise no_counterpart(f"{operation.name} to places without order")
     more = block.made(more)
@@ -137,7 +137,7 @@ def scattered(
     return into
 
 
-def _hit(operation: Operation, target: tuple[int, ...], more: tuple[int, ...]) -> np.ndarray:
+def _targets(operation: Operation, target: tuple[int, ...], more: tuple[int, ...]) -> np.ndarray:
     """The position of each entry in the target.
 
     Raises:

@@ -59,7 +59,7 @@ def _compared(graph: Nodes, op: str, x: int, y: int) -> int | None:
     return None
 
 
-def _either(rule: Shorter) -> Shorter:
+def _commutative(rule: Shorter) -> Shorter:
     """A rule for commutative operations."""
 
     def both(graph: Nodes, x: int, y: int) -> int | None:
@@ -69,12 +69,12 @@ def _either(rule: Shorter) -> Shorter:
     return both
 
 
-@_either
+@_commutative
 def _add_nothing(graph: Nodes, x: int, y: int) -> int | None:
     return y if graph.is_constant(x, 0) else None
 
 
-@_either
+@_commutative
 def _add_negative(graph: Nodes, x: int, y: int) -> int | None:
     return graph.apply("sub", y, graph.nodes[x].args[0]) if graph.nodes[x].op == "neg" else None
 
@@ -103,7 +103,7 @@ def _negative_less(graph: Nodes, x: int, y: int) -> int | None:
     return graph.apply("neg", graph.apply("add", graph.nodes[x].args[0], y))
 
 
-@_either
+@_commutative
 def _times_number(graph: Nodes, x: int, y: int) -> int | None:
     if graph.is_constant(x, 0):
         return x
@@ -112,7 +112,7 @@ def _times_number(graph: Nodes, x: int, y: int) -> int | None:
     return graph.apply("neg", y) if graph.is_constant(x, -1) else None
 
 
-@_either
+@_commutative
 def _times_twice(graph: Nodes, x: int, y: int) -> int | None:
     """Two constant factors are one: exact where one of them is a power of two."""
     if not graph.is_constant(x) or graph.nodes[y].op != "mul" or graph.nodes[y].kind != "real":
@@ -126,7 +126,7 @@ def _times_twice(graph: Nodes, x: int, y: int) -> int | None:
     return None
 
 
-@_either
+@_commutative
 def _times_half(graph: Nodes, x: int, y: int) -> int | None:
     """The mean of a matrix and its transpose, which are equal but for rounding."""
     if not graph.halves or not graph.is_constant(x, 0.5) or graph.nodes[y].op != "add":
@@ -135,7 +135,7 @@ def _times_half(graph: Nodes, x: int, y: int) -> int | None:
     return one if graph.points.same(one, other) else None
 
 
-@_either
+@_commutative
 def _times_negative(graph: Nodes, x: int, y: int) -> int | None:
     """A sign moves outwards, where a sum absorbs it."""
     if graph.nodes[x].op != "neg":
@@ -158,14 +158,14 @@ def _over_number(graph: Nodes, x: int, y: int) -> int | None:
     return graph.apply("mul", x, inverse) if normal else None
 
 
-@_either
+@_commutative
 def _and_known(graph: Nodes, x: int, y: int) -> int | None:
     if graph.nodes[x].kind != "truth" or not graph.is_constant(x):
         return None
     return y if graph.nodes[x].value else x
 
 
-@_either
+@_commutative
 def _or_known(graph: Nodes, x: int, y: int) -> int | None:
     if graph.nodes[x].kind != "truth" or not graph.is_constant(x):
         return None

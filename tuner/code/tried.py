@@ -17,7 +17,7 @@ _ROUNDING = {"double": 1e-12, "float": 1e-6}
 """Values this far below the largest number of the state are due to rounding."""
 
 
-_QUICKLY = {"xla_backend_optimization_level": 0, "xla_llvm_disable_expensive_passes": True}
+_FAST_COMPILATION = {"xla_backend_optimization_level": 0, "xla_llvm_disable_expensive_passes": True}
 """Compiler options for a few samples, whose run takes less time than compilation."""
 
 
@@ -52,7 +52,7 @@ def tried(filter: Any, params: Any, inputs: Any, kept: Sequence[bool], precision
         kept: which of its outputs, flat, are included.
         precision: double or float.
     """
-    samples = _with_holes(filter, params, _chosen(inputs))
+    samples = _with_holes(filter, params, _selected_samples(inputs))
     dtype = np.float32 if precision == "float" else np.float64
     state, outputs = _ran(filter, params, samples, dtype)
     others = [_ran(filter, params, near, dtype) for near in _beside(samples, dtype)]
@@ -87,7 +87,7 @@ def _beside(samples: Any, dtype: type[np.floating]) -> Iterator[Any]:
         yield jax.tree.map(near, samples)
 
 
-def _chosen(inputs: Any) -> Any:
+def _selected_samples(inputs: Any) -> Any:
     """The first half consecutive, the others spread over the rest."""
     count = len(jax.tree.leaves(inputs)[0])
     near = np.arange(min(count, SAMPLES // 2))
@@ -119,7 +119,7 @@ def _ran(
     return [[np.asarray(x, dtype) for x in jax.tree.leaves(part)] for part in found]
 
 
-@jax.jit(static_argnums=0, compiler_options=_QUICKLY)
+@jax.jit(static_argnums=0, compiler_options=_FAST_COMPILATION)
 def _run(filter: Any, params: Any, samples: Any) -> Any:
     return run(filter, params, samples)
 

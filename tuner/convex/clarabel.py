@@ -122,8 +122,8 @@ class Compiled:
         sides. Cones do not mind: of x / size the sides are b / size, and the objective, over
         size * price, is that of P size / price and c / price.
         """
-        size = _far(data["b"])
-        price = _far(np.append(data["c"], size * data["P"].data if "P" in data else 0.0))
+        size = _scale_of(data["b"])
+        price = _scale_of(np.append(data["c"], size * data["P"].data if "P" in data else 0.0))
         scaled = data | {"b": data["b"] / size, "c": data["c"] / price}
         if "P" in data:
             scaled["P"] = data["P"] * (size / price)
@@ -142,7 +142,7 @@ class Compiled:
         )
 
 
-def _far(entries: np.ndarray) -> float:
+def _scale_of(entries: np.ndarray) -> float:
     """A power of 2 near entries that are all large, or all small; 1 for all others.
 
     Small entries beside large ones would be lost below Clarabel's tolerances.

@@ -43,11 +43,11 @@ def of_start(columns: tuple[Column, ...], way: str) -> Finding:
         f"the first {which} {mean:.3g} times the usual square (the very first is "
         f"{largest:.3g} deviations): the start contradicts the first numbers; {way}"
     )
-    p = max(len(looks) * p, _elsewhere(columns, width, mean))
+    p = max(len(looks) * p, _share_elsewhere(columns, width, mean))
     return judged(NAME, WHAT, mean, p, sentence, {"numbers": float(width)})
 
 
-def _elsewhere(columns: tuple[Column, ...], width: int, mean: float) -> float:
+def _share_elsewhere(columns: tuple[Column, ...], width: int, mean: float) -> float:
     """The share of as many numbers later on that are as large, for outliers come anywhere.
 
     Later is the second half; of few numbers it would say too little.

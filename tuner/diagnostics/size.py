@@ -57,7 +57,7 @@ def of_size(innovations: Innovations) -> Finding:
     """Test the NIS of all numbers, and of each measurement where there are several."""
     lost: np.ndarray = np.asarray(innovations.lost.any(axis=2))
     if lost.any():
-        return _astray(innovations, lost)
+        return _diverged(innovations, lost)
     columns = innovations.columns
     if not columns or not innovations.foretold:
         why = "no innovation counts" if not columns else "the filter foretells no variance"
@@ -97,7 +97,7 @@ def _sentence(found: Size, part: tuple[Column, ...], columns: tuple[Column, ...]
     )
 
 
-def _astray(innovations: Innovations, lost: np.ndarray) -> Finding:
+def _diverged(innovations: Innovations, lost: np.ndarray) -> Finding:
     row, recording = np.argwhere(lost)[0]
     count = int(innovations.lost.sum())
     when = f"at {innovations.times[row, recording]:.5g} s"

@@ -39,11 +39,11 @@ def scores(column: Column) -> Scores:
     shares = rankdata(np.abs(column.e)) / (len(column) + 1)
     values = ndtri((1 + shares) / 2) ** 2
     values = values - values.mean()
-    wider = max(column.spread, _wider(values, _bounds(column)))
+    wider = max(column.spread, _variance_inflation(values, _bounds(column)))
     return Scores(values, float(np.sqrt(np.mean(values**2) * wider)))
 
 
-def _wider(values: np.ndarray, bounds: np.ndarray) -> float:
+def _variance_inflation(values: np.ndarray, bounds: np.ndarray) -> float:
     """Factor by which correlation of neighbours increases the variance of a sum of scores.
 
     Each is taken less its part's mean, for slow changes are the subject of the test.
@@ -114,7 +114,7 @@ def over_level(columns: tuple[Column, ...], unit: str, way: str) -> Finding:
     if not looks:
         why = "nothing is known of the level" if not known else "the level stands still"
         return not_tried(LEVEL, LEVEL_WHAT, why)
-    statistics = [_with(own, at) for _, at, own in looks]
+    statistics = [_rank_correlation(own, at) for _, at, own in looks]
     worst = int(np.argmax(np.abs(statistics)))
     column, at, _ = looks[worst]
     order = np.argsort(at, kind="stable")
@@ -130,7 +130,7 @@ def over_level(columns: tuple[Column, ...], unit: str, way: str) -> Finding:
     return judged(LEVEL, LEVEL_WHAT, statistics[worst], p, sentence, details)
 
 
-def _with(found: Scores, level: np.ndarray) -> float:
+def _rank_correlation(found: Scores, level: np.ndarray) -> float:
     """The correlation of the scores with the ranks of levels, over its deviation."""
     from scipy.stats import rankdata
 

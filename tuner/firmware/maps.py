@@ -46,7 +46,7 @@ def named(
     found = {}
     for name, wanted in maps.items():
         if name not in amounts:
-            raise unknown("number", name, _short(amounts))
+            raise unknown("number", name, _important(amounts))
         for key in wanted:
             if key not in known:
                 raise unknown("parameter", key, known)
@@ -54,6 +54,6 @@ def named(
     return found
 
 
-def _short(names: Collection[str]) -> Collection[str]:
+def _important(names: Collection[str]) -> Collection[str]:
     """Only the important names, where there are many."""
     return names if len(names) < 30 else [name for name in names if not name[-1].isdigit()]

@@ -117,12 +117,12 @@ def _start(problem: Problem, entries: tuple[Entry, ...], found: Estimate) -> np.
                 number = max(number, spread)
             for index in {entry.place, entry.place[::-1]}:
                 value[index] = number ** (1 / entry.power)
-        given[name] = _inside(parameter, value)
+        given[name] = _within_range(parameter, value)
     low, high = problem.space.box()
     return np.asarray(np.clip(problem.space.unconstrain(given), low, high))
 
 
-def _inside(parameter: Parameter, value: np.ndarray) -> np.ndarray:
+def _within_range(parameter: Parameter, value: np.ndarray) -> np.ndarray:
     """The value, or the nearest one within the parameter's range."""
     if isinstance(parameter, Covariance):
         scale = np.sqrt(np.maximum(np.diag(value), parameter.low**2))

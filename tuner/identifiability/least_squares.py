@@ -65,7 +65,7 @@ def estimate(differences: Differences, entries: tuple[Entry, ...]) -> Estimate:
         F, b = _normal_equations(r, M[0], unit, theta)
         D = np.sqrt(np.where(np.diag(F) > 0, np.diag(F), 1.0))
         F, b = F / np.outer(D, D) + _HOLD * np.eye(p), b / D + _HOLD * theta * D
-        before, theta = theta, _bounded(F, b, signed) / D
+        before, theta = theta, _with_signs(F, b, signed) / D
         theta = _semidefinite(theta, sizes, entries)
         if np.abs(theta - before).max() <= _SETTLED * np.abs(theta).max():
             break
@@ -134,7 +134,7 @@ def _normal_equations(
     return F, squares - rest
 
 
-def _bounded(F: np.ndarray, b: np.ndarray, signed: np.ndarray) -> np.ndarray:
+def _with_signs(F: np.ndarray, b: np.ndarray, signed: np.ndarray) -> np.ndarray:
     """The minimiser of x F x / 2 - b x in which only the signed entries may be negative."""
     from scipy.optimize import nnls
 

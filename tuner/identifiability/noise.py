@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-_SAME = 1e-9
+_ROUNDING = 1e-9
 """Tolerance of rounding in a derivative that is 0 or constant, over its largest entry."""
 
 
@@ -132,7 +132,7 @@ def _refuse_motion(
             if matrix is None:
                 continue
             moved = np.abs(np.asarray(change[..., i]) * begun[i]).max(initial=0.0)
-            if moved > _SAME * np.abs(np.asarray(matrix)).max(initial=0.0):
+            if moved > _ROUNDING * np.abs(np.asarray(matrix)).max(initial=0.0):
                 raise NoModelError(
                     f"{entry.parameter} changes how the state moves or is measured, and what "
                     "differences tell of the noise depends on it; fix it"
@@ -147,9 +147,9 @@ def _power(entry: Entry, one: np.ndarray, two: np.ndarray, factor: float) -> int
     """1 where the slope is constant, 2 where it grows with the number, 0 where there is none."""
     if not one.any() and not two.any():
         return 0
-    size = _SAME * np.abs(one).max()
+    size = _ROUNDING * np.abs(one).max()
     for power in (1, 2):
-        if np.allclose(two, one * factor ** (power - 1), rtol=_SAME, atol=1e-3 * size):
+        if np.allclose(two, one * factor ** (power - 1), rtol=_ROUNDING, atol=1e-3 * size):
             return power
     raise NoModelError(
         f"the noise is linear neither in {entry.name} nor in its square, by which alone "

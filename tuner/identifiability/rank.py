@@ -6,10 +6,10 @@ import numpy as np
 
 from tuner.identifiability.windows import Differences
 
-_NONE = 1e-8
+_NO_TRACE = 1e-8
 """Singular value, of columns of length 1, below which a combination leaves no trace: rounding
 leaves 1e-12, and 1e-8 would take 10^16 samples to be seen."""
-_SILENT = 1e-12
+_NO_EFFECT = 1e-12
 """A noise parameter's effect, relative to that without cancellation, that counts as none."""
 _ZERO = 1e-6  # share of a number in a combination that is rounding
 _WINDOWS = 64
@@ -35,12 +35,12 @@ def rank_of(differences: Differences) -> Rank:
     p = len(few)
     columns = few.reshape(p, int(np.prod(few.shape[1:]))).T
     sizes = np.linalg.norm(columns, axis=0)
-    silent = sizes <= _SILENT * differences.sizes
+    silent = sizes <= _NO_EFFECT * differences.sizes
     units = np.where(silent, 1.0, sizes)
     _, values, Vt = np.linalg.svd(
         np.vstack([columns * ~silent / units, np.zeros((p, p))]), full_matrices=False
     )
-    rank = int((values > _NONE).sum())
+    rank = int((values > _NO_TRACE).sum())
     # In multiples of the value that has an effect of size 1, reduced, and back.
     return Rank(rank, _reduced(Vt[rank:]) / units)
 

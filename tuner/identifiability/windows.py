@@ -26,7 +26,7 @@ _MOST = 8000
 """Measurements in all windows together."""
 _GAP = 2000
 """Longest gap, in samples, that a window may span."""
-_LONGER = 1e8
+_LARGEST_NOISE_RATIO = 1e8
 """Largest noise of a window over the usual one, as of a gap of some tens of steps."""
 _ROUNDING = 4e-16
 _NONE = 1e-9  # of the largest singular value
@@ -107,7 +107,7 @@ def _of_rows(
     windows = [
         (model, places)
         for model, all_places in zip(recordings, seen, strict=True)
-        for places in _cut(all_places, rows)
+        for places in _consecutive(all_places, rows)
     ]
     most = batch(p, n, rows)
     if len(windows) > most:
@@ -126,7 +126,7 @@ def batch(p: int, n: int, rows: int) -> int:
     return max(int(min(_MOST, _MEMORY / (p * n * n), _MEMORY * 8 / (p * rows)) / rows), 1)
 
 
-def _cut(places: np.ndarray, rows: int) -> list[np.ndarray]:
+def _consecutive(places: np.ndarray, rows: int) -> list[np.ndarray]:
     """Windows ``(rows, 2)`` of sample and measurement, one after the other, without long gaps."""
     count = len(places) // rows
     windows = places[: count * rows].reshape(count, rows, 2)
@@ -170,15 +170,17 @@ def of_windows(
     # Rounding residue of cancelled numbers is 0, or a straight line would have a noise.
     r = np.where(np.abs(r) > _ROUNDING * np.abs(z - s).max(axis=1, keepdims=True), r, 0.0)
     M = A @ C @ np.swapaxes(A, 1, 2)
-    kept = np.isfinite(r).all(axis=1) & _alike(C)
+    kept = np.isfinite(r).all(axis=1) & _of_usual_length(C)
     return Differences(r, M, _sizes(models, scale)), kept
 
 
-def _alike(C: np.ndarray) -> np.ndarray:
+def _of_usual_length(C: np.ndarray) -> np.ndarray:
     """Which windows are of usual length, ``(K,)``: noise over a long gap would hide all others."""
     sizes = np.abs(C).max(axis=(2, 3))
     usual = np.median(sizes, axis=1, keepdims=True)
-    return np.asarray((sizes <= _LONGER * np.where(usual > 0, usual, np.inf)).all(axis=0))
+    return np.asarray(
+        (sizes <= _LARGEST_NOISE_RATIO * np.where(usual > 0, usual, np.inf)).all(axis=0)
+    )
 
 
 def _sizes(models: list[NoiseModel], scale: np.ndarray) -> np.ndarray:

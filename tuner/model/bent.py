@@ -57,19 +57,19 @@ class Equations:
             return at.vector(model.f)  # type: ignore[no-any-return]
         if model.moved is not None:
             return self._linear(known, x, u)
-        return self._half(known, self._half(known, x, u), u)
+        return self._half_step(known, self._half_step(known, x, u), u)
 
     def disturb(self, known: Known, x: Array, u: Given) -> Array:
         """Covariance of the process noise of the step, ``(n, n)``."""
         model = self.model
         if model.time == "discrete":
             return self._density(known, x, u)
-        if model.moved is not None and not self._turning:
+        if model.moved is not None and not self._state_dependent_noise:
             Q: Array = self._step(known, u).Q
             return Q
-        middle = self._half(known, x, u)
-        first, second = (jax.jacfwd(self._half, 1)(known, at, u) for at in (x, middle))
-        end = self._half(known, middle, u)
+        middle = self._half_step(known, x, u)
+        first, second = (jax.jacfwd(self._half_step, 1)(known, at, u) for at in (x, middle))
+        end = self._half_step(known, middle, u)
         whole = matmul(second, first)
         begun, between, ended = (self._density(known, at, u) for at in (x, middle, end))
         carried = _around(whole, begun) + 4 * _around(second, between) + ended
@@ -81,7 +81,7 @@ class Equations:
         return self._at(known, x, u.now).vector(self.model.h)  # type: ignore[no-any-return]
 
     @property
-    def _turning(self) -> bool:
+    def _state_dependent_noise(self) -> bool:
         """Whether the process noise depends on the states."""
         nodes = (node for row in self.model.noise for node in row)
         return any(self.model.holds(node, self.model.state_names) for node in nodes)
@@ -108,7 +108,7 @@ class Equations:
         at = values(known.params, dt=known.dt, **u.before)
         return ahead + matmul(step.push, at.vector(self.model.moved[1]))
 
-    def _half(self, known: Known, x: Array, u: Given) -> Array:
+    def _half_step(self, known: Known, x: Array, u: Given) -> Array:
         """The state half a sample later, by Runge and Kutta."""
         h = known.dt / 2
 

@@ -43,16 +43,16 @@ def read_model(path: Path) -> dict[str, Any]:
     if NAME.fullmatch(path.stem):
         document.setdefault("name", path.stem)
     described(document, Lines.of(text), path.name)
-    plain: dict[str, Any] = _plain(document)
+    plain: dict[str, Any] = _storable(document)
     return plain
 
 
-def _plain(value: Any) -> Any:
+def _storable(value: Any) -> Any:
     """The same with infinity as text, for a run's folder holds finite numbers only."""
     if isinstance(value, dict):
-        return {key: _plain(each) for key, each in value.items()}
+        return {key: _storable(each) for key, each in value.items()}
     if isinstance(value, list):
-        return [_plain(each) for each in value]
+        return [_storable(each) for each in value]
     return "inf" if value == float("inf") else value
 
 

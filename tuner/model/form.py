@@ -127,7 +127,7 @@ class _Form:
             for each in model.inputs
             for symbol, column in zip(each.symbols, _columns(each, inputs), strict=True)
         }
-        held = {n: _held(v) if n in model.driving else v for n, v in columns.items()}
+        held = {n: _filled_forward(v) if n in model.driving else v for n, v in columns.items()}
         z = np.stack([c for g in model.groups for c in _columns(g, inputs)], axis=1)
         z = z - self._worked_out(model.seen[1], held, len(z))
         before = {name: np.concatenate([np.zeros(1), v[:-1]]) for name, v in held.items()}
@@ -163,7 +163,7 @@ def _columns(each: Any, inputs: Any) -> list[np.ndarray]:
     return [value[:, i] for i in range(len(each.axes))] if each.axes else [value]
 
 
-def _held(column: np.ndarray) -> np.ndarray:
+def _filled_forward(column: np.ndarray) -> np.ndarray:
     """A column with each missing value replaced by the last one; 0 before the first."""
     last = np.maximum.accumulate(np.where(np.isnan(column), -1, np.arange(len(column))))
     return np.where(last < 0, 0.0, column[last])

@@ -92,7 +92,7 @@ def spread(
         return None
     if not own:
         if "R" in model:
-            return _noisy(entries, ("model", "R"), model["R"], _symbols(measured))
+            return _covariance(entries, ("model", "R"), model["R"], _symbols(measured))
         findings.add(("model",), "has no R, the variance of what is measured")
         return None
     parts: list[Covariance] = []
@@ -100,13 +100,15 @@ def spread(
         path, table = ("measurements", group.name), tables.get(group.name, {})
         if "R" in table:
             names = group.axes or (group.name,)
-            parts.append(_noisy(entries, (*path, "R"), table["R"], names))
+            parts.append(_covariance(entries, (*path, "R"), table["R"], names))
         else:
             findings.add(path, "has no R, the variance of what is measured")
-    return _side_by_side(parts)
+    return _block_diagonal(parts)
 
 
-def _noisy(entries: Entries, path: tuple[str, ...], value: Any, names: Sequence[str]) -> Covariance:
+def _covariance(
+    entries: Entries, path: tuple[str, ...], value: Any, names: Sequence[str]
+) -> Covariance:
     """R as given; a measurement without noise is an error."""
     before = len(entries.findings)
     scope = entries.scope("parameter", "input", "dt")
@@ -122,7 +124,7 @@ def weighted(row: Sequence[Node], names: Sequence[str]) -> Node:
     return total(made("*", node, Name(name)) for node, name in zip(row, names, strict=True))
 
 
-def _side_by_side(parts: Sequence[Covariance]) -> Covariance:
+def _block_diagonal(parts: Sequence[Covariance]) -> Covariance:
     """The block diagonal covariance of groups with independent noise."""
     if not any(part.full for part in parts):
         return Covariance.diagonal([node for part in parts for node in part.variances])

@@ -10,7 +10,7 @@ from tuner.model.description import Model
 from tuner.model.evaluate import Values
 from tuner.model.findings import Findings
 
-_NOTHING = 1e-6
+_NEGLIGIBLE = 1e-6
 """Components of a direction below it count as 0."""
 
 
@@ -20,7 +20,7 @@ def check_observable(model: Model, findings: Findings) -> None:
     Of a nonlinear model that is whether a state enters, by way of others, what is measured at all;
     of a linear one that does not change it is the rank test as well, at two sets of parameters.
     """
-    silent = _silent(model)
+    silent = _unmeasured(model)
     if silent:
         _tell(silent, len(silent), findings)
         return
@@ -47,7 +47,7 @@ def _and(names: Sequence[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
-def _silent(model: Model) -> list[str]:
+def _unmeasured(model: Model) -> list[str]:
     """The states that enter no measurement, not even through others."""
     names = model.state_names
     enters = dict(zip(names, map(names_in, model.f), strict=True))
@@ -84,7 +84,7 @@ def _unobservable(model: Model, shift: float) -> tuple[list[str], int]:
     system = LinearSystem(rates, shown, np.zeros((n, n)), np.eye(m), dt=dt)
     basis = unobservable(system).basis
     part = np.linalg.norm(basis, axis=1) if basis.size else np.zeros(n)
-    names = [name for name, size in zip(model.state_names, part, strict=True) if size > _NOTHING]
+    names = [name for name, size in zip(model.state_names, part, strict=True) if size > _NEGLIGIBLE]
     return names, basis.shape[1]
 
 

@@ -125,7 +125,9 @@ def _method(findings: Findings, model: Model, given: Method | None, begun: bool)
     """The given method; else Kalman's for a linear model, and the extended one for others."""
     chosen: Method = given or ("kalman" if model.linear else "extended")
     if chosen == "kalman" and not model.linear:
-        findings.add(("method",), f"kalman needs a linear model, and {_bent(model)}; take extended")
+        findings.add(
+            ("method",), f"kalman needs a linear model, and {_nonlinearity(model)}; take extended"
+        )
     if chosen == "unscented" and model.diffuse:
         told = "is missing or inf, and sigma points need a known start"
         findings.add(("model", "P0"), told)
@@ -138,7 +140,7 @@ def _method(findings: Findings, model: Model, given: Method | None, begun: bool)
     return chosen
 
 
-def _bent(model: Model) -> str:
+def _nonlinearity(model: Model) -> str:
     """The nonlinear equation, in words."""
     names = model.state_names
     symbols = [symbol for group in model.groups for symbol in group.symbols]

@@ -30,7 +30,7 @@ _BACKWARDS = 3
 """Cost of a backward gradient in passes."""
 _MOST = 4000
 """Most operations of a step in C."""
-_NO_WAY = (ValueError, TypeError, LookupError, AttributeError, OSError, MemoryError, NoCodeError)
+_FAILURES = (ValueError, TypeError, LookupError, AttributeError, OSError, MemoryError, NoCodeError)
 """Errors that prevent C code of a loop: none of them may end a search."""
 
 
@@ -99,7 +99,7 @@ class Route:
             found = native.value_and_gradient(z, self._rows, self.data)
             if not self._agrees(found, z):
                 return None
-        except _NO_WAY as error:
+        except _FAILURES as error:
             self.told = f"XLA: {error}"
             return None
         self._single, self.told = native, f"C, compiled by {compiler().name}"
@@ -114,7 +114,7 @@ class Route:
             values, gradients = native.values_and_gradients(Z, self._rows, self.data)
             if not self._many and not self._agrees((values[0], gradients[0]), Z[0]):
                 return None
-        except _NO_WAY:
+        except _FAILURES:
             self._many = False
             return None
         self._many = True
@@ -137,7 +137,7 @@ class Route:
             raise NoCodeError("the record is too short for compiling C to pay")
         compiler()
         native = _made(self.static, self.size, *shapes, code_folder())
-        if wish == "auto" and points == 1 and self._longer(native, shapes):
+        if wish == "auto" and points == 1 and self._slower_than_backward(native, shapes):
             raise NoCodeError("its way back through the loop is shorter than C's forwards")
         if not self._rows.size:
             self._rows = native.rows(self.data)
@@ -151,7 +151,7 @@ class Route:
             return False
         return bool(turns * _operations(self.static, self.size, *shapes) >= PAYS)
 
-    def _longer(self, native: "Native", shapes: Any) -> bool:
+    def _slower_than_backward(self, native: "Native", shapes: Any) -> bool:
         """Whether derivatives in C cost more than XLA's way back, as through dense matrices."""
         if not self.backwards:
             return False

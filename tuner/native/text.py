@@ -37,7 +37,7 @@ def source(loop: Loop, lanes: int, *, points: bool) -> str:
 class _Source:
     def __init__(self, loop: Loop, lanes: int, *, points: bool) -> None:
         self.loop, self.graph, self.count, self.points = loop, loop.graph, lanes, points
-        self.wide = _wide(loop, {"p", "dp"} if points else {"dp"})
+        self.wide = _varying(loop, {"p", "dp"} if points else {"dp"})
         self.names: dict[int, str] = {}
         self.steady = _of(loop.graph, {"p", "dp"})
         expected = _of(loop.graph, {"u", "p"}) - self.wide
@@ -78,7 +78,7 @@ class _Source:
         asked = [k for cell in carried for k in (cell.start, cell.after)]
         self._statements([*asked, *(k for row in rows for k in row)], steady=True)
         for n, cell in enumerate(carried):
-            text = self._like(cell.input, cell.start)
+            text = self._of_type(cell.input, cell.start)
             self.lines.append(f"    {self._type(cell.input)} S{n} = {text};")
         return self.lines
 
@@ -94,7 +94,7 @@ class _Source:
         rows = [k for row in self.loop.kept for k in row]
         self._statements([*(cell.after for cell in carried), *rows], steady=False)
         for n, cell in enumerate(carried):
-            self.lines.append(f"    S{n} = {self._like(cell.input, cell.after)};")
+            self.lines.append(f"    S{n} = {self._of_type(cell.input, cell.after)};")
         for row in self.loop.kept:
             self._put(row, "kept")
         return self.lines
@@ -128,16 +128,16 @@ class _Source:
 
     def _statements(self, roots: Iterable[int], *, steady: bool) -> None:
         """Add statements for needed nodes: those that no sample changes, or the rest."""
-        ordered = _in_depth if self.points or self.loop.operations > LONG else Graph.reached
+        ordered = _depth_first if self.points or self.loop.operations > LONG else Graph.reached
         for k in ordered(self.graph, roots):
             known = k in self.names or self.graph.nodes[k].op in ("constant", "input")
             if known or (k in self.steady) != steady:
                 continue
-            text = self._twice(k) or (self._wide_text(k) if k in self.wide else self._text(k))
+            text = self._as_sum(k) or (self._wide_text(k) if k in self.wide else self._text(k))
             self.names[k] = f"t{k}"
             self.lines.append(f"    const {self._type(k)} t{k} = {text};")
 
-    def _twice(self, k: int) -> str:
+    def _as_sum(self, k: int) -> str:
         """Twice a number as a sum, which leaves the multipliers free; "" for any other node."""
         node = self.graph.nodes[k]
         for at, other in (node.args, node.args[::-1]) if node.op == "mul" else ():
@@ -184,7 +184,7 @@ class _Source:
             return type_of(kind, "double")
         return "masks" if kind == "truth" else "lanes"
 
-    def _like(self, other: int, k: int) -> str:
+    def _of_type(self, other: int, k: int) -> str:
         """A node of the type of another one, which may be a vector."""
         return self.lanes.broad(k) if other in self.wide else self.name(k)
 
@@ -214,7 +214,7 @@ def _column(kind: Kind, column: int) -> str:
     }[kind]
 
 
-def _wide(loop: Loop, seeds: set[str]) -> set[int]:
+def _varying(loop: Loop, seeds: set[str]) -> set[int]:
     """Nodes that differ between lanes: those that depend on the seeds, also over time."""
     graph, wide = loop.graph, set[int]()
     while True:
@@ -236,7 +236,7 @@ def _of(graph: Graph, groups: set[str]) -> set[int]:
     return found
 
 
-def _in_depth(graph: Graph, roots: Iterable[int]) -> list[int]:
+def _depth_first(graph: Graph, roots: Iterable[int]) -> list[int]:
     """Nodes that the roots depend on, each just before the first that needs it."""
     done, order = set[int](), list[int]()
     for root in roots:

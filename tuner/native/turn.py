@@ -52,7 +52,7 @@ class Turn:
 
 
 @dataclass(frozen=True, eq=False)
-class _Both:
+class _WithTangent:
     """Nodes of an array and of its derivative."""
 
     values: np.ndarray
@@ -87,13 +87,13 @@ def _attempt(runner: Runner, begun: Any, stepped: Any, halves: set[int]) -> tupl
     slopes = [one.slopes for one in params if one.slopes is not None]
     values = [one.values for one in params]
     starts = _pairs(graph, way.closed(begun, [*values, *slopes]), begun, size)
-    halves &= {k for k in halves if _even(graph, starts[k])}
+    halves &= {k for k in halves if _symmetric(graph, starts[k])}
     before = [_inputs(graph, k, leaf, k in halves) for k, leaf in enumerate(runner.state)]
     changes = [one.slopes for one in before if one.slopes is not None]
     arguments = [*values, *(one.values for one in before), *slopes, *changes]
     found = way.closed(stepped, [*arguments, *_sample(graph, runner.sample)])
     after = _pairs(graph, found, stepped, size + len(runner.keeps))
-    wrong = {k for k in halves if not _even(graph, after[k])}
+    wrong = {k for k in halves if not _symmetric(graph, after[k])}
     cells, total = _cells(runner, halves, before, starts, after)
     kept = [one.pair(at) for one in after[size:] for at in np.ndindex(one.values.shape)]
     wanted = [k for one, k in zip(after[size:], runner.keeps, strict=True) for _ in one.values.flat]
@@ -101,7 +101,11 @@ def _attempt(runner: Runner, begun: Any, stepped: Any, halves: set[int]) -> tupl
 
 
 def _cells(
-    runner: Runner, halves: set[int], before: list[_Both], starts: list[_Both], after: list[_Both]
+    runner: Runner,
+    halves: set[int],
+    before: list[_WithTangent],
+    starts: list[_WithTangent],
+    after: list[_WithTangent],
 ) -> tuple[list[Cell], list[int]]:
     """The state, and which of its numbers are needed."""
     cells: list[Cell] = []
@@ -117,7 +121,7 @@ def _cells(
     return cells, total
 
 
-def _parameters(graph: Graph, runner: Runner) -> list[_Both]:
+def _parameters(graph: Graph, runner: Runner) -> list[_WithTangent]:
     """Constants, and inputs for numbers that depend on a point."""
     found, count = [], 0
     for leaf, moved in zip(runner.params, runner.moved, strict=True):
@@ -129,17 +133,17 @@ def _parameters(graph: Graph, runner: Runner) -> list[_Both]:
                 count += 1
             else:
                 values[at], slopes[at] = graph.constant(leaf[at]), graph.constant(0.0)
-        found.append(_Both(values, slopes if is_real(leaf) else None))
+        found.append(_WithTangent(values, slopes if is_real(leaf) else None))
     return found
 
 
-def _inputs(graph: Graph, k: int, leaf: np.ndarray, half: bool) -> _Both:
+def _inputs(graph: Graph, k: int, leaf: np.ndarray, half: bool) -> _WithTangent:
     values, slopes = np.empty(leaf.shape, object), np.empty(leaf.shape, object)
     for at in np.ndindex(leaf.shape):
         own = tuple(sorted(at)) if half else at
         values[at] = graph.input(("s", k, *own), kind_of(leaf.dtype))
         slopes[at] = graph.input(("ds", k, *own))
-    return _Both(values, slopes if is_real(leaf) else None)
+    return _WithTangent(values, slopes if is_real(leaf) else None)
 
 
 def _sample(graph: Graph, sample: Arrays) -> Iterator[np.ndarray]:
@@ -152,18 +156,18 @@ def _sample(graph: Graph, sample: Arrays) -> Iterator[np.ndarray]:
         yield out
 
 
-def _pairs(graph: Graph, found: Arrays, closed: Any, count: int) -> list[_Both]:
+def _pairs(graph: Graph, found: Arrays, closed: Any, count: int) -> list[_WithTangent]:
     """Results with their derivatives."""
     nodes = objects(graph, found)
     slopes = iter(nodes[count:])
     real = [is_real(aval) for aval in closed.out_avals[:count]]
-    return [_Both(x, next(slopes) if r else None) for x, r in zip(nodes, real, strict=False)]
+    return [_WithTangent(x, next(slopes) if r else None) for x, r in zip(nodes, real, strict=False)]
 
 
 def _square(leaf: np.ndarray) -> bool:
     return leaf.ndim == 2 and leaf.shape[0] == leaf.shape[1] > 1 and is_real(leaf)
 
 
-def _even(graph: Graph, both: _Both) -> bool:
+def _symmetric(graph: Graph, both: _WithTangent) -> bool:
     """Whether a matrix and its derivative are symmetric, but for rounding."""
     return all(symmetric(graph, x) for x in (both.values, both.slopes) if x is not None)

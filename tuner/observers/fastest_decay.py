@@ -60,7 +60,7 @@ def fastest_decay(
         placement, starts = ways[0], [_coinciding(ways[0], variance, bound)]
     else:
         gains = starting_gains(system, variance, bound, size)
-        placement, starts = _placing_most(ways, gains)
+        placement, starts = _best_placement(ways, gains)
         limits += (Constraint("all_states", Spread.beyond(system, gains[0]), SPREAD),)
     space = Space.of(**placement.parameters(starts[0]))
     return Problem(
@@ -79,7 +79,7 @@ def _time_constant(observer: Observer, _: None) -> Array:
     return 1 / observer.decay
 
 
-def _placing_most(
+def _best_placement(
     ways: list[PolePlacement], gains: list[np.ndarray]
 ) -> tuple[PolePlacement, list[dict[str, float]]]:
     """The guide that can place the poles of the most gains, and their coordinates."""

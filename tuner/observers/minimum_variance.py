@@ -38,7 +38,7 @@ def minimum_variance(name: str, system: LinearSystem, error: ArrayLike) -> Probl
     unit = np.maximum(np.abs(best), 1e-3 * np.abs(best).max())
     return Problem(
         name=name,
-        space=Space.of(**gains.entries.parameters(_beside(system, best), unit)),
+        space=Space.of(**gains.entries.parameters(_start_gain(system, best), unit)),
         filter=None,
         build=gains,
         objective=variance,
@@ -85,6 +85,6 @@ def _entries(system: LinearSystem) -> Entries:
     return Entries("L", (len(system.A), len(system.C)))
 
 
-def _beside(system: LinearSystem, best: np.ndarray) -> np.ndarray:
+def _start_gain(system: LinearSystem, best: np.ndarray) -> np.ndarray:
     """A stable gain near the best one, to start from."""
     return next((f * best for f in (1.5, 1.2, 1.1, 1.02) if system.decay(f * best) > 0), best)

@@ -20,9 +20,9 @@ from tuner.problem.parameters import Limited, Parameter, Positive
 
 WIDEST = 100.0
 """Largest ratio of the other poles' decay rates to the slowest one's."""
-_SLOWER = 0.98
+_START_SHARE = 0.98
 """Initial decay rate for a gain, as a share of its slowest pole's."""
-_SAME = 1e-6
+_REPRODUCED = 1e-6
 """Tolerance at which coordinates have to reproduce the gain that they were computed from."""
 
 
@@ -79,20 +79,20 @@ class PolePlacement:
         """
         own = np.linalg.solve(self.T, L) @ np.linalg.inv(self.H)
         A, C = self._seen()
-        decay = _SLOWER * min(self.system.decay(L), self.limit())
+        decay = _START_SHARE * min(self.system.decay(L), self.limit())
         rate = decay if self.system.dt is None else np.exp(-decay * self.system.dt)
         poles = np.linalg.eigvals(A - own[: self.seen] @ C)
         values = self._named(*self.factors.coordinates(rate, poles))
-        if not all(0 <= values[name] <= most for name, most in self._most().items()):
+        if not all(0 <= values[name] <= most for name, most in self._limits().items()):
             return None
         values |= self.side.named(own[: self.seen, 1:]) | self.hidden.named(own[self.seen :])
         values["decay"] = decay
         back = np.asarray(_gain(self, {name: jnp.asarray(v) for name, v in values.items()}))
-        return values if np.abs(back - L).max() <= _SAME * np.abs(L).max() else None
+        return values if np.abs(back - L).max() <= _REPRODUCED * np.abs(L).max() else None
 
     def coinciding(self, decay: float) -> dict[str, float]:
         """The coordinates of poles with one decay rate, and no gains beside the guide's."""
-        alike: dict[str, float] = dict.fromkeys(self._most(), 0.0)
+        alike: dict[str, float] = dict.fromkeys(self._limits(), 0.0)
         for entries in (self.side, self.hidden):
             alike |= entries.named(np.zeros(entries.shape))
         return alike | {"decay": decay}
@@ -110,10 +110,10 @@ class PolePlacement:
             if np.isinf(limit)
             else Limited(decay, 1e-4 * decay, limit, unit="1/s", scale=decay)
         }
-        found |= {name: Limited(start[name], 0.0, most) for name, most in self._most().items()}
+        found |= {name: Limited(start[name], 0.0, most) for name, most in self._limits().items()}
         return found | self._gains(self.side, start) | self._gains(self.hidden, start)
 
-    def _most(self) -> dict[str, float]:
+    def _limits(self) -> dict[str, float]:
         """The factors' coordinates by name, with their upper limits."""
         widest = WIDEST if self.factors.odd else None
         return self._named(widest, [(WIDEST, WIDEST**2)] * self.factors.pairs)

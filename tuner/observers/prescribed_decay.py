@@ -13,7 +13,7 @@ from tuner.observers.gains import Variance
 
 DRAWS = 24
 """Number of weightings that are tried beside the model's own noise."""
-_ROOM = 0.98
+_SHARE_OF_BOUND = 0.98
 """A start uses this share of the bound."""
 
 
@@ -35,7 +35,7 @@ def prescribed_decay(system: LinearSystem, variance: Variance, bound: float) -> 
     It is the Kalman gain of a system which grows faster by e^(alpha t): all poles of the true one
     then decay faster than alpha (Anderson and Moore, 1969). alpha is as large as the bound allows.
     """
-    found = _largest(system, _own(system), variance, bound)
+    found = _of_largest_decay(system, _own(system), variance, bound)
     return _gain(system, _own(system), 0.0) if found is None else found
 
 
@@ -61,7 +61,7 @@ def starting_gains(
         G = size[:, None] * draw.normal(size=(n, n))
         V = np.diag(np.diag(own.V) * 10.0 ** draw.uniform(-3, 3, m))
         weights.append(Weights(G @ G.T, V))
-    found = [_largest(system, each, variance, bound) for each in weights]
+    found = [_of_largest_decay(system, each, variance, bound) for each in weights]
     gains = [gain for gain in found if gain is not None]
     return sorted(gains, key=lambda gain: -system.decay(gain))
 
@@ -88,7 +88,7 @@ def _gain(system: LinearSystem, weights: Weights, alpha: float) -> np.ndarray:
     return np.asarray(steady_kalman(derived(parts, system.dt)).predictor / grown)
 
 
-def _largest(
+def _of_largest_decay(
     system: LinearSystem, weights: Weights, variance: Variance, bound: float
 ) -> np.ndarray | None:
     """The gain with the largest alpha that meets the bound, by bisection; None where none does."""
@@ -98,7 +98,7 @@ def _largest(
             L = _gain(system, weights, alpha)
         except ValueError:
             return None
-        within = variance.under(system.covariance(L)) <= _ROOM * bound
+        within = variance.under(system.covariance(L)) <= _SHARE_OF_BOUND * bound
         return L if system.decay(L) > 0 and within else None
 
     unit = 1 / system.dt if system.dt else max(np.abs(np.linalg.eigvals(system.A)).max(), 1e-3)

@@ -175,10 +175,10 @@ class Corners:
             worst = int(spare.argmin())
             if spare[worst] >= -FEASIBLE:
                 return at, spare
-            at = self._beside(at, worst)
+            at = self._neighbour(at, worst)
         return None, spare
 
-    def _beside(self, at: Corner, entering: int) -> Corner | None:
+    def _neighbour(self, at: Corner, entering: int) -> Corner | None:
         """The neighbouring corner: one row enters, and the ratio test chooses which one leaves."""
         ratios = [
             (multiplier / share, place)

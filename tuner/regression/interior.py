@@ -65,7 +65,7 @@ def solve(window: Window) -> Point:
         return point
     with suppress(ArithmeticError):
         for tolerance in TOLERANCES:
-            point = _sharpened(window, *interior_point(window, tolerance))
+            point = _refined(window, *interior_point(window, tolerance))
             if point.error <= EXACT:
                 return point
     corner = corner or corners(window.of).optimum(window, PATIENT)
@@ -119,7 +119,7 @@ def _zeros(size: int) -> Any:
     return csc_matrix((size, size))
 
 
-def _sharpened(window: Window, z: np.ndarray, y: np.ndarray) -> Point:
+def _refined(window: Window, z: np.ndarray, y: np.ndarray) -> Point:
     """The exact optimum from a point nearby."""
     G, b, cost = window.of.rows, window.sides, window.of.cost
     tight = y > G @ z - b

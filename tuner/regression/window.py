@@ -173,7 +173,7 @@ def _regressors(t: bytes, shape: tuple[int, ...]) -> Regressors:
         scale=scale,
         used=used,
         basis=basis,
-        restore=_beside(shortest @ (basis / scale[:, None]), (one(n) / scale)[:, used]),
+        restore=_block_diagonal(shortest @ (basis / scale[:, None]), (one(n) / scale)[:, used]),
         level=shortest[:, 0].copy(),
         rows=_rows(columns @ basis, spread),
         cost=cost,
@@ -198,7 +198,7 @@ def _rows(center: np.ndarray, spread: np.ndarray) -> np.ndarray:
     return rows
 
 
-def _beside(A: np.ndarray, B: np.ndarray) -> np.ndarray:
+def _block_diagonal(A: np.ndarray, B: np.ndarray) -> np.ndarray:
     """The block diagonal matrix of two."""
     (m, n), (p, q) = A.shape, B.shape
     both = np.zeros((m + p, n + q))

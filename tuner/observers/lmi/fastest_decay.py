@@ -84,10 +84,10 @@ def fastest_observer(
     require_detectable(system)
     own = scaled(design, np.sqrt(bounds))
     found = largest_decay(own.inner, tolerance, bounds)
-    return _outside(own, found, time.perf_counter() - begun)
+    return _in_outer_units(own, found, time.perf_counter() - begun)
 
 
-def _outside(own: Scaled, found: Ended, seconds: float) -> FastestObserver:
+def _in_outer_units(own: Scaled, found: Ended, seconds: float) -> FastestObserver:
     """The result for the outer design, from that for the inner one."""
     covariance = own.covariance(found.gain)
     return FastestObserver(

@@ -119,7 +119,7 @@ def _least(plain: Scaled) -> _Found:
     gain = gain_of(primal, own.inner)
     for _ in range(POLISHES):
         gain = _polished(own.inner, gain)
-    gain = _better(own.inner, gain)
+    gain = _or_zero(own.inner, gain)
     lower = proved(own.inner, gain, primal, dual)
     status, message = met(own.inner.total(gain), lower)
     found = _Found(own, gain, lower, primal, dual, status, message)
@@ -152,7 +152,7 @@ def _polished(design: Design, gain: np.ndarray) -> np.ndarray:
     return better if after <= before * (1 + 1e-12) else gain
 
 
-def _better(design: Design, gain: np.ndarray) -> np.ndarray:
+def _or_zero(design: Design, gain: np.ndarray) -> np.ndarray:
     """A gain, or zero where the system without one does as well: what is not driven decays."""
     none = np.zeros_like(gain)
     return none if design.total(none) <= design.total(gain) else gain

@@ -96,7 +96,9 @@ def largest_decay(design: Design, tolerance: float, bounds: np.ndarray) -> Ended
     step = reduction(design)
     if step is None:
         return search(design, tolerance, bounds)
-    ended = _all_shown(step) if step.complete else largest_decay(step.reduced, tolerance, bounds)
+    ended = (
+        _all_states_known(step) if step.complete else largest_decay(step.reduced, tolerance, bounds)
+    )
     gain = _followed(step, ended.slower)
     if gain is None:
         return replace(
@@ -115,7 +117,7 @@ def largest_decay(design: Design, tolerance: float, bounds: np.ndarray) -> Ended
     return replace(ended, gain=gain, slower=gain)
 
 
-def _all_shown(step: Reduction) -> Ended:
+def _all_states_known(step: Reduction) -> Ended:
     """The result of a search in which no state remains to be estimated."""
     nothing = np.zeros(step.reduced.sizes[:2])
     return Ended(
