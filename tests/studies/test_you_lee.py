@@ -350,7 +350,7 @@ def test_figures_have_their_names_and_numbers():
     assert list(made) == [*bands, "flight_T0", "flight_T1", "flight_T2", *sweeps]
     for figure in made.values():
         assert b"nan" not in table(figure)
-    assert len(made["fig5_roll"].lines) == 6
+    assert [line.drawn for line in made["fig5_roll"].lines] == ["band", "curve"] * 2
 
 
 # ------------------------------------------------------------------------------------ refusing

@@ -241,7 +241,7 @@ def test_of_many_numbers_the_ends_of_a_cost_lie_on_the_ridge(monkeypatch):
     full = Gradient("l-bfgs-b", seed=0, starts=1)(problem).parameters["a"].interval
     monkeypatch.setattr("tuner.certificate.profile.MANY", {"cost": 2})
     monkeypatch.setattr(
-        "tuner.certificate.profile._Profile._followed",
+        "tuner.certificate.profile._Profile._minimised",
         lambda *_: pytest.fail("the others are moved"),
     )
     short = Gradient("l-bfgs-b", seed=0, starts=1)(problem).parameters["a"].interval

@@ -129,7 +129,7 @@ def _check_start(name: str, space: Any, build: Any, filter: Any) -> None:
 def _said(filter: AnyFilter | None) -> frozenset[str]:
     """The parameters of which a filter says that they are variances."""
     own = bare(filter)
-    if not hasattr(own, "params"):
+    if getattr(own, "params", None) is None:
         return frozenset()
     facts = parameter_facts(own)
     return frozenset(n for n, fact in facts.items() if fact.meaning.startswith(_WORDS))

@@ -81,9 +81,9 @@ _FORMATS: tuple[tuple[tuple[bytes, ...], Callable[[Path], Table]], ...] = (
 
 def _head(path: Path) -> bytes | None:
     """The first bytes of the file; None of a folder."""
-    if path.is_dir():
-        return None
     try:
+        if path.is_dir():
+            return None
         with opened(path) as stream:
             head = stream.read(_HEAD)
     except FileNotFoundError as error:
