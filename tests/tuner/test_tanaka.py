@@ -384,7 +384,7 @@ def test_windows_refuse_what_one_does():
         tanaka_windows([0, 1], [0.0, 1.0])
     with pytest.raises(ValueError, match="a spread e is -1"):
         tanaka_windows([0, 1], [[0.0, 1.0]], e=[0.0, -1.0])
-    with pytest.raises(ValueError, match=r"t has the shape \(3,\) and x \(1, 2\); W windows"):
+    with pytest.raises(ValueError, match=r"t has the shape \(3,\) and x \(1, 2\); give t as"):
         tanaka_windows([0, 1, 2], [[0.0, 1.0]])
     with pytest.raises(ValueError, match="the windows are empty"):
         tanaka_windows([], np.empty((3, 0)))
