@@ -94,7 +94,7 @@ class AlphaBeta:
     """Constant velocity with constant gains: K = (alpha, beta / dt).
 
     Stable where 0 < alpha < 2 and 0 < beta < 4 - 2 alpha; with alpha above 1 it overshoots what is
-    measured. It begins at rest with the first measurement. It knows no variance, so it is tuned by
+    measured. It begins at rest with the first measurement. It has no variance, so it is tuned by
     an error and not by a likelihood. Source: Bar-Shalom, Li and Kirubarajan 2001, 6.5.
 
     Attributes:
@@ -152,9 +152,9 @@ class AlphaBetaGamma:
     """Constant acceleration with constant gains: K = (alpha, beta / dt, gamma / (2 dt^2)).
 
     Stable where 0 < alpha < 2, 0 < beta < 4 - 2 alpha and 0 < gamma < 4 alpha beta / (2 - alpha).
-    Others write gamma for half or twice of this one. It begins at rest with the first measurement.
-    Source: Kalata, IEEE Trans. Aerospace and Electronic Systems 20(2), 1984; Tenne and Singh, ditto
-    38(3), 2002 (stability).
+    Other authors write gamma for half or twice this one. It begins at rest with the first
+    measurement. Source: Kalata, IEEE Trans. Aerospace and Electronic Systems 20(2), 1984; Tenne and
+    Singh, same journal 38(3), 2002 (stability).
 
     Attributes:
         dt: sample time, s.
@@ -206,7 +206,7 @@ def _nothing(params: AlphaBetaGains | AlphaBetaGammaGains, derivatives: int) -> 
 
 
 def _innovation(state: Track, ahead: Array, z: Array) -> tuple[Array, Array]:
-    """Innovation, 0 where there is none, and the first measurement, which is one to begin with."""
+    """The innovation and the first measurement, each 0 where there is none."""
     seen, begun = ~jnp.isnan(z), state.begun > 0
     y = jnp.where(seen & begun, z - ahead, 0.0)
     return y, jnp.where(seen & ~begun, z, 0.0)

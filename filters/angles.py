@@ -22,10 +22,10 @@ def difference(a: Array, b: Array, angles: Sequence[bool]) -> Array:
     Args:
         a: numbers, ``(m,)``; angles in rad.
         b: the same.
-        angles: which of them are angles, m words; empty where none is.
+        angles: which of them are angles, m flags; empty where none is.
 
     Raises:
-        ValueError: where there are not as many words as numbers.
+        ValueError: where there are not as many flags as numbers.
 
     >>> a, b = jnp.array([3.0, 3.0]), jnp.array([-3.0, -3.0])
     >>> [round(d, 3) for d in difference(a, b, (True, False)).tolist()]

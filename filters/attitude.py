@@ -20,9 +20,9 @@ from filters.validate import check_setup
 
 
 class AttitudeNoise(NamedTuple):
-    """What the gravity filter takes: densities of white noises, and how the adaptation works.
+    """Parameters of the gravity filter: densities of white noises, and how the adaptation works.
 
-    By the error of the attitude alone, gyroscope, bias, accelerometer and gain share a scale that
+    As far as the attitude's error shows, gyroscope, bias, accelerometer and gain share a scale that
     is free but for the start's deviations; the innovations' likelihood determines it.
     """
 
@@ -108,7 +108,7 @@ class AttitudeState(NamedTuple):
 
 
 class AttitudeOutputs(NamedTuple):
-    """What the filter knows after a sample; the heading is the gyroscopes' alone."""
+    """The outputs of the filter after a sample; the heading comes from the gyroscopes alone."""
 
     att: Annotated[Array, ATTITUDE]
     b: Annotated[Array, Channel("rad/s", "bias of the gyroscopes", XYZ)]

@@ -1,4 +1,4 @@
-"""What must reach XLA before its CPU backend starts: float64 and whole-loop compilation."""
+"""Settings that must reach XLA before its CPU backend starts: float64, whole-loop compilation."""
 
 import os
 import sys
@@ -24,7 +24,7 @@ class LoopOption(Enum):
 
 @cache
 def loop_option() -> LoopOption:
-    """Prepare the backend at the first call, and say what was found at that time."""
+    """Prepare the backend at the first call, and return what was found then."""
     return prepare(os.environ)
 
 
@@ -33,14 +33,14 @@ def prepare(environment: MutableMapping[str, str]) -> LoopOption:
 
     XLA compiles a loop into one native loop only where the loop's state is below
     1 kB; every larger scan is interpreted operation by operation, 10 to 100 times
-    slower. The threshold is read once, when the backend starts. Nor is a loop that
-    holds a fusion of the YNN library, so there are none.
+    slower. The threshold is read once, when the backend starts. A loop that
+    holds a fusion of the YNN library is interpreted too, so these are switched off.
 
     Args:
         environment: where ``XLA_FLAGS`` is read and written.
 
     Returns:
-        What was found. ``LATE`` also warns, once, for it cannot be mended in this process.
+        What was found. ``LATE`` also warns, once, as it cannot be mended in this process.
     """
     late = _backend_started()
     flags = environment.get("XLA_FLAGS", "")
@@ -86,6 +86,6 @@ def with_loop_option(flags: str) -> str:
 def _backend_started() -> bool:
     if "jax" not in sys.modules:
         return False
-    from jax._src import xla_bridge  # there is no public question for this
+    from jax._src import xla_bridge  # no public function answers this
 
     return bool(xla_bridge.backends_are_initialized())

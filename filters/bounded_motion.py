@@ -1,4 +1,4 @@
-"""Attitude of a sensor that stays in a room: strapdown navigation that knows it goes nowhere.
+"""Attitude of a sensor that stays in a room: strapdown navigation with bounded motion.
 
 External acceleration is no noise that could be averaged over any time one likes: its integrals,
 speed and place, stay small. A strapdown navigation whose speed and place are measured to be zero,
@@ -38,9 +38,9 @@ _TURN, _BIAS, _SPEED, _PLACE, _MATRIX = (
 
 
 class BoundedMotionNoise(NamedTuple):
-    """What the bounded-motion filter takes; white noises as roots of their densities.
+    """Parameters of the bounded-motion filter; white noises as roots of their densities.
 
-    By the error of the attitude alone, all noises share a scale that is free but for the start's
+    As far as the attitude's error shows, all noises share a scale that is free but for the start's
     deviations; the likelihood of the innovations determines it.
     """
 
@@ -156,7 +156,7 @@ _MEASURED = tuple(f"{what}_{axis}" for what in ("place", "speed", "bias") for ax
 
 
 class BoundedMotionOutputs(NamedTuple):
-    """What the filter knows after a sample, or after a block of n samples: ``(n, 4)`` attitudes.
+    """The outputs of the filter after a sample, or after a block of n, with attitudes ``(n, 4)``.
 
     No attitude uses a later sample of its block.
     """
@@ -266,7 +266,7 @@ def _corrected(P: Array, seen: list[tuple[int, Array, Array]]) -> tuple[Estimate
 
 
 _SHORTEST = 1e-6
-"""Two samples of one time are as far apart, s: densities are divided by it."""
+"""Distance in s that two samples at one time are taken to have: densities are divided by it."""
 _START = 0.01
 """Deviation of speed and place at the start, m/s and m."""
 

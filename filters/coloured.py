@@ -27,7 +27,7 @@ def coloured(model: LinearModel, tau: Array, dt: Array) -> LinearModel:
         dt: the sample time of the model's transition, s.
 
     Returns:
-        A model of n + m states, those of the noise last, in its rest at the start.
+        A model of n + m states, those of the noise last, stationary at the start.
 
     >>> from filters import transitions
     >>> one = jnp.ones((1, 1))
@@ -52,7 +52,7 @@ def coloured(model: LinearModel, tau: Array, dt: Array) -> LinearModel:
 
 
 class ColouredState(NamedTuple):
-    """What is known of states and noises, and whether anything was measured yet, ``()``."""
+    """Estimate of states and noises, and whether anything was measured yet, ``()``."""
 
     estimate: AnyEstimate
     begun: Array
@@ -62,12 +62,12 @@ class _Coloured(Dressed):
     """A filter whose measurement noise is a first-order Markov process of the variance R.
 
     It is the Kalman filter of the same model with the noise among its states (:func:`coloured`),
-    and begins as the filter does: of its states nothing is known. A second measurement at the very
-    time of another tells nothing more, and is missed.
+    and begins as that filter does, with nothing known of its states. A second measurement at
+    exactly the time of another adds nothing, and is taken as missing.
     """
 
     def init(self, params: Any) -> ColouredState:
-        """Nothing is known but how large the noise is."""
+        """The start, at which only the variance of the noise is known."""
         model = self._model(params)
         n = len(model.x0) - len(model.H)
         return ColouredState(begin(model.x0, model.P0, range(n)), jnp.zeros((), bool))

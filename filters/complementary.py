@@ -51,7 +51,7 @@ class AngleSample(NamedTuple):
 
 @dataclass(frozen=True)
 class Complementary:
-    """One angle, or several apart, from its rate and a measurement of itself.
+    """One angle, or several independent ones, from its rate and a measurement of itself.
 
     a (angle + rate dt) + (1 - a) measured with a = tau / (tau + dt): stable for every tau. A bias
     of the rate leaves an error of tau times the bias. The mixing filter with K1 = 1/tau and K2 = 0
@@ -76,7 +76,7 @@ class Complementary:
     def step(
         self, params: ComplementaryGain, state: Array, inputs: AngleSample
     ) -> tuple[Array, Array]:
-        """Move by the rate, and go a share of the way to what is measured."""
+        """Integrate the rate, and go a share of the way to the measured angle."""
         ahead = state + or_else(inputs.rate, jnp.zeros_like(inputs.rate)) * self.dt
         apart = jnp.where(jnp.isnan(inputs.angle), 0.0, inputs.angle - ahead)
         angle = ahead + self.dt / (params.tau + self.dt) * apart
@@ -209,7 +209,7 @@ class Madgwick:
             level = rotate(state, _seen(inputs.mag))
             north = jnp.stack([jnp.zeros_like(level[2]), jnp.hypot(level[0], level[1]), level[2]])
             slope = slope + _slope(state, inputs.mag, normalise(north))
-        # Where no error is left, rounding has no direction: such a slope makes no step.
+        # Where no error is left, the slope is rounding without a direction: it makes no step.
         none = jnp.finfo(slope.dtype).eps ** 0.75
         length = jnp.sqrt(slope @ slope + none**2)
         still = jnp.zeros_like(inputs.gyr)
@@ -226,7 +226,7 @@ def _apart(q: Array, measured: Array, direction: Array) -> Array:
 
 
 def _unit(measured: Array) -> tuple[Array, Array]:
-    """Its direction, and whether it has one: not where it is 0, infinite or NaN."""
+    """Direction of a vector, and whether it has one: not where it is 0, infinite or NaN."""
     size = jnp.sqrt(measured @ measured)
     seen = (size > 0) & (size < jnp.inf)
     return jnp.where(seen, measured, 0.0) / jnp.where(seen, size, 1.0), seen

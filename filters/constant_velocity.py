@@ -43,7 +43,7 @@ _VARIANCE = Channel("unit^2", "of the innovation; 0 where it does not count", _N
 
 
 class ConstantVelocityNoise(NamedTuple):
-    """What constant velocity takes, ``()`` each; all axes share it."""
+    """Parameters of constant velocity, ``()`` each; all axes share them."""
 
     q: Annotated[
         Array,
@@ -61,7 +61,7 @@ class ConstantVelocityNoise(NamedTuple):
 
 
 class ConstantAccelerationNoise(NamedTuple):
-    """What constant acceleration takes, ``()`` each; all axes share it."""
+    """Parameters of constant acceleration, ``()`` each; all axes share them."""
 
     q: Annotated[
         Array,
@@ -96,7 +96,7 @@ class PositionSample(NamedTuple):
 
 
 class ConstantVelocityOutputs(NamedTuple):
-    """Position, velocity, and what the measurements brought; of k axes ``(k,)`` each."""
+    """Position, velocity, innovation and its variance; of k axes ``(k,)`` each."""
 
     position: Annotated[Array, _POSITION]
     velocity: Annotated[Array, _VELOCITY]
@@ -105,7 +105,7 @@ class ConstantVelocityOutputs(NamedTuple):
 
 
 class ConstantAccelerationOutputs(NamedTuple):
-    """Position and its derivatives, and what the measurements brought; ``(k,)`` each."""
+    """Position and its derivatives, innovation and its variance; ``(k,)`` each."""
 
     position: Annotated[Array, _POSITION]
     velocity: Annotated[Array, _VELOCITY]
@@ -116,7 +116,7 @@ class ConstantAccelerationOutputs(NamedTuple):
 
 @dataclass(frozen=True)
 class ConstantVelocity:
-    """The Kalman filter for a velocity that only white noise changes, of a like density q per axis.
+    """The Kalman filter for a velocity that only white noise changes, of density q on every axis.
 
     From a step dt to the next x' = x + dt v, with noise of the covariance
     q [[dt^3/3, dt^2/2], [dt^2/2, dt]]: exact for every dt. Nothing is assumed of the start: two
@@ -158,7 +158,7 @@ class ConstantVelocity:
         return replace(self, axes=_axes(channels))
 
     def init(self, params: ConstantVelocityNoise) -> tuple[Chain, ...]:
-        """Nothing is known."""
+        """The start, of which nothing is known."""
         return _nothing(self.axes, params, 2)
 
     def step(
@@ -178,7 +178,7 @@ class ConstantVelocity:
         return _measured(inputs)
 
     def derive(self, params: ConstantVelocityNoise) -> dict[str, Array]:
-        """The covariance a sample, and the steady gains in closed form.
+        """The covariance per sample, and the steady gains in closed form.
 
         With L = q dt^3 / R the predicted error's spectrum is that of a second-order filter, whose
         values at frequency 0 and at half the sample rate give both gains.
@@ -233,7 +233,7 @@ class ConstantAcceleration:
         return replace(self, axes=_axes(channels))
 
     def init(self, params: ConstantAccelerationNoise) -> tuple[Chain, ...]:
-        """Nothing is known."""
+        """The start, of which nothing is known."""
         return _nothing(self.axes, params, 3)
 
     def step(
@@ -253,7 +253,7 @@ class ConstantAcceleration:
         return _measured(inputs)
 
     def derive(self, params: ConstantAccelerationNoise) -> dict[str, Array]:
-        """The covariance a sample, and the steady gains from the Riccati equation."""
+        """The covariance per sample, and the steady gains from the Riccati equation."""
         Q = full(noise(3, 3, jnp.asarray(params.q), self.dt))
         return {"Q": Q, "K": steady_gain(Q / params.R, self.dt)}
 

@@ -18,7 +18,7 @@ from filters.declared import Channel
 from filters.small_linalg import matmul
 
 GRAVITY_GRADIENT = 3.07e-6
-"""Kgh in 1/s^2: how gravity falls with altitude, to which the channel owes its divergence."""
+"""Kgh in 1/s^2: the fall of gravity with altitude, which makes the channel diverge."""
 
 
 def vertical_channel(k_gh: ArrayLike = GRAVITY_GRADIENT) -> Array:
@@ -71,7 +71,7 @@ class LoopStep(NamedTuple):
 
     Attributes:
         F: the channel's transition, ``(3, 3)``.
-        B: what the gains make of a difference that is held for the sample, ``(3,)``.
+        B: effect of a difference that is held for the sample, through the gains, ``(3,)``.
     """
 
     F: Array
@@ -96,7 +96,7 @@ class ConventionalLoop:
     """The conventional scheme as it runs: three numbers, three gains, no covariance.
 
     Inputs are altitude differences z (inertial, uncorrected, minus given), ``()``; the output is
-    (A_B, dV, dh) as estimated for the next sample. Its parameters are what :func:`loop_step` makes
+    (A_B, dV, dh) as predicted for the next sample. Its parameters are what :func:`loop_step` makes
     of the gains, so it declares none. In error coordinates, and with dt -> 0, it is
     :func:`loop_error`, where e = z - dh and dV is the error of the corrected velocity.
     """

@@ -1,4 +1,4 @@
-"""The covariance of a filter's error by itself, which no measurement is needed for.
+"""The covariance of a filter's error, which depends on no measurement.
 
 A Kalman filter's gains depend on its model alone, so a design can be judged before there is any
 data: with the optimal gains, with gains of another origin, and in continuous time. These filters
@@ -18,7 +18,7 @@ from filters.small_linalg import matmul, product, solve
 
 
 class Uncertainty(NamedTuple):
-    """What a filter's error is after a measurement.
+    """The error of a filter after a measurement.
 
     Attributes:
         P: covariance P(+), ``(n, n)``.
@@ -47,7 +47,7 @@ class KalmanCovariance:
         H, variances, z = params.H, params.R, jnp.eye(m, dtype=state.dtype)
         if params.R.ndim == 2:
             H, variances, z = decorrelate(H, params.R, z)
-        # Unit measurements on a state of zero: what they leave in the state is the gain.
+        # Unit measurements on a state of zero leave the gain in the state.
         estimate = Estimate(jnp.zeros((n, m), state.dtype), state)
         for i in range(m):
             estimate, _ = update(estimate, H[i], variances[i], z[i])
@@ -59,7 +59,7 @@ class GainCovariance:
     """Covariance of the error with gains from elsewhere: measure, output, predict.
 
     Source: Ha, Kim and Choi 1981, (19), which is Joseph's form: right for any gain. The inputs are
-    the gains, ``(n, m)`` a sample.
+    the gains, ``(n, m)`` per sample.
     """
 
     def init(self, params: LinearModel) -> Array:
@@ -90,7 +90,7 @@ class GainTable(NamedTuple):
 class TableCovariance:
     """Covariance of the error with gains from a table, which can be tuned.
 
-    The inputs say which gain is applied, a whole number a sample.
+    The inputs say which gain is applied, one whole number per sample.
     """
 
     def init(self, params: GainTable) -> Array:
@@ -135,7 +135,7 @@ class RiccatiCovariance:
 
 
 def riccati_flow(A: Array, C: Array, W: Array, V: Array, dt: Array) -> Array:
-    """The matrix M by which P' = A P + P A' + W - P C' V^-1 C P moves in dt.
+    """The matrix M that carries P' = A P + P A' + W - P C' V^-1 C P over dt.
 
     With X(0) = I and Y(0) = P(0), ``d[X; Y]/dt = [-A', C' V^-1 C; W, A] [X; Y]``, P = Y X^-1.
     Source: Kalman and Bucy, J. Basic Engineering 83, 1961.

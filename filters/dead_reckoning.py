@@ -18,7 +18,7 @@ NED = ("north", "east", "down")
 
 
 class DeadReckoningNoise(NamedTuple):
-    """What the position filter takes."""
+    """Parameters of the position filter."""
 
     R_horizontal: Annotated[
         Array,
@@ -105,7 +105,7 @@ class DeadReckoningSample(NamedTuple):
 
 
 class DeadReckoningOutputs(NamedTuple):
-    """What the filter knows after a tick; innovations are one coordinate after another."""
+    """The outputs of the filter after a tick; innovations are one coordinate after another."""
 
     position: Annotated[Array, Channel("m", "estimated position", NED)]
     P: Annotated[Array, Channel("m^2", "its covariance", NED, "detail")]
@@ -138,7 +138,7 @@ class DeadReckoningKalman:
     def step(
         self, params: DeadReckoningNoise, state: Estimate, inputs: DeadReckoningSample
     ) -> tuple[Estimate, DeadReckoningOutputs]:
-        """Move on along the axis, and take what is measured."""
+        """Move on along the axis, and take the measurements."""
         G = track_jacobian(inputs.speed, inputs.angles)
         x = state.x + self.dt * inputs.speed * G[:, 0]
         estimate = Estimate(x, state.P + self.dt * matmul(matmul(G, params.Q), G.T))

@@ -1,4 +1,4 @@
-"""What a filter says about itself: facts at the fields of its own tuples.
+"""Declarations of a filter: facts at the fields of its own tuples.
 
 A filter class names its tuples: ``params``, ``inputs``, ``states`` and ``outputs``. Each is a
 ``NamedTuple`` whose fields are ``Annotated`` with a :class:`Param` or a :class:`Channel`; where the
@@ -17,14 +17,14 @@ import jax.numpy as jnp
 from jax import Array
 
 Kind: TypeAlias = Literal["number", "angle", "attitude", "detail"]
-"""How errors of a channel are taken: by difference, by difference within half a turn, or as the
+"""The error of a channel: a difference, a difference within half a turn, or the
 angle between quaternions; a detail is not compared with a truth at all."""
 
 
 Sensor: TypeAlias = Literal[
     "", "gyroscope", "gyroscope bias", "accelerometer", "accelerometer bias"
 ]
-"""Of which sensor a parameter is the noise density, or the density of its bias's drift; in SI."""
+"""The sensor whose noise density a parameter is, or the density of whose bias's drift; in SI."""
 
 
 class Param(NamedTuple):
@@ -34,13 +34,13 @@ class Param(NamedTuple):
         unit: in SI, ``""`` for none; ``unit`` in it stands for that of the measurement.
         meaning: one short sentence.
         typical: a value to begin with; a matrix as nested tuples.
-        low: where a search begins; None: there is none, as of a start or a constant of nature.
+        low: where a search begins; None for no search, as for a start or a constant of nature.
         high: where it ends.
         smaller: what a smaller value does.
         larger: what a larger value does.
-        shape: of what the filter takes; a single number fills it.
-        channel: the optional input that it belongs to; without that it idles, and is not tuned.
-        sensor: whose noise density it is, or its root, so that it can be told as data sheets do.
+        shape: of the value that the filter takes; a single number fills it.
+        channel: the optional input that it belongs to; without that it is idle and not tuned.
+        sensor: whose noise density it is, or its root, so that it can be given as in data sheets.
         per_sample: whether it belongs to one sample time, and at another rate means something else.
     """
 
@@ -64,7 +64,7 @@ class Channel(NamedTuple):
         unit: in SI, ``""`` for none; ``unit`` in it stands for that of the measurement.
         meaning: one short sentence, with the frame where there is one.
         axes: names of its parts; none for a single number.
-        kind: how an error of it is taken.
+        kind: how its error is defined.
     """
 
     unit: str
@@ -144,7 +144,7 @@ def optional_groups(filter: Any) -> tuple[frozenset[str], ...]:
 
 
 def assembled(filter: Any, values: Mapping[str, Any]) -> Any:
-    """What ``init`` and ``step`` take as parameters, from values by name.
+    """The parameters that ``init`` and ``step`` take, from values by name.
 
     Args:
         filter: a filter, or its class.
@@ -171,7 +171,7 @@ def values_of(filter: Any, params: Any) -> dict[str, Array]:
 
 
 def inputs_of(filter: Any, channels: Mapping[str, Any]) -> Any:
-    """What ``step`` takes as inputs, from channels by name, time first; None for those left out."""
+    """The inputs of ``step``, from channels by name, time first; None for those left out."""
     inputs = declaration(filter, "inputs")
     if isinstance(inputs, Mapping):
         (name,) = inputs
@@ -180,7 +180,7 @@ def inputs_of(filter: Any, channels: Mapping[str, Any]) -> Any:
 
 
 def output(filter: Any, outputs: Any, name: str) -> Array:
-    """The output of a name, from what the filter returned."""
+    """The output of a name, from the outputs of the filter."""
     if isinstance(declaration(filter, "outputs"), Mapping):
         alone: Array = outputs
         return alone
@@ -196,7 +196,7 @@ def bare(filter: Any) -> Any:
 
 
 OWN = re.compile(r"\bunit\b(?=\^(\d+))?")
-"""What stands for the measurement's own unit in a declared one."""
+"""The placeholder for the measurement's own unit in a declared one."""
 
 
 def in_unit(declared: str, own: str) -> str:

@@ -2,7 +2,7 @@
 
 While some directions W of the state may have any error, a measurement that sees one of them is
 taken with the gain that removes it, K = w / (h w), and does not count; all others are taken as
-ever. In the limit of an infinite covariance W W' this is the Kalman filter. Source: Durbin and
+usual. In the limit of an infinite covariance W W' this is the Kalman filter. Source: Durbin and
 Koopman, Time Series Analysis by State Space Methods, 2012, ch. 5, univariate treatment, with the
 directions in place of their covariance, of which each measurement removes a column.
 """
@@ -19,13 +19,13 @@ from filters.small_linalg import matmul
 
 
 class DiffuseEstimate(NamedTuple):
-    """What a Kalman filter knows while it knows little.
+    """The estimate of a Kalman filter while some directions of its state are unknown.
 
     Attributes:
         x: state estimate, ``(n,)`` or ``(n, s)``.
         P: covariance of its error, while W is left out of it, ``(n, n)``.
         W: directions in which the error may have any size, ``(n, d)``; columns of 0 once known.
-        size: how large the numbers were of which W's entries are sums, ``(n, d)``: what is far
+        size: magnitude of the numbers whose sums W's entries are, ``(n, d)``: what is far
             below them is rounding.
     """
 
@@ -43,12 +43,12 @@ def begin(x0: Array, P0: Array, diffuse: Sequence[int]) -> AnyEstimate:
     """The start, with states of which nothing is known.
 
     Args:
-        x0: the start, ``(n,)`` or ``(n, s)``; of diffuse states any value does.
+        x0: the start, ``(n,)`` or ``(n, s)``; any value will do for diffuse states.
         P0: its covariance, ``(n, n)``; rows and columns of diffuse states do not matter.
         diffuse: the states of which nothing is known, by number.
 
     Raises:
-        ValueError: for numbers of states that there are not.
+        ValueError: for numbers of states that do not exist.
 
     >>> begin(jnp.zeros(2), jnp.eye(2), [1]).W.tolist()
     [[0.0], [1.0]]
@@ -87,7 +87,7 @@ def take(estimate: AnyKind, h: Array, r: Array, z: Array) -> tuple[AnyKind, Inno
 
     Returns:
         The estimate, and the innovation: value and variance are 0 where the measurement removes a
-        direction, for then they say nothing.
+        direction, as they then say nothing.
 
     >>> start = begin(jnp.zeros(1), jnp.eye(1), [0])
     >>> after, innovation = take(start, jnp.ones(1), jnp.array(2.0), jnp.array(5.0))

@@ -8,21 +8,21 @@ from filters.declared import Param, channel_facts
 
 
 class Dressed:
-    """What classes have in common that :func:`dressed` makes; their fields are those of the filter.
+    """Common part of the classes that :func:`dressed` makes; their fields are those of the filter.
 
     Attributes:
         base: class of the filter inside.
-        recipe: the function that makes the class of a filter's, and what else it takes.
+        recipe: the function that makes the class from a filter's, and its other arguments.
     """
 
     base: ClassVar[type[Any]]
     recipe: ClassVar[tuple[Callable[..., type[Any]], tuple[Any, ...]]]
 
     def __post_init__(self) -> None:
-        self.inner()  # which checks what it is given
+        self.inner()  # whose making checks the fields
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """A class that was made by a function is found by it again in another process."""
+        """Pickle by the function that made the class, which another process calls again."""
         return _again, (*self.recipe, self.base, self._fields())
 
     def inner(self) -> Any:
@@ -46,7 +46,7 @@ class Dressed:
         return own(**{name: getattr(params, name) for name in own._fields})
 
     def derive(self, params: Any) -> dict[str, Any]:
-        """Of what the filter inside derives, the variance a sample: its gains are others now."""
+        """The variance per sample of the filter inside; its other derived numbers do not hold."""
         if not hasattr(self.base, "derive"):
             return {}
         return {n: v for n, v in self.inner().derive(self.within(params)).items() if n == "Q"}
@@ -67,8 +67,8 @@ def dressed(
     Args:
         base: the filter's class, which declares its facts.
         kind: the class with ``init`` and ``step``.
-        facts: of the parameters that come after its own, or in place of some, each with its type.
-        recipe: the function that makes this class of ``base`` and more arguments; they.
+        facts: of the parameters that are added to its own or replace some, each with its type.
+        recipe: the function that makes this class from ``base`` and more arguments, and these.
     """
     hints = get_type_hints(base.params, include_extras=True)
     hints |= {name: Annotated[hint, fact] for name, (hint, fact) in facts.items()}
@@ -89,7 +89,7 @@ def dressed(
 
 
 def needs(base: type[Any], part: str, why: str) -> None:
-    """Refuse a filter that does not take what a part of it needs.
+    """Refuse a filter that lacks the input that an addition needs.
 
     Raises:
         ValueError: where its inputs have no channel of that name.

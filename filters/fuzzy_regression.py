@@ -16,7 +16,7 @@ from jax import Array, lax
 from filters.linear_program import optimum
 
 DECIDED = 1e-9
-"""A multiplier above it, of t and x scaled to 1, is not rounding."""
+"""With t and x scaled to 1, a multiplier above this is more than rounding."""
 
 
 class Regression(NamedTuple):
@@ -24,8 +24,8 @@ class Regression(NamedTuple):
 
     Attributes:
         center, spread: p and c, the intercept first, ``(s, k + 1)`` each.
-        unique: whether it is certain that no other (p, c) does as well, ``(s,)``. Where it is
-            not, because samples tie, one that does best is given, or, where t determines no
+        unique: whether it is certain that no other (p, c) is as good, ``(s,)``. Where it is
+            not, because samples tie, one of the best is given, or, where t determines no
             center, something arbitrary; :func:`tuner.tanaka` tells these apart. Samples that
             are not finite, h outside 0 to below 1 and spreads below 0 make everything NaN.
     """
@@ -82,7 +82,7 @@ def regression(t: Array, x: Array, h: Array | float = 0.0, e: Array | None = Non
 
 
 def _degree(h: Array | float) -> Array:
-    """NaN where h is none."""
+    """h, or NaN where it is out of its range."""
     return jnp.where((jnp.asarray(h) >= 0) & (jnp.asarray(h) < 1), h, jnp.nan)
 
 

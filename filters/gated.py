@@ -1,4 +1,4 @@
-"""An innovation gate for any filter: what is too unlikely is taken as missing."""
+"""An innovation gate for any filter: a measurement that is too unlikely is taken as missing."""
 
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -11,7 +11,7 @@ from filters.measured import Holes, Parts, judged, widened
 from filters.protocol import AnyFilter
 
 PATIENCE = 10
-"""After so many refusals in a row the filter is doubted, and not the measurement."""
+"""Refusals in a row after which the filter is doubted, and not the measurement."""
 
 
 class GatedState(NamedTuple):
@@ -35,10 +35,10 @@ class Gated:
     the same step with this number missing (NaN). Where innovations are taken one after another,
     each is judged after those before it were taken or refused, in the filter's own order; numbers
     that are one measurement (a direction of three parts) go together. Known inputs are never
-    dropped. What the filter takes to start, and does not count (variance 0), is not judged.
+    dropped. Measurements that start the filter, and do not count (variance 0), are not judged.
 
-    So that a wrong start or an object that jumps does not lock the gate for ever: after
-    ``patience`` refusals in a row of an innovation its numbers are taken, whatever they are, until
+    A wrong start or an object that jumps must not lock the gate for ever: after
+    ``patience`` refusals of an innovation in a row its numbers are taken, whatever they are, until
     one lies within the gate again. Meanwhile a filter with process noise widens its gate by itself.
 
     The outputs gain four arrays, ``(m,)``: ``offered`` and ``foretold``, the innovation and its
@@ -48,10 +48,10 @@ class Gated:
     Navigation, 2001, 5.4 (the gate).
 
     Attributes:
-        filter: the filter; its innovations' variances have to be right for the gate to be.
+        filter: the filter; the gate is right only if its innovations' variances are.
         parts: which numbers its innovations are made of, by :func:`filters.measured`.
-        gate: in deviations; of right numbers one in 16,000 is beyond 4.
-        patience: refusals in a row after which what comes is taken; 1 or more.
+        gate: in standard deviations; one correct number in 16,000 is beyond 4.
+        patience: refusals in a row after which the next numbers are taken; 1 or more.
 
     >>> from filters import LevelSample, LocalLevel, LocalLevelNoise, measured, run
     >>> level, noise = LocalLevel(dt=1.0), LocalLevelNoise(jnp.array(0.01), jnp.array(1.0))
@@ -87,7 +87,7 @@ class Gated:
         return GatedState(inner, jnp.zeros(len(self.parts), number_type(inner)))
 
     def step(self, params: Any, state: GatedState, inputs: Any) -> tuple[GatedState, Any]:
-        """Take one sample, again without its first wrong number while there is one."""
+        """Take one sample, and take it again without its first wrong number while there is one."""
         holes = Holes(self.parts)
         gated = jnp.array([bool(part) for part in self.parts]) & (state.outside < self.patience)
 
@@ -140,7 +140,7 @@ class Gated:
 
 
 class _Seen(NamedTuple):
-    """What a sample came to so far."""
+    """The result of a sample so far."""
 
     stepped: tuple[Any, Any]
     refused: Array

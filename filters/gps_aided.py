@@ -33,7 +33,7 @@ _STATES = (*(f"q_{axis}" for axis in WXYZ), *(f"bias_{axis}" for axis in XYZ))
 
 
 class GpsAidedNoise(NamedTuple):
-    """What the filter takes; the process noise has one number for q and one for the bias."""
+    """Parameters of the filter; the process noise has one number for q and one for the bias."""
 
     R_phi: Annotated[
         Array,
@@ -129,7 +129,7 @@ class GpsAidedNoise(NamedTuple):
 
     @property
     def process(self) -> ResidualNoise:
-        """What the laws take, of seven states."""
+        """Noise of seven states, as the laws take it."""
         floor = _by_state(self.floor_quaternion, self.floor_bias)
         return ResidualNoise(_by_state(self.Q_quaternion, self.Q_bias), floor, self.scale, self.h)
 
@@ -155,9 +155,9 @@ class GpsAidedState(NamedTuple):
 
 
 class GpsAidedOutputs(NamedTuple):
-    """What the filter knows after a tick; of residual and innovation, 0 without a measurement.
+    """The outputs of the filter after a tick; residual and innovation are 0 without a measurement.
 
-    Innovations are one angle after another, each less what the state and the angles before it
+    Innovations are one angle after another, each less what the state and the earlier angles
     foretell; those of phi and psi lie within half a turn.
     """
 
@@ -261,7 +261,7 @@ class GpsAidedKalman:
         return euler_angles(x[:4], homogeneous=self.euler == "homogeneous")
 
     def _normalised(self, found: Estimate, seen: Array) -> Estimate:
-        """(9), where there was an update, and J P J' with J = diag((I - u u') / abs(q), I)."""
+        """(9), after an update, and J P J' with J = diag((I - u u') / abs(q), I)."""
         q = found.x[:4]
         length = jnp.sqrt(q @ q)
         u = q / length
@@ -292,8 +292,8 @@ def euler_angles(q: Array, *, homogeneous: bool = True) -> Array:
     """(phi, theta, psi) of a quaternion from body to north, east, down, ``(3,)``.
 
     Args:
-        q: ``(4,)``, scalar first, of any length if homogeneous.
-        homogeneous: whether theta is over abs(q)^2, so that no angle changes with q's length.
+        q: ``(4,)``, scalar first, of any norm if homogeneous.
+        homogeneous: whether theta is divided by abs(q)^2, so that no angle changes with q's norm.
 
     >>> jnp.degrees(euler_angles(jnp.array([2.0, 0.0, 0.0, 2.0]))).round().tolist()
     [0.0, 0.0, 90.0]

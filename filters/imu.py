@@ -37,13 +37,13 @@ class SixAxes(NamedTuple):
 
 
 ATTITUDE = Channel("", "attitude, sensor to earth, earth z up", WXYZ, "attitude")
-"""What an attitude filter estimates, ``(4,)``."""
+"""The attitude that a filter estimates, ``(4,)``."""
 LEVEL = Param(
     "", "attitude at the start, sensor to earth; zeros: level by the first sample", 0.0, shape=(4,)
 )
-"""Where an attitude filter begins."""
+"""The attitude at which a filter begins."""
 GRAVITY = Param("m/s^2", "gravity, in the accelerometers' unit", 9.81)
-"""What accelerometers show at rest."""
+"""The specific force that accelerometers measure at rest."""
 DISTURBANCE = Param(
     "",
     "a disturbance is detected where abs(a)^2 / g^2 differs more from 1; a threshold",
@@ -51,4 +51,4 @@ DISTURBANCE = Param(
     smaller="noise counts as a disturbance",
     larger="disturbances pass unseen",
 )
-"""When accelerometers show more than gravity."""
+"""The threshold above which accelerometers show more than gravity."""

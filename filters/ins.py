@@ -1,7 +1,7 @@
-"""Inertial navigation with an error-state Kalman filter, and whatever aids it.
+"""Inertial navigation with an error-state Kalman filter and any aiding sensors.
 
-Gyroscopes and accelerometers carry attitude, velocity and position; what is measured besides
-corrects them, and both sensors' biases.
+Attitude, velocity and position come from gyroscopes and accelerometers; other measurements
+correct them, and both sensors' biases.
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ from filters.validate import check_setup
 
 
 class InsState(NamedTuple):
-    """Between samples.
+    """The state of the filter between samples.
 
     Attributes:
         at: the motion.
@@ -47,13 +47,13 @@ class InsState(NamedTuple):
 
 @dataclass(frozen=True)
 class ErrorStateIns:
-    """An inertial navigation filter of 15 error states, with any aiding there is.
+    """An inertial navigation filter of 15 error states, with any aiding sensors.
 
-    It begins at the first complete sample of the accelerometers, at rest or nearly so: they say
-    which way is up, the magnetometer or the parameter ``heading`` the heading. Measured numbers are
-    taken one after another, all linearised at the prediction, and the estimated error then moves
-    into the motion. The heading without a magnetometer is known after accelerations that the
-    aiding shows. Flat earth, no rotation of it. Source: Solà, Quaternion kinematics for the
+    It begins at the first complete sample of the accelerometers, at rest or nearly so. They show
+    which way is up; the magnetometer or the parameter ``heading`` gives the heading. Measurements
+    are taken one after another, all linearised at the prediction; the estimated error then corrects
+    the motion. Without a magnetometer the heading becomes known by accelerations that the aiding
+    shows. The earth is flat and does not rotate. Source: Solà, Quaternion kinematics for the
     error-state Kalman filter, 2017, ch. 7, with errors of attitude in the earth frame.
 
     Attributes:
@@ -93,7 +93,7 @@ class ErrorStateIns:
     def step(
         self, params: InsNoise, state: InsState, inputs: InsSample
     ) -> tuple[InsState, InsOutputs]:
-        """Navigate through the sample, then take what is measured at its end."""
+        """Navigate through the sample, then take the measurements at its end."""
         gyr = jnp.where(jnp.isnan(inputs.gyr), state.gyr, inputs.gyr)
         acc = jnp.where(jnp.isnan(inputs.acc), state.acc, inputs.acc)
         going = state.at.q @ state.at.q > 0
@@ -117,7 +117,7 @@ class ErrorStateIns:
 
     @property
     def _up(self) -> float:
-        """Where upwards is along z, of the earth and of a level sensor."""
+        """The sign of up along z, of the earth and of a level sensor."""
         return 1.0 if self.frame == "enu" else -1.0
 
     def _bearing(self, compass: Array) -> Array:
@@ -136,7 +136,7 @@ class ErrorStateIns:
         return multiply(from_rotation_vector(turn * z), q)
 
     def _first_place(self, params: InsNoise, seen: InsSample) -> tuple[Array, Array]:
-        """What may begin the position, and its variances: GPS, or the barometer without any."""
+        """Measurement that may begin the position, and its variances: GPS, else the barometer."""
         if seen.gps is not None:
             return seen.gps, jnp.stack([params.R_gps, params.R_gps, params.R_gps_up])
         unknown = jnp.full(2, jnp.nan, params.R_baro.dtype)
@@ -144,7 +144,7 @@ class ErrorStateIns:
         return jnp.concatenate([unknown, z]), jnp.broadcast_to(params.R_baro, (3,))
 
     def _aids(self, params: InsNoise, at: Motion, seen: InsSample) -> list[Aid | None]:
-        """What is measured, in the order of AIDS."""
+        """The measurements, in the order of AIDS."""
         missing: list[Aid | None] = [None, None, None]
         gps, vel, baro, speed, mag, still = seen[2:]
         level_up = params.R_gps, params.R_gps_up
@@ -186,7 +186,7 @@ def _placed(state: InsState, place: Array, R: Array) -> InsState:
 
 
 def _without_first(seen: InsSample, began: Array) -> InsSample:
-    """What is left to be taken: not what has just begun the position, ``(3,)``."""
+    """The coordinates left to be taken: those that did not just begin the position, ``(3,)``."""
     if seen.gps is not None:
         return seen._replace(gps=jnp.where(began, jnp.nan, seen.gps))
     if seen.baro is not None:

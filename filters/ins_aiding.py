@@ -1,4 +1,4 @@
-"""What aids an INS filter: every measured number as a row, a variance and a difference."""
+"""Aiding of an INS filter: every measured number as a row, a variance and a difference."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -37,7 +37,7 @@ class Aid(NamedTuple):
 
 
 class Brought(NamedTuple):
-    """What a sample's measurements say.
+    """The error that a sample's measurements show.
 
     Attributes:
         x: the estimated error, ``(15,)``.
@@ -96,7 +96,7 @@ def field_direction(R: Array, at: Motion, mag: Array, north: Array) -> Aid:
 
 
 def level_part(q: Array, mag: Array) -> tuple[Array, Array]:
-    """Whether a field has a level part, and the field in earth axes: some other where not."""
+    """Whether a field has a level part, and the field in earth axes: any other where not."""
     field = (matrix(q) * jnp.where(jnp.isnan(mag), 0.0, mag)).sum(axis=1)
     seen = ~jnp.isnan(mag).any() & (field[0] ** 2 + field[1] ** 2 > 0)
     return seen, jnp.where(seen, field, jnp.array([1.0, 0.0, 0.0], q.dtype))

@@ -1,4 +1,4 @@
-"""What an INS filter takes and returns, and what it says about that."""
+"""Parameters, inputs, states and outputs of an INS filter, with their facts."""
 
 from typing import Annotated, NamedTuple
 
@@ -12,7 +12,7 @@ _LESS_ACC = "the accelerometers are trusted longer, the velocity follows the aid
 
 
 class InsNoise(NamedTuple):
-    """What the filter takes, single numbers throughout.
+    """Parameters of the filter, single numbers throughout.
 
     Densities hold at any sample time; variances R are those of one sample. Deviations at the start
     and constants are not tuned unless a space says so.
@@ -213,7 +213,7 @@ class InsSample(NamedTuple):
 
 
 class InsOutputs(NamedTuple):
-    """What the filter knows after a sample.
+    """The outputs of the filter after a sample.
 
     Innovations stand in the order of :data:`filters.ins_aiding.AIDS`, ``(12,)``, each after the
     numbers before it were taken; innovation and variance are 0 where nothing was measured, and

@@ -14,7 +14,7 @@ TURN, GYR_BIAS, ACC_BIAS, VELOCITY, POSITION = (slice(i, i + 3) for i in range(0
 
 
 class Motion(NamedTuple):
-    """Where navigation has come, in earth axes, and the sensor's own errors.
+    """The navigated motion in earth axes, and the sensor's own errors.
 
     Attributes:
         q: attitude, sensor to earth, ``(4,)``; zeros: not known yet.
@@ -41,7 +41,7 @@ class Densities(NamedTuple):
 
 
 class Growth(NamedTuple):
-    """What one sample does to the errors: blocks of the transition, ``(3, 3)`` each.
+    """The transition of the errors over one sample, by its blocks, ``(3, 3)`` each.
 
     Attributes:
         turn: attitude by gyroscope bias.
@@ -53,7 +53,7 @@ class Growth(NamedTuple):
 
 
 def moved(at: Motion, gyr: Array, acc: Array, gravity: Array, dt: Array) -> tuple[Motion, Growth]:
-    """Navigate through one sample, with the exact derivatives of where that leads.
+    """Navigate through one sample, with the exact derivatives of the result.
 
     The rate holds through the sample, the force acts at the attitude in its middle, and the
     position follows the mean of both velocities. An error of attitude is a small rotation in earth
@@ -103,7 +103,7 @@ def spread(P: Array, growth: Growth, noise: Densities, dt: Array) -> Array:
 
 
 def corrected(at: Motion, x: Array) -> Motion:
-    """The motion with its estimated errors x ``(15,)`` taken into it; they are zero after that."""
+    """The motion corrected by its estimated errors x ``(15,)``, which are zero after that."""
     return Motion(
         normalise(multiply(from_rotation_vector(x[TURN]), at.q)),
         at.velocity + x[VELOCITY],
@@ -119,7 +119,7 @@ def matrix(q: Array) -> Array:
 
 
 def _arc(v: Array) -> Array:
-    """What a small change of a rotation vector adds to its rotation, ``(3, 3)``.
+    """The rotation that a small change of a rotation vector adds to its own, ``(3, 3)``.
 
     The left Jacobian of SO(3) by its series, which is wrong by abs(v)^6 / 40320.
     """

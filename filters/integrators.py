@@ -24,7 +24,7 @@ Upper: TypeAlias = tuple[tuple[ArrayLike, ...], ...]
 
 
 class Chain(NamedTuple):
-    """What the filter knows; every number is ``()``.
+    """The estimate of the filter; every number is ``()``.
 
     Attributes:
         x: the quantity and its derivatives, n numbers.
@@ -48,10 +48,10 @@ class Taken(NamedTuple):
 
 
 def begin(still: Array, P: Upper, diffuse: int) -> Chain:
-    """Before the first measurement.
+    """The estimate before the first measurement.
 
     Args:
-        still: zero, of the kind of every number.
+        still: a zero of the type that every number shall have.
         P: covariance of the start over R where it is known.
         diffuse: how many of the n numbers may have any value, from the first on.
     """
@@ -127,7 +127,7 @@ def integration(n: int, dt: ArrayLike) -> Array:
 
 
 def move(chain: Chain, Q: Upper, dt: ArrayLike) -> Chain:
-    """Integrate over one step; before the first measurement nothing moves.
+    """Integrate over one step; nothing moves before the first measurement.
 
     Args:
         chain: after the last measurement.
@@ -214,7 +214,7 @@ def steady_gain(Q: Array, dt: ArrayLike) -> Array:
     return H[:, 0] / (1 + H[0, 0]) / unit
 
 
-_ROUNDS = 40  # 2^40 samples: slower gains are those of no filter
+_ROUNDS = 40  # 2^40 samples: no filter is slower
 
 
 def _at(P: Upper, i: int, j: int) -> Array:

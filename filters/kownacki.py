@@ -23,7 +23,7 @@ FILTERED = {"z": Channel("unit", "filtered quantity")}
 
 
 class KownackiNoise(NamedTuple):
-    """What is tuned; only Q/R and P0/R count, and P0 not for long."""
+    """Parameters to tune; only Q/R and P0/R matter, and P0 not for long."""
 
     R: Annotated[
         ArrayLike,
@@ -89,7 +89,7 @@ _DERIVED = {
     "K2": Param("1/s", "steady gain on its derivative", 0.1),
     "bandwidth": Param("Hz", "where the response has fallen by 3 dB", 1.0),
 }
-"""What follows from R and Q; a filter that is nearly none has no bandwidth."""
+"""Numbers that follow from R and Q; a filter that hardly smooths has no bandwidth."""
 
 
 @dataclass(frozen=True)
@@ -202,7 +202,7 @@ class GyroscopeFilter:
 
 
 class FixedGains(NamedTuple):
-    """Gains that stay as they are."""
+    """Constant gains."""
 
     K1: Annotated[
         ArrayLike,
@@ -234,9 +234,9 @@ class FixedGains(NamedTuple):
 
 @dataclass(frozen=True)
 class FixedGainFilter:
-    """What either filter becomes once P0 is forgotten: two numbers instead of a covariance.
+    """The steady form of either filter, once P0 is forgotten: two numbers instead of a covariance.
 
-    The form for a small machine: no division, and single precision does it no harm.
+    The form for a small machine: no division, and single precision is enough.
 
     Attributes:
         dt: sample time T in s.
@@ -272,7 +272,7 @@ class FixedGainFilter:
 
 
 class SteadyState(NamedTuple):
-    """What a filter becomes once P0 is forgotten.
+    """The steady state of a filter, once P0 is forgotten.
 
     Attributes:
         gains: the gains of the :class:`FixedGainFilter` that it becomes.

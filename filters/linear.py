@@ -92,7 +92,7 @@ class Measured(NamedTuple):
 
 
 class LinearOutputs(NamedTuple):
-    """What the filter knows after a sample.
+    """The outputs of the filter after a sample.
 
     Attributes:
         x: state estimate, ``(n,)`` or ``(n, s)``.
@@ -117,8 +117,8 @@ class LinearKalman:
     """The Kalman filter: predict, then take the m measurements one after another.
 
     Source: Kalman 1960; sequential updates as in Bierman 1977, ch. 5. A missing
-    measurement (NaN) is skipped, so a missing sample is a prediction. What it estimates is its
-    model's to say: it declares neither parameters nor states.
+    measurement (NaN) is skipped, so a missing sample is a prediction. Its model says what it
+    estimates: it declares neither parameters nor states.
 
     Attributes:
         diffuse: numbers of the states of which nothing is known at the start, exactly
@@ -161,7 +161,7 @@ class LinearKalman:
 
 
 class GainedSample(NamedTuple):
-    """A measurement with the gain that is to be applied to it.
+    """A measurement with the gain to apply to it.
 
     Attributes:
         z: measurements, ``(m,)``; NaN means missing.
@@ -174,7 +174,7 @@ class GainedSample(NamedTuple):
 
 @dataclass(frozen=True)
 class StoredGains:
-    """A linear filter whose gains were worked out before: measure, output, predict.
+    """A linear filter with gains computed beforehand: measure, output, predict.
 
     The first measurement is taken at once, on x0, as by :class:`filters.KalmanCovariance`, whose
     gains it takes; one gain for all samples makes a fixed-gain filter. A building block, which

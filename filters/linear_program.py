@@ -16,14 +16,14 @@ import numpy as np
 from jax import Array, lax
 
 KEPT = 1e-10
-"""An optimum breaks no row by more; data are scaled to 1."""
-_BROKEN = 1e-12  # what some tens of exchanges may leave of rounding is no reason for another one
+"""Largest violation of a row at an optimum; data are scaled to 1."""
+_BROKEN = 1e-12  # rounding left by some tens of exchanges is no reason for another one
 _PIVOT = 1e-9  # a divisor below it would lose more digits than the last Newton step gives back
 _TIE = 1e-12  # multipliers that reach zero together but for rounding: the largest divisor is taken
 
 
 class Optimum(NamedTuple):
-    """Where the dual simplex method ended, for L programs.
+    """The end of the dual simplex method, for L programs.
 
     Attributes:
         z: (p, s), ``(free + c, L)``. Its first derivative by A and b is exact where it is unique.
@@ -36,7 +36,7 @@ class Optimum(NamedTuple):
 
 
 class _Table(NamedTuple):
-    """All in terms of the basis: the rows that hold with equality, by what they have to spare.
+    """The simplex tableau: everything in terms of the basis, the rows that hold with equality.
 
     Attributes:
         body: of A's rows, of z and of the cost, ``(rows + unknowns + 1, unknowns + 1, L)``; the

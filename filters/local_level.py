@@ -15,7 +15,7 @@ _LEVEL = Channel("unit", "estimated level; 0 before the first measurement")
 
 
 class LocalLevelNoise(NamedTuple):
-    """What the local level takes, ``()`` each."""
+    """Parameters of the local level, ``()`` each."""
 
     q: Annotated[
         Array,
@@ -64,7 +64,7 @@ class LevelState(NamedTuple):
 
 
 class LocalLevelOutputs(NamedTuple):
-    """The level ``()``, and what the measurement brought ``(1,)``."""
+    """The level ``()``, innovation and its variance ``(1,)``."""
 
     level: Annotated[Array, _LEVEL]
     innovation: Annotated[
@@ -107,14 +107,14 @@ class LocalLevel:
         check_setup(self)
 
     def init(self, params: LocalLevelNoise) -> LevelState:
-        """Nothing is known."""
+        """The start, of which nothing is known."""
         nothing = jnp.zeros((), jnp.result_type(params.q, params.R))
         return LevelState(nothing, nothing, nothing)
 
     def step(
         self, params: LocalLevelNoise, state: LevelState, inputs: LevelSample
     ) -> tuple[LevelState, LocalLevelOutputs]:
-        """Let the variance grow, and go the gain's share of the way to what is measured."""
+        """Let the variance grow, and go the gain's share of the way to the measurement."""
         known = state.known > 0
         sigma = jnp.ones_like(inputs.z) if inputs.sigma is None else inputs.sigma
         seen = ~jnp.isnan(inputs.z) & (sigma > 0)

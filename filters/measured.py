@@ -14,7 +14,7 @@ from filters.declared import bare
 from filters.protocol import AnyFilter, run
 
 Parts: TypeAlias = tuple[tuple[tuple[int, int], ...], ...]
-"""For every innovation the numbers of a sample without which there is none: which leaf of the
+"""For every innovation, the numbers of a sample without which there is none: which leaf of the
 inputs, and which of its entries."""
 
 
@@ -58,7 +58,7 @@ def measured(filter: AnyFilter, params: Any, inputs: Any) -> Parts:
 
 NAMED: Any = namedtuple  # of fields that are known when it runs
 
-# Run once, so that to compile them well would take longer than to run them.
+# They run once: optimising their compilation would take longer than the run.
 _quickly = partial(
     jax.jit, static_argnums=0, compiler_options={"xla_backend_optimization_level": 0}
 )
@@ -66,7 +66,7 @@ _quickly = partial(
 
 @dataclass(frozen=True)
 class Holes:
-    """Makes the measurements of some innovations missing.
+    """Masks that make the measurements of some innovations missing.
 
     Attributes:
         parts: of :func:`measured`.
@@ -115,7 +115,7 @@ class Holes:
 
 
 def judged(filter: Any, outputs: Any) -> None:
-    """Refuse a filter that says too little of its innovations.
+    """Refuse a filter that outputs too little about its innovations.
 
     Raises:
         ValueError: where outputs have no innovation, no variance, or one variance for several.

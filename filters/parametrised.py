@@ -1,4 +1,4 @@
-"""A Kalman filter of one's own model as a class that declares its facts."""
+"""A Kalman filter for the user's own model, as a class that declares its facts."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import make_dataclass
@@ -13,12 +13,12 @@ from filters.small_linalg import matmul
 from filters.validate import check_setup
 
 Build: TypeAlias = Callable[[dict[str, Array], Any], Any]
-"""From parameters by name and the sample time, s, to what a filter takes, such as a LinearModel."""
+"""From parameters by name and the sample time, s, to a filter's own, such as a LinearModel."""
 DETAILS = ("innovation", "variance", "P")
 
 
 class HeldState(NamedTuple):
-    """What a filter with known inputs keeps.
+    """State of a filter with known inputs.
 
     Attributes:
         inner: the filter's own state.
@@ -30,11 +30,11 @@ class HeldState(NamedTuple):
 
 
 class Parametrised:
-    """What classes have in common that :func:`parametrised` makes.
+    """Common part of the classes that :func:`parametrised` makes.
 
     Attributes:
         filter: the filter inside.
-        model: from parameters by name and the sample time to what it takes.
+        model: makes its parameters from values by name and the sample time.
         dt: sample time, s.
     """
 
@@ -49,7 +49,7 @@ class Parametrised:
         check_setup(self)
 
     def made(self, params: Any) -> Any:
-        """What the filter inside takes."""
+        """The parameters of the filter inside."""
         return self.model(params._asdict(), self.dt)
 
     def init(self, params: Any) -> HeldState:
@@ -81,7 +81,7 @@ def parametrised(
     known: Mapping[str, Channel] | None = None,
     name: str = "",
 ) -> type[Any]:
-    """The class of a filter of one's own model, which ``tuner.fit`` takes as any other.
+    """The class of a filter for the user's own model, which ``tuner.fit`` takes as any other.
 
     Known inputs stay until the next one comes, and move the state on from then.
 
@@ -138,14 +138,14 @@ def parametrised(
         **(_linear_parts() if isinstance(filter, LinearKalman) else {}),
     }
     if isinstance(filter, LinearKalman) and inputs:
-        del given["linear"], given["measured"]  # what moves it is no constant of the model
+        del given["linear"], given["measured"]  # known inputs move it as well
     return make_dataclass(
         called, [("dt", float)], bases=(Parametrised,), frozen=True, namespace=given
     )
 
 
 def _linear_parts() -> dict[str, Any]:
-    """What a linear model tells beside: its matrices, and the variance a sample."""
+    """Methods that a linear model adds: its matrices, and the variance per sample."""
 
     def linear(self: Any, params: Any) -> LinearForm:
         """The model, for a step of dt."""
@@ -185,7 +185,7 @@ def _check(
 
 
 def _together(names: tuple[str, ...], inputs: Any, lead: int = 0) -> Array:
-    """Channels side by side, ``(..., m)``, behind so many axes."""
+    """Channels side by side, ``(..., m)``, after so many axes."""
     parts = [jnp.asarray(getattr(inputs, name)) for name in names]
     return jnp.concatenate([p if p.ndim > lead else p[..., None] for p in parts], axis=-1)
 
@@ -195,7 +195,7 @@ def _annotated(facts: Mapping[str, Any]) -> list[tuple[str, Any]]:
 
 
 def _axes(measured: Mapping[str, Channel]) -> tuple[str, ...]:
-    """What the measurements are called."""
+    """Names of the measurements."""
     return tuple(n for name, fact in measured.items() for n in (fact.axes or (name,)))
 
 

@@ -1,6 +1,6 @@
-"""The mixing filter: roll and pitch from gyroscopes, held by accelerometers that know the speed.
+"""The mixing filter: roll and pitch from gyroscopes, corrected by accelerometers and the speed.
 
-In a turn the accelerometers show more than gravity. What they show of the turn is taken off with
+In a turn the accelerometers show more than gravity. The part due to the turn is subtracted with
 the airspeed alone, or with a body velocity that a Kalman filter estimates while the aircraft turns.
 Source: You and Lee, Korean, with its equation numbers; docs/you_lee.md tells what is misprinted.
 Body axes are forward, right, down; lengths are in any unit, the same in all arguments: the facts
@@ -24,7 +24,7 @@ Aid = Literal["none", "airspeed", "velocity"]
 
 
 class VelocityNoise(NamedTuple):
-    """What the velocity filter (11), (12) takes. Q_k, R_k and P0 share a scale that is free."""
+    """Parameters of the velocity filter (11), (12). Q_k, R_k and P0 share a scale that is free."""
 
     Q_k: Annotated[
         Array,
@@ -52,7 +52,7 @@ class VelocityNoise(NamedTuple):
 
 
 class PiGains(NamedTuple):
-    """What the mixing filter takes; ``velocity`` is None where no velocity filter is asked for."""
+    """Parameters of the mixing filter; ``velocity`` is None where it has no velocity filter."""
 
     K1: Annotated[
         Array,
@@ -106,7 +106,7 @@ class PiState(NamedTuple):
 
 
 class PiOutputs(NamedTuple):
-    """What the filter knows after a sample; None of what only a velocity filter has."""
+    """The outputs of the filter after a sample; those of a velocity filter are None without one."""
 
     angles: Annotated[Array, Channel("rad", "roll and pitch", ("roll", "pitch"), "angle")]
     velocity: Annotated[
@@ -194,7 +194,7 @@ class PiComplementary:
 
 
 def accelerometer_angles(force: Array, rate: Array, velocity: Array, gravity: Array) -> Array:
-    """(14): roll and pitch that accelerometers show of a velocity that turns with the body.
+    """(14): roll and pitch from accelerometers, given a velocity that turns with the body.
 
     With v = w = 0 it is (10). (14) is printed with q v for q w.
 
@@ -253,6 +253,6 @@ def _gravity(angles: Array, gravity: Array) -> Array:
 
 
 def _arcsin(sine: Array) -> tuple[Array, Array]:
-    """An arc sine and whether it exists; 0 where it does not. At 1 its derivative would not."""
+    """An arc sine and whether it exists; 0 where it does not. At 1 it would have no derivative."""
     exists = jnp.abs(sine) < 1
     return jnp.arcsin(jnp.where(exists, sine, 0.0)), exists

@@ -1,4 +1,4 @@
-"""What a filter is, and the one time loop that runs every filter."""
+"""The protocol of a filter, and the one time loop that runs every filter."""
 
 from typing import Any, Protocol, TypeAlias, TypeVar, cast
 
@@ -21,7 +21,7 @@ class Filter(Protocol[P_contra, S, U_contra, Y_co]):
         ...
 
     def step(self, params: P_contra, state: S, inputs: U_contra) -> tuple[S, Y_co]:
-        """Take one sample: the next state and what the filter puts out."""
+        """Take one sample: the next state and the outputs."""
         ...
 
 
@@ -37,8 +37,8 @@ def run(
         filter: any :class:`Filter`.
         params: its parameters, a pytree of arrays.
         inputs: its inputs, a pytree whose leaves have time as their first axis, ``(N, ...)``.
-        unroll: steps a turn of the compiled loop; 4 makes a forward pass about a tenth faster,
-            and a gradient four times slower.
+        unroll: steps per iteration of the compiled loop; 4 makes a forward pass about a tenth
+            faster, and a gradient four times slower.
 
     Returns:
         ``(state, outputs)``: the state after the last sample, and the outputs stacked along time.

@@ -16,11 +16,11 @@ Law = Literal["constant", "fuzzy", "random"]
 
 
 class ResidualNoise(NamedTuple):
-    """What the laws take, for n states.
+    """Parameters of the laws, for n states.
 
     Attributes:
         Q: diagonal of the process noise's density, ``(n,)``: constant, or until a law has one.
-        floor: the least a law may set, ``(n,)``: a constant residual has the rate 0.
+        floor: the least value that a law may set, ``(n,)``: a constant residual has the rate 0.
         scale: of the random law: the rate for a draw of 1, ``(n,)``.
         h: of the fuzzy law's regression, 0 to below 1; it matters for a band's edge alone.
     """
@@ -39,12 +39,12 @@ class Residuals(NamedTuple):
 
 
 def no_residuals(samples: int, x0: Array) -> Residuals:
-    """Before the first update of a state ``(n,)``."""
+    """The window before the first update of a state ``(n,)``."""
     return Residuals(jnp.zeros((samples, *x0.shape), x0.dtype), jnp.zeros((), x0.dtype))
 
 
 def remembered(residuals: Residuals, residual: Array, seen: Array) -> Residuals:
-    """With one more, if there was an update."""
+    """The window with one more residual, if there was an update."""
     grown = jnp.concatenate([residuals.window[1:], residual[None]])
     return Residuals(jnp.where(seen, grown, residuals.window), residuals.taken + seen)
 

@@ -93,7 +93,7 @@ def begun(q: Array, acceleration: Array) -> Array:
 
 
 def or_else(rate: Array, still: Array) -> Array:
-    """A measured rate, or what it is at rest along the axes on which it is missing (NaN)."""
+    """A measured rate, with the rate at rest along the axes on which it is missing (NaN)."""
     return jnp.where(jnp.isnan(rate), still, rate)
 
 

@@ -1,4 +1,4 @@
-"""A linear filter whose gain is worked out once and for all."""
+"""A linear filter whose gain is computed beforehand."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ class SteadyGains(NamedTuple):
         A: the model's dynamics over a sample, ``(n, n)``.
         C: the model's measurements, ``(m, n)``.
         K: gain, x+ = x + K (z - C x), ``(n, m)``.
-        begin: from the first measurement to the start, ``(n, m)``.
+        begin: maps the first measurement to the start, ``(n, m)``.
     """
 
     A: Array
@@ -44,13 +44,13 @@ class SteadyGainState(NamedTuple):
 class SteadyGain:
     """A filter with one gain for all samples: measure, output, predict.
 
-    It begins at the first sample in which nothing is missing, with the state that that shows; until
+    It begins at the first sample in which nothing is missing, with the state that fits it; until
     then its estimate is 0. Where a measurement is missing its innovation is 0.
     A building block: its parameters are those of a model, which declares them.
 
     Attributes:
         names: of the states.
-        note: what is told of it where it is written as code.
+        note: comment on it where it is written as code.
 
     >>> from filters import run
     >>> half = SteadyGains(jnp.eye(1), jnp.eye(1), jnp.array([[0.5]]), jnp.eye(1))
@@ -74,7 +74,7 @@ class SteadyGain:
         return {"x": Channel("", "estimate", self.names)}
 
     def init(self, params: SteadyGains) -> SteadyGainState:
-        """Nothing is known."""
+        """The start, of which nothing is known."""
         return SteadyGainState(
             jnp.zeros(params.A.shape[0], params.A.dtype), jnp.zeros((), params.A.dtype)
         )

@@ -1,4 +1,4 @@
-"""Strapdown dead reckoning through a block of samples, with the sums that its errors go by."""
+"""Strapdown dead reckoning through a block of samples, with the sums that its errors depend on."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -18,7 +18,7 @@ class Calibration(NamedTuple):
 
 
 class Navigation(NamedTuple):
-    """Where dead reckoning has come: attitude ``(4,)``, speed and place in earth axes ``(3,)``."""
+    """Result of dead reckoning: attitude ``(4,)``, velocity and place in earth axes ``(3,)``."""
 
     q: Array
     speed: Array
@@ -26,7 +26,7 @@ class Navigation(NamedTuple):
 
 
 class Sums(NamedTuple):
-    """What a block of samples sums up to, times the sample time, for the error's transition.
+    """Sums over a block of samples, times the sample time, for the error's transition.
 
     Attributes:
         axes: rotation matrices, ``(3, 3)``.
@@ -44,7 +44,7 @@ class Sums(NamedTuple):
 
 
 class Quiet(NamedTuple):
-    """For the detection of rest: low-passed rate and force ``(3,)``, and how long it lasts, s."""
+    """State of the rest detection: low-passed rate and force ``(3,)``, and time at rest, s."""
 
     rate: Array
     force: Array
@@ -53,13 +53,13 @@ class Quiet(NamedTuple):
 
 @dataclass(frozen=True)
 class RestRule:
-    """When the sensor is at rest, and how sure that is.
+    """The rule for when the sensor is at rest, and how sure that is.
 
     Attributes:
         memory: time constant of the low pass that samples are compared with, s.
         rate: largest rate, and deviation of it, rad/s.
         force: largest deviation of the specific force, m/s^2.
-        seconds: how long both have to be small.
+        seconds: time for which both have to be small.
         speed: root of the density of the speed's measurement at rest, m/s s^1/2.
         bias: the same of the bias's measurement, rad/s s^1/2.
     """
@@ -73,11 +73,11 @@ class RestRule:
 
 
 AT_REST = RestRule()
-"""For a sensor in the hand or on a body."""
+"""The rule for a sensor in the hand or on a body."""
 
 
 class Reckoning(NamedTuple):
-    """What a block is reckoned with, and where it begins.
+    """Parameters of dead reckoning through a block, and its beginning.
 
     Attributes:
         gravity: m/s^2, ``()``.
@@ -110,7 +110,7 @@ class Strapdown:
     rule: RestRule
 
     def init(self, params: Reckoning) -> Reckoned:
-        """At the beginning of the block, with nothing summed up."""
+        """The beginning of the block, with nothing summed up."""
         at, quiet = params.at, params.quiet
         zero = jnp.zeros(3, at.q.dtype)
         sums = Sums(jnp.outer(zero, zero), zero, jnp.zeros((3, 9), zero.dtype), zero[0], zero)

@@ -1,4 +1,4 @@
-"""Heavy-tailed measurements for any filter: what is unlikely is taken with less weight."""
+"""Heavy-tailed measurements for any filter: an unlikely measurement gets less weight."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -13,7 +13,7 @@ from filters.measured import Holes, Parts, judged, widened
 from filters.protocol import AnyFilter
 
 WHOLE = 2.0
-"""Student's weight times this is the weight that counts, up to 1."""
+"""Factor on Student's weight, whose product, up to 1, is the weight in use."""
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Student:
     """A filter that weighs each sample's measurements as Student's t distribution does.
 
     The m innovations y_i of variances s_i that a sample brings are taken as if all their variances
-    were s_i / w, with w = 2 (nu + m) / (nu c + sum y_i^2 / s_i), 1 at most. The state is w of the
+    were s_i / w, with w = 2 (nu + m) / (nu c + sum y_i^2 / s_i), at most 1. The state is w of the
     way from that of the step without them to that of the step with them: for an estimate and its
     covariance this is exactly the update with the measurements' variances enlarged so that the
     innovations have s_i / w. All numbers of a sample share one weight, as in a multivariate t
@@ -30,7 +30,7 @@ class Student:
     until one fits again, so that a wrong start or a jump is left behind.
 
     The scale c (:func:`spread`) is such that normal innovations look neither too large nor too
-    small: R and q keep their meaning, the variances of what is not in the tails. The 2 is not
+    small: R and q keep their meaning, variances outside the tails. The 2 is not
     Student's: with it a weight of a half or more counts as whole, to 2.7 deviations for nu = 4, so
     that normal innovations keep 99 % of their influence. Without it they keep 86 %, the filter
     lags, and a likelihood makes up for that by a q half as large again.
@@ -46,8 +46,8 @@ class Student:
         filter: the filter: its state is an estimate with its covariance, and what does not depend
             on the measurements.
         parts: which numbers its innovations are made of, by :func:`filters.measured`.
-        nu: degrees of freedom: 3 to 5 for heavy tails, infinite for none; 1 or more.
-        patience: samples in a row of little weight after which what comes is taken; 1 or more.
+        nu: degrees of freedom: 3 to 5 for heavy tails, infinite for normal noise; 1 or more.
+        patience: samples of little weight in a row after which the next are taken whole; 1 or more.
 
     >>> from filters import LevelSample, LocalLevel, LocalLevelNoise, measured, run
     >>> level, noise = LocalLevel(dt=1.0), LocalLevelNoise(jnp.array(0.01), jnp.array(1.0))
@@ -78,12 +78,12 @@ class Student:
             raise ValueError(f"a patience of {self.patience} weighs nothing; give 1 or more")
 
     def init(self, params: Any) -> GatedState:
-        """The filter's own start; nothing was out of place."""
+        """The filter's own start; nothing was unlikely yet."""
         inner = self.filter.init(params)
         return GatedState(inner, jnp.zeros((), number_type(inner)))
 
     def step(self, params: Any, state: GatedState, inputs: Any) -> tuple[GatedState, Any]:
-        """Take one sample with the weight that it has."""
+        """Take one sample with its weight."""
         holes = Holes(self.parts)
         without = holes.made(inputs, jnp.ones(len(self.parts), bool))
         taken, output = self.filter.step(params, state.inner, inputs)

@@ -27,9 +27,9 @@ TO_PAPER = (1.0, -1.0, -1.0)
 
 
 class TiltNoise(NamedTuple):
-    """What the tilt filters take.
+    """Parameters of the tilt filters.
 
-    By the error of the angles alone, q1, r_nom, r3, alpha2, r_big and P0 share a scale that is
+    As far as the angles' error shows, q1, r_nom, r3, alpha2, r_big and P0 share a scale that is
     free; the likelihood of the innovations determines it.
     """
 
@@ -112,7 +112,7 @@ class TiltNoise(NamedTuple):
 class TiltSample(NamedTuple):
     """One sample, axes forward, left, up; stacked along time for :func:`filters.run`.
 
-    NaN is missing; where an acceleration is, nothing is detected.
+    NaN is missing; no disturbance is detected where an acceleration is missing.
     """
 
     acc: Annotated[
@@ -122,7 +122,7 @@ class TiltSample(NamedTuple):
 
 
 class TiltState(NamedTuple):
-    """What the filter carries: its estimate, and the accelerometers' variances r ``(2,)``."""
+    """State of the filter: its estimate, and the accelerometers' variances r ``(2,)``."""
 
     estimate: Estimate
     r: Array
@@ -132,7 +132,7 @@ _TAKEN = (*(f"gyr_{axis}" for axis in XYZ), "acc_x", "acc_y")
 
 
 class TiltOutputs(NamedTuple):
-    """What the filter knows after a sample."""
+    """The outputs of the filter after a sample."""
 
     angles: Annotated[Array, Channel("rad", "nose up, and right side down", TILT, "angle")]
     rates: Annotated[Array, Channel("rad/s", "rates about forward, right, down axes", XYZ)]

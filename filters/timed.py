@@ -9,7 +9,7 @@ from filters.protocol import AnyFilter
 
 
 class TimedSample(NamedTuple):
-    """A filter's inputs and the time since the sample before, s, ``()``."""
+    """A filter's inputs and the time since the previous sample, s, ``()``."""
 
     dt: Array
     inputs: Any

@@ -25,7 +25,7 @@ class UnscentedKalman:
     s_i are the columns of the covariance's lower Cholesky factor. Mean and covariance ahead are
     those of f at the points, and Q; then points are drawn anew from these, and the measurements of
     a sample are taken together, by mean and covariances of h at the points. In a mean the point x
-    counts 1 - n/c and each other one 1/(2 c); in a covariance x counts 1 - alpha^2 + beta more.
+    has the weight 1 - n/c and each other 1/(2 c); in a covariance x has 1 - alpha^2 + beta more.
 
     Conventions differ. Wan and van der Merwe 2000 have alpha = 1e-3, beta = 2, kappa = 0; Julier
     and Uhlmann 1997 alpha = 1, beta = 0, kappa = 3 - n; cubature (Arasaratnam and Haykin 2009)
@@ -33,7 +33,7 @@ class UnscentedKalman:
     points of the prediction for h, which leaves Q out of them, or take another root, which moves
     the points. Innovations are decorrelated as :class:`filters.LinearKalman` does with a full R.
 
-    What it estimates is its model's to say: it declares neither parameters nor states. Source: Wan
+    Its model says what it estimates: it declares neither parameters nor states. Source: Wan
     and van der Merwe, The unscented Kalman filter for nonlinear estimation, 2000, additive noise;
     Julier, The scaled unscented transformation, 2002; Sarkka, Bayesian Filtering and Smoothing,
     2013, algorithm 5.14, which draws points anew.
@@ -43,12 +43,12 @@ class UnscentedKalman:
         disturb: covariance of w, ``(n, n)``, at the state before the step.
         measure: h: to the measurements ``(m,)``.
         alpha: how far the points lie, above 0. Curvature is found from differences that shrink with
-            its square, so 1e-3 costs six digits: single precision has not that many.
+            its square, so 1e-3 costs six digits: single precision does not have that many.
         beta: 2 is best for normal distributions and a small alpha. From alpha^2 on no covariance
             can become indefinite, below it may.
-        kappa: above -n; None is 3 - n, by which the points lie sqrt(3) alpha deviations away
+        kappa: above -n; None is 3 - n, with which the points lie sqrt(3) alpha deviations away
             whatever n is.
-        angles: which measurements are angles in rad, one word for each; empty where none is. Their
+        angles: which measurements are angles in rad, one flag for each; empty where none is. Their
             differences from h(x), at the points and of z from the mean, are within half a turn.
         turning: the same for states that f brings back within a turn; a state that counts on beyond
             half a turn needs none. Their mean is f(x) and the mean difference from it.
@@ -110,7 +110,7 @@ class UnscentedKalman:
 
 
 class Transformed(NamedTuple):
-    """What a function makes of a distribution, as sigma points see it.
+    """The distribution of a function's values, as sigma points show it.
 
     Attributes:
         mean: of the function, ``(m,)``.
@@ -134,14 +134,14 @@ def transformed(
 ) -> Transformed:
     """The unscented transformation, by differences from the point in the middle.
 
-    So the weights, large and of either sign where alpha is small, multiply differences alone.
+    The weights, large and of either sign where alpha is small, then multiply differences only.
 
     Args:
         function: of a point ``(n,)`` to ``(m,)``.
         x: mean of its argument, ``(n,)``.
         root: root of its covariance, ``(n, n)``.
         reach: c, the square of the points' distance.
-        more: beta - alpha^2, what the square of the mean's shift counts in the covariance.
+        more: beta - alpha^2, weight of the square of the mean's shift in the covariance.
         angles: which of the m numbers are angles in rad; empty where none is.
 
     >>> found = transformed(lambda x: x**2, jnp.array([1.0]), jnp.eye(1), reach=3.0, more=-1.0)
@@ -164,7 +164,7 @@ def _taken(
     """All measurements, in the coordinates of the root, where the prediction's covariance is I.
 
     There z = mean + slopes e + v, with v of the covariance R + bend: a linear measurement, whose
-    update in Joseph's form subtracts no covariances, and which a singular one does not hinder.
+    update in Joseph's form subtracts no covariances and works with a singular one.
     """
     noise = R if R.ndim == 2 else jnp.diag(R)
     H, variances, z = decorrelate(seen.slopes, noise + seen.bend, off)

@@ -1,4 +1,4 @@
-"""Whether a filter is set up soundly, before anything is compiled."""
+"""Checks of a filter's fields, before anything is compiled."""
 
 from dataclasses import fields
 from math import inf
@@ -8,7 +8,7 @@ import jax
 
 
 def check_setup(filter: Any) -> None:
-    """For ``__post_init__``: words are among those known, and ``dt`` is a positive number.
+    """Refuse, in ``__post_init__``, an unknown word and a ``dt`` that is no positive number.
 
     Args:
         filter: a dataclass.

@@ -1,4 +1,4 @@
-"""Measurement noise that is not the same at all times: by the level, or by a channel."""
+"""Measurement noise that varies: with the level, or with a channel."""
 
 from functools import cache
 from typing import Any, NamedTuple
@@ -11,7 +11,7 @@ from filters.dressed import Dressed, dressed, needs
 
 
 class LevelState(NamedTuple):
-    """The filter's own state, and the level last estimated, NaN before the first, ``()``."""
+    """The filter's own state, and the last estimated level, NaN before the first, ``()``."""
 
     inner: Any
     level: Array
@@ -20,18 +20,18 @@ class LevelState(NamedTuple):
 class _LevelNoise(Dressed):
     """A filter whose measurements' deviation grows with the level: sqrt(R) + slope abs(level).
 
-    The level is the filter's own first output, after the sample before, and the measured one at the
-    very first; of several axes it is the distance from the origin. Where samples bring ``sigma``,
-    the deviation is sigma sqrt(R) + slope abs(level).
+    The level is the filter's own first output after the previous sample, and the measured one at
+    the very first; of several axes it is the distance from the origin. Where samples bring
+    ``sigma``, the deviation is sigma sqrt(R) + slope abs(level).
     """
 
     def init(self, params: Any) -> LevelState:
-        """The filter's own start, at no level yet."""
+        """The filter's own start, without a level yet."""
         inner = self.inner().init(self.within(params))
         return LevelState(inner, jnp.full((), jnp.nan, jnp.result_type(params.R)))
 
     def step(self, params: Any, state: LevelState, inputs: Any) -> tuple[LevelState, Any]:
-        """Take one sample with the deviation that goes with the level."""
+        """Take one sample with the deviation that belongs to the level."""
         parts = [v for n, v in inputs._asdict().items() if v is not None and n != "sigma"]
         measured = _length(jnp.stack(parts))
         level = jnp.where(jnp.isnan(state.level), measured, state.level)
@@ -47,7 +47,7 @@ class _LevelNoise(Dressed):
 
 
 class _ChannelNoise(Dressed):
-    """A filter whose measurements' variance is R + share sigma^2, sigma the deviation told."""
+    """A filter whose measurements' variance is R + share sigma^2, sigma the reported deviation."""
 
     absolute_noise = True
 
@@ -56,7 +56,7 @@ class _ChannelNoise(Dressed):
         return self.inner().init(self.within(params))
 
     def step(self, params: Any, state: Any, inputs: Any) -> tuple[Any, Any]:
-        """Take one sample with a floor under the deviation that it brings."""
+        """Take one sample, with a floor under its reported deviation."""
         if inputs.sigma is None:
             raise ValueError(
                 "the noise is to follow the channel sigma, and there is none; map it, as in --map "
@@ -141,7 +141,7 @@ def _floor(base: type[Any]) -> Param:
 
 
 def _length(parts: Array) -> Array:
-    """Of a vector; of one number its size. The derivative at 0 is 0."""
+    """The norm of a vector, or the absolute value of one number. The derivative at 0 is 0."""
     if len(parts) == 1:
         return jnp.abs(parts[0])
     square = (parts**2).sum()

@@ -32,7 +32,7 @@ _BIAS = Channel("m/s^2", "estimated offset of the measured acceleration")
 
 
 class VerticalNoise(NamedTuple):
-    """What the vertical channel takes, ``()`` each."""
+    """Parameters of the vertical channel, ``()`` each."""
 
     q_acc: Annotated[
         Array,
@@ -81,7 +81,7 @@ class VerticalNoise(NamedTuple):
 
 
 class VerticalSample(NamedTuple):
-    """One sample, ``()`` each; NaN means missing: of the acceleration the last one then stays."""
+    """One sample, ``()`` each; NaN means missing: a missing acceleration keeps its last value."""
 
     acc: Annotated[Array, Channel("m/s^2", "acceleration upwards, with or without gravity")]
     baro: Annotated[Array, Channel("m", "height by the barometer")]
@@ -95,7 +95,7 @@ class VerticalState(NamedTuple):
 
 
 class VerticalOutputs(NamedTuple):
-    """Height, climb and offset ``()``, and what the barometer brought ``(1,)``."""
+    """Height, climb and offset ``()``, innovation and its variance ``(1,)``."""
 
     height: Annotated[Array, _HEIGHT]
     climb: Annotated[Array, _CLIMB]
@@ -155,7 +155,7 @@ class Vertical:
     def step(
         self, params: VerticalNoise, state: VerticalState, inputs: VerticalSample
     ) -> tuple[VerticalState, VerticalOutputs]:
-        """Move by the acceleration before, take the height, and keep the acceleration."""
+        """Move by the last acceleration, take the height, and keep the new acceleration."""
         chain = move(state.chain, self._noise(params, params.R_baro), self.dt)
         push = jnp.where(chain.known > 0, state.acc, 0.0) * self.dt
         height, climb, other = chain.x
@@ -183,7 +183,7 @@ class Vertical:
         return Measured(np.asarray(inputs.baro)[:, None], before[:, None])
 
     def derive(self, params: VerticalNoise) -> dict[str, Array]:
-        """The covariance a sample and the steady gains, from the Riccati equation."""
+        """The covariance per sample and the steady gains, from the Riccati equation."""
         K = steady_gain(full(self._noise(params, params.R_baro)), self.dt)
         Q = full(self._noise(params, 1.0))
         turned = jnp.array([1.0, 1.0, -1.0], Q.dtype)
