@@ -9,7 +9,7 @@ from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 
-# Nothing else: the command line listens for signals only when this file has run.
+# Nothing else: the command line handles signals only after this file has run.
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
@@ -18,7 +18,7 @@ _STUB = f"{__file__.removesuffix('.py')}.pyi"
 
 
 def _listed(stub: str) -> "dict[str, tuple[str, str]]":
-    """Public names, each with its module and what it is called there: the imports of a stub."""
+    """Public names, each with its module and its name there: the imports of a stub."""
     import ast
 
     try:

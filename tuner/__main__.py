@@ -1,4 +1,4 @@
-"""The program: signals are listened for before anything else is loaded."""
+"""The program: signals are handled before anything else is loaded."""
 
 import sys
 

@@ -24,7 +24,7 @@ def write_bytes(path: Path, data: bytes, *, overwrite: bool = False) -> None:
 
     Args:
         path: the file; its folder must exist.
-        data: what it shall hold.
+        data: its contents.
         overwrite: whether a file that is there may be replaced. Where it may not, it stays as
             it is even if another process writes it at the same moment.
 
@@ -40,7 +40,7 @@ def write_bytes(path: Path, data: bytes, *, overwrite: bool = False) -> None:
     """
     if not overwrite and os.path.lexists(path):
         raise _exists(path)
-    # The name is not built from the file's own, which may be as long as names can be.
+    # The name is not built from the file's own, which may already have the longest length.
     temporary = path.parent / f".tuner-{secrets.token_hex(8)}.tmp"
     try:
         _spill(temporary, data)
@@ -72,7 +72,7 @@ def _spill(temporary: Path, data: bytes) -> None:
 
 
 def _place(temporary: Path, path: Path) -> None:
-    """Give the file its name unless that name is taken: a link fails where a rename replaces."""
+    """Give the file its name unless that exists: a link fails where a rename replaces."""
     try:
         os.link(temporary, path)
     except OSError as error:
@@ -92,7 +92,7 @@ def _place_without_links(temporary: Path, path: Path) -> None:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Make the new name last through a power cut, where the system lets folders be synced."""
+    """Make the new name survive a power cut, where the system can sync folders."""
     with contextlib.suppress(OSError):
         handle = os.open(folder, os.O_RDONLY)
         try:

@@ -23,7 +23,7 @@ def names(group: Group) -> list[str]:
 
 
 def find(group: Group, name: str) -> Any:
-    """What a name in a group stands for; it is imported now.
+    """The object of a name in a group, imported now.
 
     Raises:
         ValueError: for an unknown name, with the near ones; for one that packages offer for
@@ -41,7 +41,7 @@ def find(group: Group, name: str) -> Any:
     (point,) = offers.values()
     try:
         return point.load()
-    except Exception as error:  # whatever the import of another package's module may raise
+    except Exception as error:  # another package's module can raise anything
         why = " ".join(f"{type(error).__name__}: {error}".split())
         raise ValueError(
             f"the {_KINDS[group]} {name!r} of {_package(point)} cannot be loaded from "

@@ -1,4 +1,4 @@
-"""Which code is at work: what was kept of a search counts for the code alone that made it."""
+"""The version of the code: a saved search is valid only for the code that made it."""
 
 import hashlib
 import sys
@@ -13,7 +13,7 @@ NUMERIC = ("jax", "jaxlib", "numpy", "scipy", "optuna", "cmaes", "casadi", "cvxp
 
 @cache
 def code_version() -> str:
-    """The SHA-256 of our own source files and of the versions of what they compute with.
+    """The SHA-256 of our own source files and of the versions of the numerical packages.
 
     >>> len(code_version())
     64
@@ -26,7 +26,7 @@ def code_version() -> str:
 
 
 def versions() -> dict[str, str]:
-    """The versions of what we compute with, by name; "" of what is missing."""
+    """The versions of the numerical packages, by name; "" for a missing one."""
     return {name: _version(name) for name in NUMERIC}
 
 

@@ -1,4 +1,4 @@
-"""Opening files: those alone that are files, and no more of them than is meant."""
+"""Opening of files: regular files only, and no more of them than is meant."""
 
 import os
 import stat
@@ -15,7 +15,7 @@ _KINDS = (
 
 
 def opened(path: Path) -> BufferedReader:
-    """Open a file for reading; a link that a person names leads to one.
+    """Open a file for reading; a link that the user names is followed.
 
     Raises:
         OSError: where it is not there, or may not be read.
@@ -25,7 +25,7 @@ def opened(path: Path) -> BufferedReader:
     Traceback (most recent call last):
     ValueError: /dev/null is a device and no file; write what it gives to a file, and name that
     """
-    # Opening a pipe would wait for who writes into it.
+    # Opening a pipe would wait for a writer.
     number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
     if kind := _kind(number):
         os.close(number)
@@ -36,16 +36,16 @@ def opened(path: Path) -> BufferedReader:
 
 
 def whole(path: Path, most: int, what: str) -> bytes:
-    """All of a small file.
+    """The contents of a small file.
 
     Args:
         path: the file.
-        most: bytes that it may have.
+        most: largest size in bytes.
         what: what it should be, for the sentence.
 
     Raises:
         OSError: where it is not there, or may not be read.
-        ValueError: where it is no file, or larger.
+        ValueError: where it is not a file, or larger.
     """
     with opened(path) as stream:
         data = stream.read(most + 1)

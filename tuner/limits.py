@@ -1,4 +1,4 @@
-"""How much may be read and made: one cap for all formats, looked at before anything is taken."""
+"""Limits of memory: one cap for all formats, checked before anything is read or made."""
 
 import os
 import re
@@ -8,11 +8,11 @@ from pathlib import Path
 VARIABLE = "TUNER_MEMORY"
 """The environment's bound on memory, in bytes or as ``4GB``; ``--memory`` sets it."""
 LEAST = 1 << 30
-"""The program and its compiler take half of this."""
+"""Twice the memory of the program and its compiler."""
 UNPACKED, RATIO = 1 << 28, 100
-"""What unpacks to more than this, and to more than so many times its size, is no log."""
+"""A file that unpacks to more than this, and by more than this ratio, is not a log."""
 COPIES = 3
-"""An array that is read is held so many times at most, as it is read and made ready."""
+"""Largest number of copies of an array while it is read and prepared."""
 
 _SIZE = re.compile(r"(\d+(?:\.\d+)?)\s*([kmgt]?)(i?b)?", re.IGNORECASE)
 _POWERS = {"": 0, "k": 1, "m": 2, "g": 3, "t": 4}
@@ -22,7 +22,7 @@ def parse_size(what: str, text: str) -> int:
     """Bytes of a text such as ``4GB``.
 
     Raises:
-        ValueError: for what is no size, and for one in which nothing runs.
+        ValueError: for a text that is not a size, and for one too small to run in.
 
     >>> parse_size("--memory", "1.5 GB")
     1610612736
@@ -37,7 +37,7 @@ def parse_size(what: str, text: str) -> int:
 
 
 def bound_process(size: int) -> None:
-    """Let this process and those that it starts take no more, where the system can."""
+    """Limit the memory of this process and those that it starts, where the system can."""
     try:
         import resource
     except ImportError:  # not on Windows
@@ -49,10 +49,10 @@ def bound_process(size: int) -> None:
 
 
 def memory() -> int:
-    """How many bytes may be held: as the environment says, else half of what the machine has.
+    """Bytes that may be held: by the environment, else half of the machine's memory.
 
     Raises:
-        ValueError: where the environment says what is no size.
+        ValueError: where the environment's text is not a size.
     """
     told = os.environ.get(VARIABLE)
     return parse_size(VARIABLE, told) if told else _of_machine() // 2
@@ -70,7 +70,7 @@ def _of_machine() -> int:
 
 
 def largest() -> int:
-    """How many bytes an array may have that is read or made."""
+    """Largest size in bytes of an array that is read or made."""
     return max(memory() - LEAST // 2, LEAST // 2) // COPIES
 
 
@@ -78,7 +78,7 @@ def check_amount(what: str, size: int | float, way_out: str) -> None:
     """Refuse what would not fit, before it is made.
 
     Args:
-        what: such as "1e13 samples".
+        what: the object, such as "1e13 samples".
         size: bytes of all of it.
         way_out: what to do.
 
@@ -93,7 +93,7 @@ def check_amount(what: str, size: int | float, way_out: str) -> None:
 
 
 def unpacked(held: int) -> int:
-    """What a compressed file of so many bytes may unpack to.
+    """Largest unpacked size of a compressed file of so many bytes.
 
     >>> unpacked(1000) == UNPACKED, unpacked(1 << 30) == RATIO << 30
     (True, True)

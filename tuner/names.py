@@ -5,11 +5,11 @@ from collections.abc import Iterable
 from itertools import islice
 
 MOST = 12
-"""How many faults are told one by one."""
+"""Largest number of faults that are listed."""
 
 
 def listed(faults: Iterable[str]) -> str:
-    """Faults in one sentence, each once; of very many the first ones.
+    """Faults in one sentence, each once; of very many, the first ones.
 
     >>> listed(["a is no number", "b is missing", "b is missing"])
     'a is no number; b is missing'

@@ -1,4 +1,4 @@
-"""Text for a terminal: what a name may hold and a terminal would obey is written out instead."""
+"""Text for a terminal: control characters, which a terminal would obey, are written out."""
 
 import re
 from typing import Any, TextIO
@@ -6,7 +6,7 @@ from typing import Any, TextIO
 _OBEYED = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f"  # control characters, all but the tab and the line feed
     "\u061c\u200e\u200f\u2028\u2029\u202a-\u202e\u2066-\u2069\ufeff"  # they turn or break lines
-    "\ud800-\udfff]"  # halves of characters: bytes of a file's name that are no text
+    "\ud800-\udfff]"  # halves of characters: bytes of a file's name that are not text
 )
 
 
@@ -32,7 +32,7 @@ class Shown:
     """A stream of text whose every character is safe for a terminal.
 
     Attributes:
-        plain: the stream itself, for those that draw and clean what they draw.
+        plain: the stream itself, for callers that clean their own text.
     """
 
     def __init__(self, plain: TextIO) -> None:
@@ -58,7 +58,7 @@ def plain(stream: TextIO) -> TextIO:
 
 
 def hand_out(data: bytes, stream: TextIO) -> None:
-    """Write a file's bytes to a stream: as they are, but to a terminal as text that is safe."""
+    """Write a file's bytes to a stream: unchanged, but to a terminal as safe text."""
     if stream.isatty():
         stream.write(shown(data.decode(errors="backslashreplace")))
     else:

@@ -1,4 +1,4 @@
-"""Signals that end a run: Ctrl-C, and what a system sends that wants a program gone."""
+"""Signals that end a run: Ctrl-C, and those of a system that wants a program to end."""
 
 import os
 import signal
@@ -14,9 +14,9 @@ Before = dict[int, Callable[[int, FrameType | None], object] | int | None]
 
 
 def heed(heard: Heard) -> Before:
-    """Have a function called on each of the signals; what was called before is returned.
+    """Call a function on each of the signals; the previous handlers are returned.
 
-    SIGHUP that is ignored stays so: ``nohup`` asks for that.
+    An ignored SIGHUP stays ignored, as ``nohup`` requires.
     """
     before: Before = {}
     for name in NAMES:
@@ -31,7 +31,7 @@ def _is_ignored(number: int) -> bool:
 
 
 def interrupt(_signal: int, _frame: FrameType | None) -> None:
-    """End like Ctrl-C; whoever asks a second time waits for nothing."""
+    """End like Ctrl-C; a second signal ends at once."""
     heed(leave)
     raise KeyboardInterrupt
 
@@ -42,5 +42,5 @@ def leave(_signal: int, _frame: FrameType | None) -> None:
 
 
 def say_interrupted() -> None:
-    """The last line where nothing was begun."""
+    """The last line where nothing had begun."""
     print("tuner: interrupted before anything was saved", file=sys.stderr)

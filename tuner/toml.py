@@ -1,4 +1,4 @@
-"""TOML within bounds: its reader takes time and stack without end for what is nested deep."""
+"""TOML within bounds: its reader needs unlimited time and stack for deep nesting."""
 
 import re
 import tomllib
@@ -8,7 +8,7 @@ from typing import Any
 from tuner.files import whole
 
 DEEPEST = 32
-"""Lists in lists and tables in tables; nothing that is read here has half of that."""
+"""Deepest nesting of lists and tables, more than twice that of any document read here."""
 
 _STRINGS = re.compile(
     r'"""(?:[^"\\]|\\.|"(?!""))*(?:"""|\Z)'
@@ -26,12 +26,12 @@ def read_toml(path: Path, most: int, what: str) -> dict[str, Any]:
 
     Args:
         path: the file.
-        most: bytes that it may have.
+        most: largest size in bytes.
         what: what it should be, such as "study.toml".
 
     Raises:
         OSError: where it is not there, or may not be read.
-        ValueError: in one sentence, where it is no file, too large, too deep or no TOML.
+        ValueError: in one sentence, where it is not a file, too large, too deep or not TOML.
     """
     data = whole(path, most, what)
     try:
@@ -45,7 +45,7 @@ def parsed(text: str) -> dict[str, Any]:
     """The document of a text.
 
     Raises:
-        ValueError: in one sentence, where it is too deep or no TOML.
+        ValueError: in one sentence, where it is too deep or not TOML.
 
     >>> parsed("a = [1, 2]")
     {'a': [1, 2]}
@@ -66,7 +66,7 @@ def parsed(text: str) -> dict[str, Any]:
 
 
 def _depth(text: str) -> int:
-    """How deep lists, tables and the names of tables with dots go at most, strings left out."""
+    """Greatest depth of lists, tables and dotted names of tables, without strings."""
     bare = _STRINGS.sub("", text)
     depth = deepest = 0
     for bracket in _BRACKETS.findall(bare):

@@ -25,7 +25,7 @@ def test_times_go_on_counting_and_gaps_outside_are_forgotten():
     late = cut(record(), from_s=0.9)
     assert late.truth["x"].values.tolist() == [4, 5, 6]
     assert timeline(late).times[0] == pytest.approx(0.9)
-    assert late.notes == ("only what was measured from 0.9 s",)
+    assert late.notes == ("only the part from 0.9 s",)
     assert late.sources[0].samples == 3
     assert cut(record()).channels["z"].values.size == 7
 
@@ -68,7 +68,7 @@ def test_by_command_line_and_again_from_its_file(cli, here):
     log = tomllib.loads(Path("o/study.toml").read_text())["log"]
     assert (log["from_s"], log["to_s"]) == (10.0, 30.0)
     _, _, err = cli("run", "o/study.toml", "--dry-run")
-    assert "only what was measured from 10 s to 30 s" in err
+    assert "only the part from 10 s to 30 s" in err
     code, _, err = cli("run", "design", "--from", 3)
     assert code == 2
 

@@ -37,7 +37,7 @@ def test_description_of_a_record(tmp_path):
         f"omega: {low.sum()} samples rest at the end of the range; "
         "the sensor may have been saturated",
         "z: constant, 0.5 in every sample",
-        "z: no unit given, kept as it is",
+        "z: no unit given, left as it is",
     ]
 
 

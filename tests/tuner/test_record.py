@@ -78,7 +78,7 @@ def test_arrays_are_taken_whole_and_axes_may_be_turned(tmp_path):
     assert record.sources[0].sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
     assert (record.sources[0].samples, record.sources[0].rate_hz) == (N, 20.0)
     sentence = refusal(path, ["x=gyro:m"], inputs=INPUTS)
-    assert "x is one number a sample, and 'gyro' is 3 columns" in sentence
+    assert "x is one number per sample, and 'gyro' is 3 columns" in sentence
 
 
 def test_a_name_to_the_letter_goes_before_its_parts(tmp_path):
@@ -123,7 +123,7 @@ def test_what_was_taken_for_granted_is_said(tmp_path):
         (["gyr=gx,gy,gz:def/s"], ["unknown unit 'def/s'", "deg/s"]),
         (["gyr=gx:rad/s"], ["gyr has 3 axes (x, y, z)", "1 column;"]),
         (["gyr=gx,gy:deg/s"], ["gyr has 3 axes (x, y, z)", "2 columns", "gyr=COLUMN,COLUMN,"]),
-        (["x=gx,gy:m"], ["x is one number a sample", "2 columns"]),
+        (["x=gx,gy:m"], ["x is one number per sample", "2 columns"]),
         (["gyr=gx,gy,hz:deg/s"], ["no column 'hz'", "'gz'"]),
         (["gry=gx,gy,gz"], ["no known channel", "'gyr'"]),
         (["gyr=gx,gy,gz", "gyr=gx,gy,gz"], ["'gyr' is mapped 2 times"]),

@@ -120,7 +120,7 @@ def test_other_dimensions_are_refused(unit, to):
 def test_what_any_unit_becomes():
     assert change("uT", "unit") == (1e-6, 0.0, "T", "")
     assert change("degC", "unit") == (1.0, 0.0, "degC", "")
-    assert change(None, "unit").note == "no unit given, kept as it is"
+    assert change(None, "unit").note == "no unit given, left as it is"
     kept = change("counts", "unit/s")
     assert (kept.factor, kept.unit) == (1.0, "counts")
     assert "unknown unit 'counts'" in kept.note

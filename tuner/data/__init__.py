@@ -1,1 +1,1 @@
-"""Data: recordings and their units, made-up ones, and what their noise is."""
+"""Data: recordings and their units, simulated records, and their noise."""

@@ -16,7 +16,7 @@ class AllanCurve:
     """Overlapping Allan deviations, ``(k,)`` each.
 
     Attributes:
-        factors: samples that are averaged.
+        factors: numbers of samples that are averaged.
         taus: the same as a time, s, rising.
         deviations: in the record's unit.
         freedom: equivalent degrees of freedom of their squares.
@@ -41,8 +41,8 @@ def allan_curve(record: Floats, rate_hz: float) -> AllanCurve:
     """The overlapping Allan deviation from one sample to a third of the record.
 
     Half the mean square of the difference between two neighbouring means over tau, at every place
-    where they fit. The kind of noise, which the degrees of freedom depend on, is told by the
-    curve's own slope. Source: Riley, Handbook of Frequency Stability Analysis, NIST SP 1065, 2008,
+    where they fit. The curve's own slope tells the kind of noise, on which the degrees of freedom
+    depend. Source: Riley, Handbook of Frequency Stability Analysis, NIST SP 1065, 2008,
     5.2.4 and table 5.
 
     Args:
@@ -73,7 +73,7 @@ def allan_curve(record: Floats, rate_hz: float) -> AllanCurve:
 
 
 def averaging_factors(samples: int) -> np.ndarray:
-    """How many samples are averaged: from 1 to a third of them, at like distances of logarithm.
+    """Numbers of samples to average: from 1 to a third of them, evenly spaced in logarithm.
 
     >>> averaging_factors(30).tolist()
     [1, 2, 3, 4, 6, 7, 10]
@@ -84,7 +84,7 @@ def averaging_factors(samples: int) -> np.ndarray:
 
 
 def degrees_of_freedom(samples: int, factors: np.ndarray, slopes: Floats) -> Floats:
-    """Of an overlapping Allan variance, for the noise that its slope shows; NIST SP 1065, table 5.
+    """Those of an overlapping Allan variance, by the noise that its slope shows (SP 1065 table 5).
 
     Args:
         samples: how many the record has.
@@ -104,7 +104,7 @@ def degrees_of_freedom(samples: int, factors: np.ndarray, slopes: Floats) -> Flo
 
 
 def chi_square_limits(freedom: Floats) -> tuple[Floats, Floats]:
-    """95 % limits of a variance over its estimate that has so many degrees of freedom."""
+    """95 % limits of a variance over its estimate, by its degrees of freedom."""
     from scipy.stats import chi2
 
     tail = (1 - _CONFIDENCE) / 2

@@ -30,7 +30,7 @@ class Reading:
         values: ``(N,)`` or ``(N, k)``, in ``unit``; NaN where nothing was measured.
         unit: SI.
         clock: when it was measured.
-        notes: what was taken for granted.
+        notes: what was assumed.
     """
 
     wanted: Wanted
@@ -71,7 +71,7 @@ def _picked(columns: Columns, one: Wanted) -> list[Raw]:
     name, source = one.mapped.channel, one.mapped.source
     if axes is not None and width != max(len(axes), 1):
         columns_ = ",".join(["COLUMN"] * max(len(axes), 1))
-        needs = f"has {len(axes)} axes ({', '.join(axes)})" if axes else "is one number a sample"
+        needs = f"has {len(axes)} axes ({', '.join(axes)})" if axes else "is one number per sample"
         raise LogError(
             f"{columns.table.file}: {name} {needs}, and {source!r} is {counted(width, 'column')}; "
             f"write {name}={columns_}"
@@ -94,7 +94,7 @@ def _clocks(
     time: Sequence[Column] | None,
     rate_hz: float | None,
 ) -> dict[int, Clock]:
-    """When the samples were taken, by their number: each length has a clock of its own."""
+    """The clock of the samples, by their number: each length has a clock of its own."""
     lengths = dict.fromkeys(len(raw[0]) for raw in picked)
     found = {n: find_clock(columns, time, rate_hz, n) for n in lengths}
     if len(found) > 1 and any(clock.origin is None for clock in found.values()):
@@ -111,7 +111,7 @@ def _clocks(
 def _in_si(
     columns: Columns, one: Wanted, raw: list[Raw], zero: "tuple[float, float] | None"
 ) -> tuple[Floats, str, tuple[str, ...]]:
-    """The values in the declared unit, that unit, and what was taken for granted."""
+    """The values in the declared unit, that unit, and what was assumed."""
     parts, unit, notes = [], "", []
     for mapping, column in zip(one.parts, raw, strict=True):
         values = to_float(columns, mapping, column)
@@ -123,7 +123,7 @@ def _in_si(
 
 
 def _side_by_side(parts: Sequence[Floats]) -> Floats:
-    """Columns as one array, some rows at a time, which the cache holds."""
+    """Columns as one array, filled in blocks of rows that fit the cache."""
     together = np.empty((len(parts[0]), len(parts)))
     for start in range(0, len(together), _ROWS):
         rows = slice(start, start + _ROWS)
@@ -160,7 +160,7 @@ def _changed(
 
 
 def _unit_told(columns: Columns, mapping: Column) -> str | None:
-    """The unit that the file tells of a column, where it is a known one."""
+    """The unit that the file gives for a column, where it is a known one."""
     unit = columns.table.units.get(mapping.column)
     if unit is None or mapping.factor is not None:
         return None

@@ -12,7 +12,7 @@ from tuner.data.signal import Signal
 
 
 def cut(record: Record, from_s: float | None = None, to_s: float | None = None) -> Record:
-    """What was measured between two times, both included; times go on counting from the start.
+    """The part of a recording between two times, both included; times still count from the start.
 
     Args:
         record: the recording; it stays as it is where neither time is given.
@@ -48,7 +48,7 @@ def cut(record: Record, from_s: float | None = None, to_s: float | None = None) 
         channels=channels,
         truth=truth,
         sources=sources,
-        notes=(*record.notes, f"only what was measured {told}"),
+        notes=(*record.notes, f"only the part {told}"),
     )
 
 
@@ -59,7 +59,7 @@ def _most_samples(signals: Mapping[str, Signal]) -> int:
 def _part(
     record: Record, name: str, signal: Signal, low: float, high: float, clocks: dict[int, Clock]
 ) -> Signal:
-    # A time that is written with fewer digits than the clock has means the sample beside it.
+    # A time written with fewer digits than the clock has means the nearest sample.
     near = 1e-6 * signal.running.step
     rows = (signal.times >= low - near) & (signal.times <= high + near)
     if rows.sum() < 2 or not signal.present[rows].any():
@@ -76,7 +76,7 @@ def _part(
 
 
 def _clock(clock: Clock, rows: np.ndarray) -> Clock:
-    """How the part's times run; an even clock's step is known better from the whole."""
+    """The clock of the part; an even clock's step is known better from the whole."""
     seconds = clock.seconds[rows]
     if clock.even:
         return replace(clock, seconds=seconds - seconds[0])

@@ -18,12 +18,12 @@ _AXES = {2: "xy", 3: "xyz", 4: "wxyz"}
 
 
 class Parts(NamedTuple):
-    """What a record holds.
+    """A record in words.
 
     Attributes:
         files: these and their clocks, a line each.
         rows: a table of the channels; the first row heads it.
-        notes: what there is to say of channels.
+        notes: remarks on the channels.
     """
 
     files: list[str]
@@ -34,7 +34,7 @@ class Parts(NamedTuple):
 def described(
     sources: Sequence[Source], channels: Mapping[str, Signal], truth: Mapping[str, Signal]
 ) -> list[str]:
-    """What a record holds: files, clocks, and each channel in SI with what there is to say of it.
+    """A record in lines: files, clocks, and each channel in SI with remarks on it.
 
     >>> z = Signal(np.array([1.0, 3.0]), np.array([0.0, 0.5]), "m", "height")
     >>> print("\\n".join(described([Source("log.csv", "", 2, 2.0)], {"z": z}, {})))
@@ -62,7 +62,7 @@ def in_parts(
 
 
 def _clocks(signals: Mapping[str, Signal]) -> list[str]:
-    """What there is to say of each clock, with the first channel that has it."""
+    """Remarks on each clock, with the first channel that has it."""
     first: dict[int, tuple[str, Signal, Clock]] = {}
     for name, signal in signals.items():
         clock = signal.running
@@ -71,7 +71,7 @@ def _clocks(signals: Mapping[str, Signal]) -> list[str]:
 
 
 def _clock(name: str, signal: Signal, clock: Clock) -> Iterator[str]:
-    """How a clock runs, and where its first gaps are."""
+    """Lines on a clock: its steps, and where its first gaps are."""
     told = [clock.source] if clock.source else []
     if clock.origin is not None or not clock.even:
         told += [_evenness(clock.jitter) if clock.steady else _spread(signal), _told(clock.gaps)]
@@ -92,7 +92,7 @@ def _spread(signal: Signal) -> str:
 
 
 def _told(gaps: Sequence[tuple[int, float]]) -> str:
-    """How many gaps a clock has, and the longest."""
+    """The number of gaps of a clock, and the longest."""
     if not gaps:
         return "no gaps"
     longest = max(seconds for _, seconds in gaps)

@@ -1,4 +1,4 @@
-"""Logs to try things on: simulated, so that what a fit should find is known."""
+"""Example logs, simulated, so that the right result of a fit is known."""
 
 from collections.abc import Callable, Mapping
 
@@ -83,7 +83,7 @@ def _level(draw: np.random.Generator) -> tuple[str, Columns]:
 
 
 def _tracks(draw: np.random.Generator) -> tuple[str, Columns]:
-    """Ten walks with a position every second, told apart by a number."""
+    """Ten walks with a position every second, distinguished by a number."""
     walks, count = 10, 200
     q, accuracy = 0.2, draw.choice([3.0, 4.0, 6.0], (walks, count))
     root = np.linalg.cholesky(q * np.array([[1 / 3, 1 / 2], [1 / 2, 1]]))
@@ -109,4 +109,4 @@ KINDS: Mapping[str, Callable[[np.random.Generator], tuple[str, Columns]]] = {
     "tracks": _tracks,
     "vario": _vario,
 }
-"""The logs there are, by name."""
+"""The example logs by name."""

@@ -1,4 +1,4 @@
-"""What a channel holds, in numbers: the first thing a user reads about it."""
+"""The contents of a channel in numbers: the first thing a user reads about it."""
 
 from dataclasses import dataclass
 
@@ -17,18 +17,18 @@ _RUN = 3
 
 @dataclass(frozen=True)
 class Findings:
-    """What one channel holds; all values are in the channel's unit.
+    """The contents of one channel; all values are in the channel's unit.
 
     Attributes:
         mean: mean of the samples.
         std: their standard deviation (divided by N).
         minimum: the smallest.
         maximum: the largest.
-        resolution: the smallest step between two values that occur; None where they are as good
-            as continuous (see :func:`resolution`).
-        saturated: how many samples rest at the limit of the range (see :func:`saturation`).
+        resolution: the smallest step between two values that occur; None where they are
+            practically continuous (see :func:`resolution`).
+        saturated: number of samples at the limit of the range (see :func:`saturation`).
         constant: whether all samples are equal.
-        missing: how many samples are not there.
+        missing: number of missing samples.
     """
 
     mean: float
@@ -42,7 +42,7 @@ class Findings:
 
 
 def find(samples: Floats) -> Findings:
-    """Look at the samples of one channel, ``(N,)``, of which one at least is there.
+    """Examine the samples of one channel, ``(N,)``, of which at least one is present.
 
     >>> found = find(np.array([1.0, np.nan, 3.0]))
     >>> found.mean, found.missing, found.constant
@@ -63,7 +63,7 @@ def find(samples: Floats) -> Findings:
 
 
 def resolution(values: Floats) -> float | None:
-    """The smallest step between values that occur; None where they are as good as continuous.
+    """The smallest step between values that occur; None where they are practically continuous.
 
     That is where more than half of the samples or more than 65536 values differ, or where the
     step is finer than 24 bits of the range, and so comes from printed digits.
@@ -90,7 +90,7 @@ def _distinct(values: Floats) -> Floats | None:
 
 
 def saturation(values: Floats) -> int:
-    """How many samples rest at an end of the range, in runs of at least 3, as if clipped.
+    """Number of samples at an end of the range, in runs of at least 3, as if clipped.
 
     An end counts where far more samples (4 times) lie on it than on any of the next levels:
     noise thins out towards its extremes however coarse its steps, a clipped signal piles up.
@@ -119,7 +119,7 @@ def _saturated_above(values: Floats) -> int:
 
 
 def _in_runs(marked: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> int:
-    """How many marked samples lie in runs of at least 3."""
+    """Number of marked samples that lie in runs of at least 3."""
     edges = np.flatnonzero(np.diff(marked, prepend=False, append=False))
     lengths = edges[1::2] - edges[::2]
     return int(lengths[lengths >= _RUN].sum())

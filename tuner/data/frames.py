@@ -1,4 +1,4 @@
-"""In which frame an attitude is: told by where it turns gravity's reaction."""
+"""The frame of an attitude, found by the direction in which it turns gravity's reaction."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -7,20 +7,20 @@ import numpy as np
 
 from tuner.data.signal import Floats
 
-_FITS = 0.05  # of 1 - cos of the angle to the vertical, in the mean: 18 deg of accelerations
+_FITS = 0.05  # mean of 1 - cos of the angle to the vertical: 18 deg by accelerations
 _BETTER = 1.5
 _TELLING = 0.005  # 6 deg
 _NO_FRAME = 0.3
-_CALM = 0.05  # samples that are no further from the usual force count: the others accelerate
+_CALM = 0.05  # only samples within this distance of the usual force count: the others accelerate
 
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """How an attitude stands to sensor-to-earth with earth z up.
+    """The relation of an attitude to sensor-to-earth with earth z up.
 
     Attributes:
-        fits: whether it is just that.
-        up: where it turns the mean direction of the specific force, a unit vector or shorter.
+        fits: whether it is the same.
+        up: mean direction of the specific force, turned by it: a unit vector or shorter.
         meaning: what it is instead, as far as gravity shows; empty where nothing fits.
         columns: how it would be mapped, of q0 to q3; empty where no order and signs will do.
     """
@@ -45,14 +45,14 @@ def rotated(q: Floats, vectors: Floats) -> Floats:
 def frame_of(truth: Floats, acc: Floats) -> Frame | None:
     """Find how a true attitude has to be read so that gravity's reaction points up.
 
-    A turn about the vertical cannot be seen: the heading may be of any zero.
+    A turn about the vertical cannot be seen: the heading may have any zero.
 
     Args:
         truth: quaternions, ``(N, 4)``; rows with NaN do not count.
         acc: specific force in sensor axes, ``(N, 3)``.
 
     Returns:
-        None where there are too few samples, or hardly any tilt and so nothing to tell.
+        None where there are too few samples, or too little tilt to tell.
     """
     rows = ~np.isnan(truth).any(axis=1) & ~np.isnan(acc).any(axis=1)
     size, force = np.linalg.norm(truth, axis=1), np.linalg.norm(acc, axis=1)
@@ -75,7 +75,7 @@ def frame_of(truth: Floats, acc: Floats) -> Frame | None:
 
 
 def _turned(q: Floats, f: Floats, miss: float) -> str:
-    """The turn of sensor axes that makes a truth fit; empty where none does.
+    """The rotation of sensor axes that makes a truth fit; empty where none does.
 
     The best one in the sense of least squares, by the singular values (Kabsch, Acta Cryst. A32,
     1976).

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 _RADIUS = 6378137.0
 _ECCENTRICITY_SQUARED = 6.69437999014e-3
-# The standard atmosphere up to 11 km (ISO 2533): 288.15 K at the sea, 6.5 K less each km.
+# The standard atmosphere up to 11 km (ISO 2533): 288.15 K at sea level, 6.5 K less per km.
 _SEA_PA = 101325.0
 _SCALE_M = 288.15 / 0.0065
 _POWER = 8.31446261815324 * 0.0065 / (9.80665 * 0.0289644)

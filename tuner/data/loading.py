@@ -1,4 +1,4 @@
-"""What is loaded of a file, and the columns that tell when it was measured."""
+"""Loading of a file's columns, and of those that hold its times."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from tuner.data.wanted import Wanted
 
 @dataclass(frozen=True)
 class File:
-    """One file, or the columns of one clock of it, and what is read of them."""
+    """One file, or the columns of one clock of it, and the channels read from them."""
 
     path: Path
     table: Table
@@ -25,7 +25,7 @@ class File:
 
 @dataclass(frozen=True)
 class Timed:
-    """How the user said when samples were taken.
+    """The user's statement of when samples were taken.
 
     Attributes:
         time: the time column, or several whose sum it is; None finds them.
@@ -51,11 +51,11 @@ class Timed:
 def loaded(
     file: File, timed: Timed, *, optional: bool = False
 ) -> tuple[Columns, tuple[Mapping, ...] | None]:
-    """What is needed of a file, and its time columns where the user named them.
+    """The needed columns of a file, and its time columns where the user named them.
 
     Args:
         file: the file.
-        timed: how the user said when samples were taken.
+        timed: the user's statement of when samples were taken.
         optional: whether it may lack the time columns.
 
     Raises:
@@ -75,7 +75,7 @@ def _resolved(table: Table, asked: Mapped) -> tuple[Mapping, ...]:
 
 
 def has_time(table: Table, named: Sequence[Mapping] | None) -> bool:
-    """Whether a file tells times of its own."""
+    """Whether a file has times of its own."""
     if named is not None or table.time is not None or table.moments:
         return True
     return any(is_time(name.removeprefix(table.prefix)) for name in table.names)
@@ -91,10 +91,10 @@ def once_each(
 
 
 def labels_in(file: File, columns: Columns, time: Sequence[Mapping] | None, by: str) -> Raw:
-    """What tells recordings apart, ``(N,)``: a column, or where the time starts again.
+    """The label of each row's recording, ``(N,)``: a column, or where the time starts again.
 
     Raises:
-        LogError: where there is no such column, or it has no label a row.
+        LogError: where there is no such column, or it lacks one label per row.
     """
     if by == RESTART and by not in file.table.names:
         return restarts(columns, time, _samples(file, columns))

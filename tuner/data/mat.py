@@ -74,10 +74,10 @@ Value: TypeAlias = Numbers | str | Structs | Cells | Opaque | None
 
 
 class Layout:
-    """How a file is written, and how much it may still become.
+    """The byte order of a file, and the memory that it may still take.
 
     Args:
-        order: of the bytes, "<" or ">".
+        order: byte order, "<" or ">".
         room: bytes that all of its values together may take.
     """
 
@@ -100,7 +100,7 @@ def read(data: Bytes) -> dict[str, Value]:
     """The variables of a MAT v5 file; sparse matrices and functions are None.
 
     Raises:
-        ValueError: one sentence, where the file is damaged or none of this kind, or would unpack
+        ValueError: one sentence, where the file is damaged or of another kind, or would unpack
             to more than :func:`tuner.limits.unpacked` and :func:`tuner.limits.largest` allow.
         struct.error: where a size in it cannot be read.
         zlib.error: where a compressed variable is damaged.
@@ -115,10 +115,10 @@ def read(data: Bytes) -> dict[str, Value]:
 
 
 def variables(data: bytes) -> tuple[dict[str, NDArray[np.float64]], dict[str, str]]:
-    """The matrices and texts of a MAT v5 file; what is neither double nor byte is passed over.
+    """The matrices and texts of a MAT v5 file; what is neither double nor byte is skipped.
 
     Raises:
-        ValueError: one sentence, where the file is damaged or none of this kind.
+        ValueError: one sentence, where the file is damaged or of another kind.
         struct.error: where a size in it cannot be read.
         zlib.error: where a compressed variable is damaged.
     """
@@ -132,7 +132,7 @@ def variables(data: bytes) -> tuple[dict[str, NDArray[np.float64]], dict[str, st
 
 
 def elements(data: bytes, order: str) -> Iterator[Value]:
-    """The values of matrices that follow one another, without a header.
+    """The values of consecutive matrices, without a header.
 
     Raises:
         ValueError: one sentence, where they are damaged.
@@ -156,7 +156,7 @@ def _variables(data: Bytes, order: str, budget: int) -> Iterator[Bytes]:
 
 
 def _unpacked(body: Bytes, budget: int) -> memoryview:
-    """The bytes of a compressed variable, piece by piece so that they are there once."""
+    """The bytes of a compressed variable, piece by piece so that they are in memory once."""
     unpacker, out = zlib.decompressobj(), bytearray()
     for at in range(0, len(body), _PIECE):
         out += unpacker.decompress(body[at : at + _PIECE])
@@ -168,7 +168,7 @@ def _unpacked(body: Bytes, budget: int) -> memoryview:
 
 
 def _elements(data: Bytes, order: str) -> Iterator[tuple[int, Bytes]]:
-    """The elements that follow one another: the type and the bytes of each."""
+    """Consecutive elements: the type and the bytes of each."""
     at = 0
     while at < len(data):
         kind, size = struct.unpack_from(f"{order}II", data, at)
@@ -205,7 +205,7 @@ def _value(body: Bytes, layout: Layout, deep: int) -> tuple[str, Value]:
 def _of_class(
     kind: int, marks: int, shape: tuple[int, ...], rest: Parts, layout: Layout, deep: int
 ) -> Value:
-    """The value of a matrix of some class; None of one that is passed over."""
+    """The value of a matrix of some class; None for one that is skipped."""
     if kind in _CLASSES:
         return _matrix(shape, rest, layout, kind, marks)
     if kind == _CHAR:

@@ -1,6 +1,6 @@
 """The objects of a MAT v5 file that hold columns: table, timetable, datetime and duration.
 
-MathWorks documents none of it; what is read here follows the description of the package mat-io
+MathWorks documents none of it; the reading here follows the description of the package mat-io
 (github.com/foreverallama/matio, docs): a file keeps the properties of all its objects in one cell
 array, whose first cell says in 32-bit words which cell is which property of which object.
 """
@@ -28,8 +28,8 @@ class Objects:
 
     Attributes:
         names: of classes and properties.
-        classes: four words a class; the second is its name.
-        objects: six words an object: its class first, its properties fourth and fifth.
+        classes: four words per class; the second is its name.
+        objects: six words per object: its class first, its properties fourth and fifth.
         saved: properties of objects that save themselves in a form of their own.
         plain: properties of the others.
         cells: the values.
@@ -47,7 +47,7 @@ class Objects:
         """From the bytes that a MAT file keeps in a variable without a name.
 
         Raises:
-            ValueError: where they are not as they should be.
+            ValueError: where they are malformed.
         """
         data = subsystem.astype(np.uint8).tobytes(order="F")
         order = "<" if data[2:4] == b"IM" else ">"
@@ -69,7 +69,7 @@ class Objects:
         return cls(names, classes, objects, saved, plain, cells.values)
 
     def kind(self, reference: Value) -> str:
-        """The class of an object; ``""`` of anything that is none."""
+        """The class of an object; ``""`` for anything else."""
         words = _words(reference)
         if words is None:
             return ""
@@ -79,7 +79,7 @@ class Objects:
         """The properties of one object by name.
 
         Raises:
-            ValueError: where the reference is none to one object.
+            ValueError: where the reference is not to one object.
         """
         words = _words(reference)
         if words is None or len(words) != int(words[1]) + 4:
@@ -113,10 +113,10 @@ class Columns:
 
 
 def columns_of(objects: Objects, reference: Value) -> Columns | None:
-    """The columns of a table, a timetable, a datetime or a duration; None of another object.
+    """The columns of a table, a timetable, a datetime or a duration; None for another object.
 
     Raises:
-        ValueError: where it is not as it should be.
+        ValueError: where it is malformed.
     """
     kind = objects.kind(reference)
     if kind in ("datetime", "duration"):
@@ -150,7 +150,7 @@ def _words(reference: Value) -> Words | None:
 
 
 def _record(region: Words, number: int) -> Words:
-    """The triples of one record: each begins with its length, and has an even number of words."""
+    """The triples of one record, which has its length first and an even number of words."""
     at = 2
     for _ in range(number - 1):
         at += 1 + 3 * int(region[at])
@@ -179,7 +179,7 @@ def _units(held: dict[str, Value]) -> list[str]:
 
 
 def _fields(value: Value) -> dict[str, Value]:
-    """The fields of a struct that is no array."""
+    """The fields of a single struct."""
     if not isinstance(value, Structs):
         return {}
     return {name: values[0] for name, values in value.fields.items() if values}
@@ -203,7 +203,7 @@ def _times(objects: Objects, reference: Value) -> tuple[Numbers, str]:
         raise ValueError("it holds times that are neither dates nor durations")
     held = objects.properties(reference)
     name = "data" if objects.kind(reference) == "datetime" else "millis"
-    # A duration of nothing is the default of its class, which no file repeats.
+    # An empty duration is the default of its class, which files leave out.
     numbers = held.get(name, np.zeros((1, 1)) if name == "millis" else None)
     if not isinstance(numbers, np.ndarray):
         raise ValueError("it holds times that are no numbers")
@@ -212,7 +212,7 @@ def _times(objects: Objects, reference: Value) -> tuple[Numbers, str]:
     whole = np.floor(numbers.real)  # the imaginary part holds what the real one rounds away
     if not np.isfinite(whole).all() or np.abs(whole).max(initial=0) > 9e12:
         return numbers.real.astype(np.float64), "ms"
-    finest = 1.0 if np.iscomplexobj(numbers) else 1000.0  # ns; one double alone tells 0.2 us
+    finest = 1.0 if np.iscomplexobj(numbers) else 1000.0  # ns; one double alone resolves 0.2 us
     rest = np.round((numbers.real - whole + numbers.imag) * 1e6 / finest) * finest
     return whole.astype(np.int64) * 1_000_000 + rest.astype(np.int64), "ns"
 

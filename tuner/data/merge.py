@@ -21,14 +21,14 @@ class Timeline:
 
     Attributes:
         times: since the record's start, s, ``(N,)`` or ``(N, k)``; NaN past a recording's end.
-        dt: seconds since the sample before, as ``times``; the first, and those past the end, are
+        dt: seconds since the previous sample, as ``times``; the first, and those past the end, are
             the median step.
         rate_hz: samples per second where one step stands for all; None where ``dt`` counts.
         channels: in SI, ``(N, ...)`` or ``(N, k, ...)``; NaN where nothing was measured.
         truth: the same.
         units: of the channels.
         notes: what was left out or moved, a sentence each.
-        counts: how many samples each of k recordings has; None where there is one alone.
+        counts: number of samples of each of k recordings; None where there is only one.
     """
 
     times: Floats
@@ -146,7 +146,7 @@ def _same(times: Floats, others: Floats) -> bool:
 
 
 def _own_clock(base: Signal) -> Signal:
-    """A channel without the rows in which only others were measured, where that makes it even."""
+    """A channel without the rows that only others have, where that makes its times even."""
     present = base.present
     if present.all() or present.sum() < 3:
         return base
@@ -172,7 +172,7 @@ def _check_overlap(
 
 
 def _follows(signal: Signal, instants: Floats, step: float) -> bool:
-    """Whether a channel can go to another one's instants without losing its own."""
+    """Whether a channel can move to another one's instants without losing its own."""
     times = signal.times[signal.present]
     distance = np.abs(times - instants[_nearest(times, instants)])
     near = distance[distance <= _half(step)]
@@ -181,7 +181,7 @@ def _follows(signal: Signal, instants: Floats, step: float) -> bool:
 
 
 def _half(step: float) -> float:
-    return 0.5 * step * (1.0 + 1e-6)  # an instant right between two counts, whatever its last digit
+    return 0.5 * step * (1.0 + 1e-6)  # an instant midway between two, whatever its last digit
 
 
 def _nearest(times: Floats, instants: Floats) -> np.ndarray:
@@ -192,7 +192,7 @@ def _nearest(times: Floats, instants: Floats) -> np.ndarray:
 
 
 def _snapped(signal: Signal, instants: Floats, step: float) -> tuple[Floats, str]:
-    """A channel's samples at the instants, NaN where it has none; and how many found no place."""
+    """A channel's samples at the instants, NaN where it has none, and the number of lost ones."""
     if _same(signal.times, instants):
         return signal.values, ""
     kept = np.flatnonzero(signal.present)
@@ -200,7 +200,7 @@ def _snapped(signal: Signal, instants: Floats, step: float) -> tuple[Floats, str
     rows = _nearest(times, instants)
     distance = np.abs(times - instants[rows])
     near = distance <= _half(step)
-    # Of several that have one nearest instant, the nearest; written last, so it stays.
+    # Of several with the same nearest instant, the nearest is written last, so it stays.
     order = np.argsort(-distance[near], kind="stable")
     values = np.full((len(instants), *signal.values.shape[1:]), np.nan)
     values[rows[near][order]] = signal.values[kept[near][order]]
@@ -229,7 +229,7 @@ def _steps(instants: Floats, rate: float | None) -> Floats:
 
 
 def _one_rate(rates: Sequence[float | None]) -> float | None:
-    """The rate of all, where they agree within a thousandth."""
+    """The common rate, where all agree within a thousandth."""
     known = [rate for rate in rates if rate is not None]
     if len(known) < len(rates):
         return None
@@ -238,7 +238,7 @@ def _one_rate(rates: Sequence[float | None]) -> float | None:
 
 
 def _padded(arrays: Sequence[Floats], fills: Sequence[float] | None = None) -> Floats:
-    """Arrays side by side along a second axis, to the length of the longest."""
+    """Arrays side by side along a second axis, padded to the length of the longest."""
     length = max(map(len, arrays))
     padded = np.empty((length, len(arrays), *arrays[0].shape[1:]))
     for lane, array in enumerate(arrays):

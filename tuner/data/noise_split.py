@@ -1,4 +1,4 @@
-"""Guess R and Q from a record at rest: what is fast is measurement noise, what is slow is not."""
+"""A guess of R and Q from a record at rest: its fast part is taken as measurement noise."""
 
 from typing import Literal, NamedTuple, TypeAlias, get_args
 

@@ -1,4 +1,4 @@
-"""Whether channels can be what they are said to be: physics that needs no model."""
+"""Checks that channels are physically possible, without a model."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, NamedTuple
@@ -21,7 +21,7 @@ _MAP = "write {name}=...:{unit}"
 
 
 class _Scale(NamedTuple):
-    """What a factor between a sensor's numbers and SI says about its unit."""
+    """The unit that a factor between a sensor's numbers and SI suggests."""
 
     factor: float
     unit: str
@@ -37,8 +37,8 @@ def implausible(
 
     Args:
         line: the channels on one clock, of one recording.
-        inputs: what a filter declares of its inputs.
-        outputs: and of its outputs.
+        inputs: the facts of a filter's inputs.
+        outputs: the facts of its outputs.
 
     Returns:
         Warnings, one sentence each.
@@ -72,10 +72,10 @@ def check_accelerometer(name: str, acc: Floats, dt: Floats, way_out: str = _MAP)
         name: the channel.
         acc: specific force.
         dt: sample times, s, ``(N,)``.
-        way_out: what the user is told to do, with {name} and {unit}.
+        way_out: the advice to the user, with {name} and {unit}.
 
     Returns:
-        A warning where it reads gravity as a rule, but not where it is calmest; else nothing.
+        A warning where it usually reads gravity, but not where it is calmest; else nothing.
 
     Raises:
         LogError: where it reads 1, gravity in another unit, nothing, or something else.
@@ -92,7 +92,7 @@ def check_accelerometer(name: str, acc: Floats, dt: Floats, way_out: str = _MAP)
         return ""
     usual = float(np.nanmedian(np.linalg.norm(acc, axis=1)))
     if 0.8 * _GRAVITY < usual < 1.2 * _GRAVITY:  # a fall or a steady push is calm, too
-        return f"{name} reads {norm:.3g} m/s^2 where it is calmest, and {usual:.3g} as a rule"
+        return f"{name} reads {norm:.3g} m/s^2 where it is calmest, and {usual:.3g} usually"
     near = [scale for scale in _FORCES if 0.9 * scale.factor < norm < 1.1 * scale.factor]
     if near:
         units = " or ".join(scale.unit for scale in near)
@@ -117,7 +117,7 @@ def check_gyroscope(name: str, gyr: Floats, way_out: str = _MAP) -> None:
     Args:
         name: the channel.
         gyr: rates.
-        way_out: what the user is told to do, with {name} and {unit}.
+        way_out: the advice to the user, with {name} and {unit}.
 
     Raises:
         LogError: with the way out.
@@ -132,9 +132,9 @@ def check_gyroscope(name: str, gyr: Floats, way_out: str = _MAP) -> None:
 
 
 def check_turning(name: str, gyr: Floats, acc: Floats, dt: Floats) -> None:
-    """Refuse rates whose turn is some 57 times what gravity shows in sensor axes.
+    """Refuse rates that turn some 57 times as fast as gravity does in sensor axes.
 
-    At rest but for its turning, the specific force f obeys df/dt = -w x f. The slope between both
+    Without acceleration, the specific force f obeys df/dt = -w x f. The slope between both
     sides, over spans long enough to see beyond the noise, is 1 where w is in rad/s, 1/57.3 where
     degrees are taken for radians, and 57.3 where it is the other way around.
 
@@ -158,7 +158,7 @@ def check_turning(name: str, gyr: Floats, acc: Floats, dt: Floats) -> None:
     product = float((seen * expected).sum())
     power, total = float((expected**2).sum()), float((seen**2).sum())
     if product < 0.7 * np.sqrt(power * total) or power == 0.0:
-        return  # the turn explains too little of what is seen to tell a unit
+        return  # the rotation explains too little of the measured change to tell a unit
     slope = product / power
     if 0.5 < slope * _DEGREES < 2.0:
         raise LogError(
@@ -184,11 +184,11 @@ def check_rate(name: str, gyr: Floats, truth_name: str, truth: Floats, dt: Float
     turns = np.abs((truth[rows[1:]] * truth[rows[:-1]]).sum(axis=1))
     sizes = np.linalg.norm(truth[rows], axis=1)
     turns = 2 * np.arccos(np.clip(turns / (sizes[1:] * sizes[:-1]), 0.0, 1.0))
-    # Summed up between the truth's instants, so that shaking does not count.
+    # Summed between the truth's instants, so that shaking does not count.
     vectors = np.cumsum(np.nan_to_num(gyr) * dt[:, None], axis=0)[rows]
     true, ours = float(turns.sum()), float(np.linalg.norm(np.diff(vectors, axis=0), axis=1).sum())
     if true < np.radians(20) or true < np.radians(1.0) * float(dt[rows[0] : rows[-1]].sum()):
-        return  # it hardly moves: noise and bias are most of what is measured
+        return  # it hardly moves: the rates are mostly noise and bias
     if 20.0 < ours / true < 200.0:
         raise LogError(
             f"{name} turns {ours / true:.3g} times as much as {truth_name}, so it looks like "

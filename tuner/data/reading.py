@@ -99,8 +99,8 @@ def read_records(
             channel. A column may have a minus sign, ``[index]`` and ``*factor``; ``FILE/`` before
             them says which file is meant. The units ``lat`` and ``lon`` are degrees that become
             metres north and east of the first fix.
-        truth: the same for what should come out.
-        inputs: the channels that there are, with their units and axes; any name and any SI unit
+        truth: the same for the true outputs.
+        inputs: the declared channels, with their units and axes; any name and any SI unit
             if left out.
         outputs: the same for the truth.
         rate_hz: samples per second; None takes it from a time column or a scalar of the file. It
@@ -108,11 +108,11 @@ def read_records(
             a time column.
         time: the time column as ``column[index]*factor:unit``, or several whose sum is the time,
             such as ``date:dmy,clock``; None looks for them by their names and contents.
-        by: the column, of numbers or text, that tells the recordings of one file apart;
+        by: the column, of numbers or text, that separates the recordings of one file;
             ``restart`` where a new one begins wherever the time runs back.
         drop_repeats: whether rows with the time of the row before are left out.
-        from_s: what was measured earlier is left out, s since the start of each recording.
-        to_s: what was measured later.
+        from_s: earlier samples are left out, s since the start of each recording.
+        to_s: later samples are left out, likewise.
 
     Raises:
         LogError: for a file, a column, a unit or values that cannot be used, in one sentence.
@@ -160,7 +160,7 @@ def _check_rate(rate_hz: float) -> None:
 def _files(
     paths: Sequence[Path], tables: Sequence[Table], shares: Sequence[list[Wanted]]
 ) -> list[list[File]]:
-    """What is read of each file, for each of its clocks."""
+    """The sources to read: each file, for each of its clocks."""
     return [
         [File(path, part, tuple(wanted)) for part, wanted in by_clock(table, share)]
         for path, table, share in zip(paths, tables, shares, strict=True)
@@ -195,7 +195,7 @@ def _together(files: Sequence[File]) -> str:
 
 
 def _parted(file: File, timed: Timed, by: str) -> list[Record]:
-    """The recordings that a column of one file, or its times, tell apart."""
+    """The recordings of one file, separated by a column or by its times."""
     columns, clock = loaded(file, timed)
     labels = labels_in(file, columns, clock, by)
     parts = [(label, rows) for label, rows in split(labels)]
@@ -249,7 +249,7 @@ def _source(path: Path, readings: Sequence[Reading]) -> Source:
 
 
 def _check_present(found: Sequence[tuple[File, list[Reading]]]) -> None:
-    """Refuse a channel without a number in all of what was read of a file."""
+    """Refuse a channel without a single number in a file."""
     filled: Counter[tuple[str, str]] = Counter()
     rows: Counter[tuple[str, str]] = Counter()
     for file, readings in found:
@@ -267,7 +267,7 @@ def _check_present(found: Sequence[tuple[File, list[Reading]]]) -> None:
 
 
 def _notes(found: Sequence[tuple[File, list[Reading]]]) -> tuple[str, ...]:
-    """What was taken for granted in all files."""
+    """Everything that was assumed in all files."""
     notes: list[str] = []
     several = len({file.path for file, _ in found}) > 1
     for file, readings in found:

@@ -1,4 +1,4 @@
-"""What a recording holds: channels in SI, each with its times, the truth, and the sources."""
+"""A recording: channels in SI, each with its times, the truth, and the sources."""
 
 import hashlib
 from collections.abc import Mapping, Sequence
@@ -24,11 +24,11 @@ Times: TypeAlias = ArrayLike | Mapping[str, ArrayLike] | None
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """How a record was read from its files.
+    """The way in which a record was read from its files.
 
     Attributes:
         arguments: of :func:`tuner.read_records`, by the names that a study.toml has for them.
-        channels, truth: what was read; a record that was changed since holds other mappings.
+        channels, truth: the mappings that were read; a changed record holds other ones.
     """
 
     arguments: Mapping[str, object]
@@ -41,12 +41,12 @@ class Record:
     """One recording.
 
     Attributes:
-        name: what it is called.
-        channels: what was measured, by the names of a filter's inputs.
-        truth: what should come out, by the names of its outputs.
+        name: its name.
+        channels: measurements, by the names of a filter's inputs.
+        truth: true values, by the names of its outputs.
         sources: the files.
-        notes: what was taken for granted, a sentence each.
-        reading: how it was read from its files; None of arrays.
+        notes: what was assumed, a sentence each.
+        reading: how it was read from its files; None for arrays.
     """
 
     name: str
@@ -76,12 +76,12 @@ class Record:
             channels: each ``(N,)`` or ``(N, k)``; NaN is a missing sample.
             rate_hz: samples per second of all; or
             times: in seconds, rising, ``(N,)``: of all, or by channel.
-            units: by channel and output; what has none is in SI.
+            units: by channel and output; SI where none is given.
             truth: by output, like the channels.
-            truth_times: like ``times``, which they are if left out.
+            truth_times: like ``times``; the same as those if left out.
             inputs: what the channels should be in; any SI unit if left out.
             outputs: the same for the truth.
-            name: what the record is called.
+            name: the record's name.
 
         Raises:
             LogError: for unknown units, arrays of unequal lengths, and times that do not rise.
@@ -109,7 +109,7 @@ class Record:
 
     @property
     def read_as(self) -> Mapping[str, object] | None:
-        """The arguments that read it from its files; None of arrays, and of what was changed."""
+        """The arguments that read it from its files; None for arrays, and for a changed record."""
         known = self.reading
         if known is None or known.channels is not self.channels or known.truth is not self.truth:
             return None
@@ -117,13 +117,13 @@ class Record:
 
     @property
     def digest(self) -> str:
-        """The checksum of all sources together; that of the file where there is one."""
+        """The checksum of all sources together; that of the file where there is only one."""
         if len(self.sources) == 1:
             return self.sources[0].sha256
         return hashlib.sha256("".join(s.sha256 for s in self.sources).encode()).hexdigest()
 
     def describe(self) -> list[str]:
-        """What the record holds, in lines for a terminal."""
+        """The contents of the record, in lines for a terminal."""
         return [*described(self.sources, self.channels, self.truth), *self.notes]
 
     def _repr_html_(self) -> str:
@@ -147,7 +147,7 @@ def _signals(
     units: Mapping[str, str],
     declared: "Mapping[str, Channel] | None",
 ) -> dict[str, tuple[Signal, str]]:
-    """Arrays in SI on their own times, each with what was taken for granted."""
+    """Arrays in SI on their own times, each with what was assumed."""
     made = {}
     for name, given in arrays.items():
         if declared is not None and name not in declared:
@@ -176,7 +176,7 @@ def _clock(
     rate_hz: float | None,
     times: ArrayLike | Mapping[str, ArrayLike] | None,
 ) -> tuple[Clock, float]:
-    """How a channel's times run, and its first one."""
+    """The clock of a channel, and its first time."""
     own = times.get(name) if isinstance(times, Mapping) else times
     if (own is None) == (rate_hz is None):
         raise LogError(f"{name!r} needs either a rate_hz or times; give one of them")
@@ -199,13 +199,13 @@ def _clock(
 def _signal(
     name: str, values: Floats, clock: tuple[Clock, float], unit: str | None, wanted: str
 ) -> tuple[Signal, str]:
-    """A channel in SI, and what was taken for granted."""
+    """A channel in SI, and what was assumed."""
     runs, first = clock
     try:
         into = change(unit, wanted)
     except ValueError as error:
         raise LogError(f"{name!r} {error}") from error
-    note = into.note if unit is not None else ""  # arrays are in SI where nothing is said
+    note = into.note if unit is not None else ""  # arrays are in SI unless a unit is given
     return Signal(into(values), runs.seconds + first, into.unit, name, runs, unit or ""), note
 
 

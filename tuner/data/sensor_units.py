@@ -10,10 +10,10 @@ _DEGREES, _HOUR, _GRAVITY = 180 / np.pi, 3600.0, 9.80665
 
 
 class Told(NamedTuple):
-    """A way to tell a density's root.
+    """A unit in which the root of a density is given.
 
     Attributes:
-        name: what it is called; "" where the unit says it.
+        name: its name; "" where the unit says it.
         factor: from SI.
         unit: of the number.
     """
@@ -24,10 +24,10 @@ class Told(NamedTuple):
 
 
 def told_as(sensor: Sensor) -> tuple[Told, ...]:
-    """How the root of a sensor's noise density is told, kalibr's way first.
+    """The units for the root of a sensor's noise density, kalibr's first.
 
     Args:
-        sensor: which; "" is told in no way.
+        sensor: the kind of sensor; none for "".
 
     >>> [(told.name, told.unit) for told in told_as("gyroscope")][::2]
     [('gyroscope_noise_density', 'rad/s/sqrt(Hz)'), ('ARW', 'deg/sqrt(h)')]

@@ -20,7 +20,7 @@ class Signal:
         unit: in SI.
         source: the columns that it was read from.
         clock: how the times run; None where nothing but the times is known.
-        written: the unit that the values were given in; "" where none was, or several.
+        written: the unit in which the values were given; "" for none, or several.
     """
 
     values: Floats
@@ -32,7 +32,7 @@ class Signal:
 
     @property
     def running(self) -> Clock:
-        """How the times run."""
+        """The clock, judged from the times where none is known."""
         return self.clock or judged(self.times)
 
     @property
@@ -43,7 +43,7 @@ class Signal:
 
     @property
     def rate_hz(self) -> float:
-        """Samples that hold a number, per second; 0 where there is one alone."""
+        """Samples that hold a number, per second; 0 where there is only one."""
         times = self.times[self.present]
         if len(times) == len(self.times):
             return self.running.rate_hz

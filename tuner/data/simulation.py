@@ -1,4 +1,4 @@
-"""Simulated motion of an inertial unit, and what its sensors make of it.
+"""Simulated motion of an inertial unit, and its sensors' measurements.
 
 Axes are forward, left, up; attitudes turn sensor into earth coordinates with earth z up, so the
 accelerometers show +g along z at rest. Angles are those of aeronautics: roll phi, pitch theta, yaw
@@ -63,9 +63,9 @@ class Bursts:
     """External accelerations that come and go: whole sines, so that no speed is left.
 
     Attributes:
-        count: how many.
+        count: their number.
         size: largest amplitude, m/s^2; each burst has between a fifth and all of it.
-        seconds: how long one lasts.
+        seconds: duration of each.
         axes: in which earth axes they point; weights of east or north, north or west, up.
     """
 
@@ -92,7 +92,7 @@ class Sensor:
     turn_on: float = 0.0
 
     def measure(self, truth: np.ndarray, dt: float, seed: int) -> np.ndarray:
-        """What is measured of a truth ``(N, 3)``."""
+        """The measurements of a truth ``(N, 3)``."""
         draw = np.random.default_rng(seed)
         walk = self.walk * np.sqrt(dt) * draw.normal(size=truth.shape).cumsum(axis=0)
         noise = self.noise * draw.normal(size=truth.shape)
@@ -107,10 +107,10 @@ def simulate(
     """A random motion, the same for the same seed.
 
     Args:
-        seconds: how long.
+        seconds: duration.
         dt: sample time, s.
-        seed: of the random numbers.
-        swing: how the angles move; it starts from rest at zero within the first tenth.
+        seed: seed of the random numbers.
+        swing: motion of the angles; it starts from rest at zero within the first tenth.
         bursts: external accelerations, none if left out.
 
     Raises:
@@ -143,7 +143,7 @@ def simulate(
 
 
 def measure(motion: Motion, *, gyroscope: Sensor, accelerometer: Sensor, seed: int) -> ImuSample:
-    """What an inertial unit measures of a motion; the noise is the same for the same seed."""
+    """The measurements of an inertial unit in a motion; equal seeds give equal noise."""
     rate = gyroscope.measure(motion.rate, motion.dt, seed)
     # Another stream for the other sensor: their noises must not be one.
     force = accelerometer.measure(motion.force, motion.dt, seed + 2**31)
@@ -154,8 +154,8 @@ def even_normals(count: int, size: int, seed: int) -> np.ndarray:
     """Standard normal numbers for runs that together show the distribution, ``(count, size)``.
 
     A Latin hypercube (McKay, Beckman and Conover, Technometrics 21(2), 1979), then shifted and
-    turned until the mean is 0 and the covariance 1, so that over the runs the mean square of
-    whatever is linear in the numbers is exact. That needs more runs than numbers in each; fewer
+    turned until the mean is 0 and the covariance 1, so that over the runs the mean square of any
+    linear function of the numbers is exact. That needs more runs than numbers in each; fewer
     stay as the hypercube has them.
 
     >>> drawn = even_normals(20, 3, seed=0)

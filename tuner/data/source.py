@@ -1,4 +1,4 @@
-"""Where data come from: the name and the digest that stand in results and exports."""
+"""The origin of data: the name and the digest in results and exports."""
 
 import hashlib
 from collections.abc import Iterable, Sequence
@@ -10,19 +10,19 @@ import numpy as np
 from tuner.files import opened
 
 _AS_WRITTEN = {"extra": "forbid"}
-"""Read back from a result's JSON, it has these fields and no others."""
+"""A result's JSON has these fields of it and no others."""
 
 
 @dataclass(frozen=True)
 class Source:
-    """Which data a problem was tuned on.
+    """The data on which a problem was tuned.
 
     Attributes:
-        name: the file's name, or what was made up instead.
-        sha256: of the file's bytes, or of the made-up samples and their rate; of the model where
-            there are none.
-        samples: how many samples; 0 for a design, which needs none.
-        rate_hz: sample rate; 0 for a design, and where samples come at any time.
+        name: the file's name, or that of the simulated data.
+        sha256: of the file's bytes, or of the simulated samples and their rate; of the model
+            where there are none.
+        samples: number of samples; 0 for a design, which needs none.
+        rate_hz: sample rate; 0 for a design, and where sample times vary.
     """
 
     __pydantic_config__ = _AS_WRITTEN
@@ -34,10 +34,10 @@ class Source:
 
     @classmethod
     def simulated(cls, name: str, made: Sequence[np.ndarray], rate_hz: float) -> "Source":
-        """Made-up records.
+        """The source of simulated records.
 
         Args:
-            name: what was made up.
+            name: what was simulated.
             made: one array ``(N, k, ...)`` or several, of k records of N samples each; a single
                 record may be ``(N,)``.
             rate_hz: sample rate.
@@ -74,7 +74,7 @@ class Source:
 
     @classmethod
     def model(cls, name: str, numbers: Iterable[object], rate_hz: float = 0.0) -> "Source":
-        """A model without data, by its numbers: arrays and whatever has a text that tells all.
+        """A model without data, by its numbers: arrays, and objects whose text is complete.
 
         >>> one, other = (Source.model("gain", [np.array([1.0 + e])]) for e in (0.0, 1e-12))
         >>> one.sha256 == other.sha256
@@ -94,7 +94,7 @@ def file_digest(path: Path) -> str:
 
 
 def _digest(parts: Iterable[object]) -> str:
-    """A digest that differs where anything differs: numbers to the bit, shapes, what is where."""
+    """A digest that differs where anything differs: numbers to the bit, shapes, order."""
     digest = hashlib.sha256()
     for part in parts:
         digest.update(_bytes(part))

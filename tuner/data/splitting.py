@@ -1,4 +1,4 @@
-"""Recordings in one file, told apart by a column."""
+"""Recordings in one file, separated by a column."""
 
 from collections.abc import Iterator
 
@@ -14,7 +14,7 @@ def labels_of(table: Table, column: str) -> Raw:
     """The labels in a column, ``(N,)``, of numbers or text.
 
     Raises:
-        LogError: where there is no such column, or it has no label a row.
+        LogError: where there is no such column, or it lacks one label per row.
     """
     found = table.resolve(parse_column("by", column))
     if table.labels is not None:
@@ -23,7 +23,7 @@ def labels_of(table: Table, column: str) -> Raw:
     if labels.ndim == 2 and found.index is not None:
         labels = labels[:, found.index]
     if labels.ndim != 1 or labels.dtype.kind not in "biufUS":
-        raise LogError(f"{table.file}: {column!r} does not hold one label a row; name another --by")
+        raise LogError(f"{table.file}: {column!r} does not hold a label per row; name another --by")
     return labels
 
 

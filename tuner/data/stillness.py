@@ -1,4 +1,4 @@
-"""Whether a record is at rest, and where it is."""
+"""Tests for rest: whether a record is at rest, and where."""
 
 from dataclasses import dataclass
 
@@ -9,21 +9,21 @@ from tuner.data.logs.error import LogError
 from tuner.data.signal import Floats
 
 MOVED = 16.0
-"""Means over a tenth of a second that vary more than so many times their noise are motion."""
+"""Means over a tenth of a second whose variance exceeds their noise by this factor are motion."""
 _MEAN_S, _WINDOW_S = 0.1, 1.0
-_LEAST = 32  # samples of a window: fewer tell no noise
-_QUIET, _OF_MEDIAN = 0.2, 0.64  # this quantile of a window's noise variance is so much of the mean
+_LEAST = 32  # samples in a window: fewer do not show the noise
+_QUIET, _OF_MEDIAN = 0.2, 0.64  # ratio of this quantile of a window's noise variance to the mean
 _PLATEAU = 1.3
 _THIRD = 20.0  # variance of third differences of white noise of variance 1
-_SHORT_S = 2.0  # a rest that is shorter is no place to tune on
+_SHORT_S = 2.0  # a shorter rest is not enough to tune on
 
 
 @dataclass(frozen=True)
 class Motion:
-    """Where a record moves.
+    """The motion in a record.
 
     Attributes:
-        ratio: variance of what is slow over that of the noise, in the record as a whole.
+        ratio: variance of the slow part over that of the noise, in the whole record.
         rest: longest part without motion, from and to in s since the record's first sample; None
             where there is none of 2 s.
     """
@@ -33,11 +33,11 @@ class Motion:
 
 
 def find_motion(record: Floats, rate_hz: float) -> Motion | None:
-    """Tell motion from a sensor's own noise; None where it is at rest.
+    """Distinguish motion from a sensor's own noise; None where it is at rest.
 
     Motion changes the means over a tenth of a second within three windows of a second (of 32
     samples, if these take longer) far more than the noise that third differences show. A bias that
-    walks does so over minutes and hours, which no such window sees. A sensor's own filter makes
+    drifts does so over minutes and hours, which no such window sees. A sensor's own filter makes
     the fast noise smaller than it is; so the noise is taken from means over so many samples that
     more do not raise it, up to a tenth of a second.
 
@@ -73,7 +73,7 @@ def check_at_rest(name: str, record: Floats, rate_hz: float, start_s: float = 0.
     """Refuse a record that moves.
 
     Args:
-        name: what it is called.
+        name: the record's name.
         record: even samples, none missing, ``(N,)``.
         rate_hz: sample rate.
         start_s: when its first sample was taken, as --from counts.
@@ -94,7 +94,7 @@ def check_at_rest(name: str, record: Floats, rate_hz: float, start_s: float = 0.
 
 
 def _density(windows: Floats, rate_hz: float, least: float) -> float:
-    """Variance of a sample that the white noise has by itself, from the quietest windows."""
+    """Variance per sample of the white noise alone, from the quietest windows."""
     found = []
     m, most = 1, max(1, round(_MEAN_S * rate_hz))
     while m <= most and windows.shape[1] // m >= 8:
@@ -122,7 +122,7 @@ def _around(means: Floats) -> Floats:
 
 
 def _longest(still: np.ndarray, seconds: float, whole: float) -> tuple[float, float] | None:
-    """The longest run of still windows, without those at its ends that others see into."""
+    """The longest run of still windows, without those at its ends that overlap others."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(int), [0]])))
     begins, ends = edges[::2], edges[1::2]
     if not len(begins):

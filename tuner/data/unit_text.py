@@ -1,6 +1,6 @@
-"""Units as they are written, multiplied and rooted: ``unit^2/s^3`` a second, ``(m/s)^2`` and so on.
+"""Units as text, and their products and powers: ``unit^2/s^3``, ``(m/s)^2`` and so on.
 
-Unlike :mod:`tuner.data.units` this knows no unit: names stay names.
+Unlike :mod:`tuner.data.units` this knows no units, only names.
 """
 
 import re
@@ -12,7 +12,7 @@ _GROUP = re.compile(r"\(([^()]+)\)(?:\^(\d+))?")
 
 
 def powers_of(text: str) -> Powers | None:
-    """The powers of the names in a unit; None where it is written in another way.
+    """The powers of the names in a unit; None where it has another form.
 
     >>> powers_of("unit^2/s^3"), powers_of("(rad/s)^2/s"), powers_of("unit^2, unit/s")
     ({'unit': 2.0, 's': -3.0}, {'rad': 2.0, 's': -3.0}, None)
@@ -30,7 +30,7 @@ def powers_of(text: str) -> Powers | None:
 
 
 def _expanded(group: re.Match[str]) -> str:
-    """A unit in brackets without them; as it is where it cannot be read."""
+    """A unit without its brackets; unchanged where it cannot be read."""
     inner = powers_of(group[1])
     if inner is None:
         return group[0]
@@ -57,7 +57,7 @@ def per(powers: Mapping[str, float], name: str, power: float = 1.0) -> Powers:
 
 
 def written(powers: Mapping[str, float]) -> str:
-    """A unit of powers.
+    """The text of a unit, from its powers.
 
     >>> written({"rad": 1.0, "s": -0.5}), written({"s": -1.0}), written({"rad": 2.0, "s": 1.0})
     ('rad/s^0.5', '1/s', 'rad^2 s')

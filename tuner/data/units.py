@@ -1,7 +1,7 @@
 """Units: what users write, in SI.
 
 A unit is a product of powers of the names below: ``deg/s``, ``m/s^2``, ``m s-2``, ``uT``, ``°/h``.
-Metric prefixes stand before the names that take them. Names are as the field writes them, so ``g``
+Metric prefixes stand before the names that take them. Names are those in common use, so ``g``
 is the standard gravity, ``G`` gauss, ``h`` an hour and ``min`` a minute.
 """
 
@@ -27,8 +27,8 @@ class Unit:
         name: as it was written.
         factor: SI units in one of it.
         powers: of kg, m, s, A, K and rad; angles are a dimension of their own here, so that a
-            rate is no frequency.
-        offset: what is added after the factor; 0 but for temperatures.
+            rate differs from a frequency.
+        offset: added after the factor; 0 except for temperatures.
 
     >>> Unit.of("deg/h").factor * 3600 * 180 == np.pi
     True
@@ -46,7 +46,7 @@ class Unit:
         """The unit that a text names.
 
         Raises:
-            ValueError: where it is none, with the near ones.
+            ValueError: where it names none, with the near ones.
         """
         plain = _plain(text)
         if plain in _SHORT:
@@ -69,8 +69,8 @@ def convert(values: ArrayLike, unit: str, to: str) -> NDArray[np.float64]:
 
     Args:
         values: in ``unit``; NaN stays NaN.
-        unit: what they are in.
-        to: what they shall be in.
+        unit: their unit.
+        to: the unit to convert to.
 
     Raises:
         ValueError: for an unknown unit, with the near ones, and for units of two dimensions.
@@ -95,13 +95,13 @@ def convert(values: ArrayLike, unit: str, to: str) -> NDArray[np.float64]:
 
 
 class Change(NamedTuple):
-    """What brings values into the unit in which a channel is declared.
+    """The change of values into the unit in which a channel is declared.
 
     Attributes:
-        factor: what they are multiplied by.
-        offset: what is then added.
-        unit: what they are in afterwards.
-        note: what was taken for granted; empty where nothing was.
+        factor: factor on the values.
+        offset: added afterwards.
+        unit: their unit afterwards.
+        note: what was assumed; empty where nothing was.
     """
 
     factor: float
@@ -119,7 +119,7 @@ class Change(NamedTuple):
 def change(unit: str | None, declared: str) -> Change:
     """From a user's unit into that of a channel's declaration.
 
-    Where ``unit`` is part of the declaration, any unit will do: it goes to SI, but for
+    Where ``unit`` is part of the declaration, any unit will do: it is converted to SI, except for
     temperatures in degrees, which stay, and for unknown units, which stay and are noted.
 
     Args:
@@ -149,18 +149,18 @@ def change(unit: str | None, declared: str) -> Change:
 
 def _any(unit: str | None) -> Change:
     if unit is None:
-        return Change(1.0, 0.0, "", "no unit given, kept as it is")
+        return Change(1.0, 0.0, "", "no unit given, left as it is")
     try:
         known = Unit.of(unit)
     except ValueError as error:
-        return Change(1.0, 0.0, unit, f"kept as it is, for {error}")
+        return Change(1.0, 0.0, unit, f"left as it is, for {error}")
     if known.offset:
         return Change(1.0, 0.0, unit)
     return Change(known.factor, 0.0, known.si)
 
 
 def _plain(text: str) -> str:
-    """A text with the signs of a keyboard only."""
+    """A text in keyboard characters only."""
     for sign, plain in _SIGNS.items():
         text = text.replace(sign, plain)
     return re.sub(r"(?<=\w) per (?=\w)", "/", " ".join(text.split()))
@@ -210,7 +210,7 @@ def _powers(text: str) -> Powers:
 
 
 def _atoms() -> dict[str, tuple[float, Powers, float]]:
-    """Every name with factor, powers and offset; prefixed ones where nothing has that name."""
+    """Every name with factor, powers and offset; prefixed names where no other has that name."""
     made: dict[str, tuple[float, Powers, float]] = {}
     for names, factor, powers in _TABLE:
         for name in names.split():
@@ -281,7 +281,7 @@ _TERM = re.compile(r"([A-Za-z%][A-Za-z%]*0?|1)(?:\^?(-?\d+))?")
 
 
 def _named(name: str) -> tuple[float, Powers, float] | None:
-    """A name of the table; in other capitals where no two are meant by it."""
+    """A name of the table; case is ignored where that is unambiguous."""
     if name in _ATOMS:
         return _ATOMS[name]
     alike = {_ATOMS[other] for other in _ATOMS if other.lower() == name.lower()}
@@ -289,7 +289,7 @@ def _named(name: str) -> tuple[float, Powers, float] | None:
 
 
 def _product(text: str, plain: str) -> Unit:
-    """A unit of several names, or of one with a power."""
+    """A unit of several names, or of one name with a power."""
     factor, powers = 1.0, np.zeros(len(_BASES), int)
     for place, part in enumerate(re.sub(r"[()]", " ", plain).split("/")):
         for word in part.replace(".", " ").split():

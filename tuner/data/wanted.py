@@ -1,4 +1,4 @@
-"""Which file a mapping is read from."""
+"""The file from which each mapping is read."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ class Wanted:
 def asked(
     texts: Sequence[str], declared: Declared, files: Sequence[str], *, truth: bool
 ) -> list[tuple[Mapped, "Channel | None", bool]]:
-    """What the user wrote for ``--map``, or for ``--truth``, read.
+    """The user's text for ``--map``, or for ``--truth``, parsed.
 
     Raises:
         LogError: for a text of another form, an unknown channel, and one that is mapped twice.
@@ -53,7 +53,7 @@ def asked(
 def shared_out(
     tables: Sequence[Table], maps: Sequence[tuple[Mapped, "Channel | None", bool]]
 ) -> list[list[Wanted]] | None:
-    """What is read from each file; None where each of several files has everything.
+    """The channels to read from each file; None where each of several files has everything.
 
     Raises:
         LogError: for a column that is in no file, or in several but not in all.
@@ -80,13 +80,13 @@ def shared_out(
 
 
 def all_of(table: Table, maps: Sequence[tuple[Mapped, "Channel | None", bool]]) -> list[Wanted]:
-    """What is read from a file that has everything."""
+    """The channels to read from a file that has everything."""
     (share,) = shared_out([table], maps) or [[]]
     return share
 
 
 def by_clock(table: Table, share: Sequence[Wanted]) -> list[tuple[Table, list[Wanted]]]:
-    """What is read of a file, for each of its clocks.
+    """The channels to read from a file, for each of its clocks.
 
     Raises:
         LogError: for a channel whose columns are on several clocks.
@@ -117,7 +117,7 @@ def _holders(tables: Sequence[Table], mapped: Mapped) -> dict[int, tuple[Column,
 
 
 def _nowhere(tables: Sequence[Table], mapped: Mapped) -> LogError:
-    """Which column is not there."""
+    """The message about a missing column."""
     here = [table for table in tables if mapped.file in ("", table.file)]
     if len(here) == 1:
         for part in mapped.parts:

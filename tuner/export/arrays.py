@@ -19,10 +19,10 @@ def meta(tuned: Tuned) -> str:
 
 
 def from_arrays(meta: object, arrays: Mapping[str, NDArray[np.float64]]) -> Tuned:
-    """The tuned filter of what :func:`meta` wrote, read, and the arrays.
+    """The tuned filter from the parsed text of :func:`meta` and the arrays.
 
     Raises:
-        ValueError: one sentence, where they are not one or do not belong together.
+        ValueError: one sentence, where they do not form one.
     """
     if not isinstance(meta, dict):
         raise ValueError("the text beside its arrays is no mapping")
@@ -33,11 +33,11 @@ def from_arrays(meta: object, arrays: Mapping[str, NDArray[np.float64]]) -> Tune
 
 
 def labelled(given: object, arrays: Mapping[str, NDArray[np.float64]]) -> Quantity:
-    """The quantity of what :func:`~tuner.export.document.label` gave, with its array.
+    """The quantity from its :func:`~tuner.export.document.label` and its array.
 
     Raises:
         ValueError: one sentence, where there is no such array, or not of this shape; MATLAB
-            knows matrices only, so a column stands for a vector and 1 x 1 for a number.
+            has matrices only, so a column stands for a vector and 1 x 1 for a number.
     """
     entry = mapping("a quantity", given, ["name", "unit", "meaning", "shape"])
     name, shape = entry["name"], tuple(sequence("a shape", entry["shape"]))

@@ -3,16 +3,16 @@
 import re
 
 _MARK = "'"
-_BEGINNINGS = "[=+\\-@\t\r'\uff1d\uff0b\uff0d\uff20]"  # the wide ones do as well
-_PARTS = "(^|[;|\t\r\n])"  # where a cell may begin for who takes another delimiter
+_BEGINNINGS = "[=+\\-@\t\r'\uff1d\uff0b\uff0d\uff20]"  # their full-width forms as well
+_PARTS = "(^|[;|\t\r\n])"  # where a cell begins for a reader with another delimiter
 _FORMULA = re.compile(f"{_PARTS}(?={_BEGINNINGS})")
 _MARKED = re.compile(f"{_PARTS}{_MARK}(?={_BEGINNINGS})")
 
 
 def inert(text: str) -> str:
-    """A text that is shown as it is, with the mark before it that spreadsheets have for this.
+    """A text that spreadsheets show unchanged, with their mark for text before it.
 
-    Numbers, percentages and a dash alone stay what they are.
+    Numbers, percentages and a lone dash are unchanged.
 
     >>> inert("=HYPERLINK(...)"), inert("-1.5"), inert("rad/s")
     ("'=HYPERLINK(...)", '-1.5', 'rad/s')
@@ -21,7 +21,7 @@ def inert(text: str) -> str:
 
 
 def as_written(cell: str) -> str:
-    """The text that :func:`inert` made a cell of.
+    """The text of a cell that :func:`inert` made.
 
     >>> as_written("'=HYPERLINK(...)"), as_written("rad/s")
     ('=HYPERLINK(...)', 'rad/s')

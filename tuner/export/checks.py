@@ -1,4 +1,4 @@
-"""What a field of a tuned filter must be; each refusal is one sentence."""
+"""Checks of the fields of a tuned filter; each refusal is one sentence."""
 
 import re
 import reprlib
@@ -11,13 +11,13 @@ _NAME = re.compile(r"[A-Za-z](_?[A-Za-z0-9])*")
 
 
 def require(holds: bool, sentence: str) -> None:
-    """Refuse with the sentence what does not hold."""
+    """Refuse with the sentence where the condition is false."""
     if not holds:
         raise ValueError(sentence)
 
 
 def require_name(what: str, name: object, longest: int) -> None:
-    """Of letters, digits and single underscores, for it becomes part of a name in C."""
+    """Require letters, digits and single underscores: the name becomes part of a name in C."""
     require(
         isinstance(name, str) and _NAME.fullmatch(name) is not None and len(name) <= longest,
         f"{what} is named {reprlib.repr(name)}; give at most {longest} letters, digits and "
@@ -26,7 +26,7 @@ def require_name(what: str, name: object, longest: int) -> None:
 
 
 def require_text(what: str, text: object) -> None:
-    """Of whole characters: half a surrogate pair cannot be written to a file."""
+    """Require whole characters: half a surrogate pair cannot be written to a file."""
     require(isinstance(text, str), f"{what} is {reprlib.repr(text)}; give text")
     try:
         str(text).encode()
@@ -35,7 +35,7 @@ def require_text(what: str, text: object) -> None:
 
 
 def require_once(what: str, names: Sequence[str]) -> None:
-    """No name twice."""
+    """Require that no name comes twice."""
     for i, name in enumerate(names):
         require(name not in names[:i], f"the {what} {reprlib.repr(name)} comes twice; rename one")
 

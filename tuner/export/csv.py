@@ -1,4 +1,4 @@
-"""CSV: one row for each number, counted from 0; all the rest in lines above that begin with #."""
+"""CSV: one row for each number, counted from 0; the rest in lines above that begin with #."""
 
 import csv
 import io
@@ -20,15 +20,15 @@ _PARTING = {ord(mark): f"\\u{ord(mark):04x}" for mark in ",;|"}
 
 
 def dump(tuned: Tuned) -> bytes:
-    """UTF-8 text; what is quoted is text, what is not is a number.
+    """UTF-8 text; quoted cells are text, the others numbers.
 
-    The row and the column are empty for a number, and the column is for a vector.
+    Row and column are empty for a number; the column is empty for a vector.
     """
     stream = io.StringIO(newline="")
     shapes = {quantity.name: list(quantity.value.shape) for quantity in tuned.quantities}
     for key, value in (flat(head(tuned)) | {_SHAPES: shapes}).items():
         stream.write(f"# {key}: {_above(value)}\n")
-    # Without its quotes a field with a carriage return would end the row.
+    # Without quotes, a carriage return in a field would end the row.
     writer = csv.writer(stream, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
     writer.writerow(_COLUMNS)
     for quantity in tuned.quantities:
@@ -37,7 +37,7 @@ def dump(tuned: Tuned) -> bytes:
 
 
 def load(data: bytes) -> Tuned:
-    """What :func:`dump` wrote; its rows may have been sorted in another way."""
+    """The tuned filter that :func:`dump` wrote; its rows may be in another order."""
     lines = io.StringIO(data.decode("utf-8-sig"), newline="")
     above: Document = {}
     while (line := lines.readline()).startswith("#"):
@@ -60,13 +60,13 @@ def _rows(quantity: Quantity) -> Iterator[list[str | int | float]]:
 
 
 def _above(value: object) -> str:
-    """JSON for a line above, whose texts hold nothing that parts cells: each would begin one."""
+    """JSON for a line above; its texts hold no delimiters, each of which would begin a cell."""
     text = json.dumps(value, ensure_ascii=False)
     return _TEXTS.sub(lambda found: found[0].translate(_PARTING), text)
 
 
 def _quantity(rows: list[list[str]], shape: object) -> Quantity:
-    """The quantity of these rows, which must be all that the shape asks for."""
+    """The quantity of these rows, which must fill its shape."""
     name = rows[0][0]
     if any(len(row) != len(_COLUMNS) for row in rows):
         raise ValueError(f"{name!r} has a row with too many or too few columns")

@@ -1,4 +1,4 @@
-"""A tuned filter as plain mappings and lists, which is what every format writes and reads."""
+"""A tuned filter as plain mappings and lists, which every format writes and reads."""
 
 import reprlib
 from collections.abc import Iterable, Mapping
@@ -17,7 +17,7 @@ _INNER = "provenance."
 
 
 def head(tuned: Tuned) -> Document:
-    """All but the quantities."""
+    """The document's head: everything but the quantities."""
     return {
         "schema": SCHEMA,
         "name": tuned.name,
@@ -31,7 +31,7 @@ def head(tuned: Tuned) -> Document:
 
 
 def label(quantity: Quantity) -> Document:
-    """All of a quantity but its numbers."""
+    """The label of a quantity: everything but its numbers."""
     return {
         "name": quantity.name,
         "unit": quantity.unit,
@@ -41,10 +41,10 @@ def label(quantity: Quantity) -> Document:
 
 
 def tuned_from(head: object, quantities: Iterable[Quantity]) -> Tuned:
-    """What :func:`head` came from.
+    """The fields from which :func:`head` was made.
 
     Raises:
-        ValueError: one sentence, where the head is not one.
+        ValueError: one sentence, where the head is invalid.
     """
     given = mapping("the head", head, _HEAD)
     if given["schema"] != SCHEMA:
@@ -80,7 +80,7 @@ def nested(lines: Mapping[str, Any]) -> Document:
 
 
 def mapping(what: str, given: object, keys: Iterable[str] | None = None) -> Document:
-    """The same, if it is a mapping that has these keys and no others."""
+    """The value, if it is a mapping with exactly these keys."""
     if not isinstance(given, dict):
         raise ValueError(f"{what} is missing or no mapping")
     known = set(given if keys is None else keys)
@@ -91,7 +91,7 @@ def mapping(what: str, given: object, keys: Iterable[str] | None = None) -> Docu
 
 
 def sequence(what: str, given: object) -> list[Any]:
-    """The same, if it is a list."""
+    """The value, if it is a list."""
     if not isinstance(given, list):
         raise ValueError(f"{what} is missing or no list")
     return given

@@ -17,7 +17,7 @@ class Format:
     """One format.
 
     Attributes:
-        name: what a user calls it.
+        name: its name for the user.
         suffix: of its files, with the dot.
         dump: writes it.
         load: reads it.
@@ -116,7 +116,7 @@ quantities is missing or no list); export it again
     known = _known(format)
     try:
         return known.load(data)
-    except Exception as error:  # the readers of foreign bytes fail in every way there is
+    except Exception as error:  # readers of foreign bytes can raise anything
         reason = textwrap.shorten(str(error) or type(error).__name__, 200, placeholder=" ...")
         raise ExportError(
             f"no tuned filter can be read as {format} ({reason.rstrip('.')}); export it again"
@@ -137,7 +137,7 @@ def write(tuned: Tuned, path: Path | str, format: str, *, overwrite: bool = Fals
 
     Raises:
         ExportError: where there is no such format, the file exists and may not be replaced, or
-            it cannot be written; a file that was there is then as it was.
+            it cannot be written; an existing file is then unchanged.
 
     Example:
         >>> write(tuned, folder / f"{tuned.name}{suffix('c')}", "c")  # doctest: +SKIP
@@ -152,7 +152,7 @@ def write(tuned: Tuned, path: Path | str, format: str, *, overwrite: bool = Fals
 
 
 def read_back(tuned: Tuned, path: Path | str, format: str) -> Tuned:
-    """Read a file that was just written, and hold it against what it should hold.
+    """Read a file that was just written, and compare it with what it should hold.
 
     Args:
         tuned: what was written.

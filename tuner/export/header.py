@@ -1,4 +1,4 @@
-"""The C header: constants for double and for float, and what else it is given."""
+"""The C header: constants for double and for float, and lines of code."""
 
 import json
 import re
@@ -16,7 +16,7 @@ from tuner.export.tuned import Tuned
 _LINE = re.compile(r"^ \* ([\w.]+): (.+)$", re.MULTILINE)
 _QUANTITY = re.compile(r"^/\* quantity: (.+) \*/$", re.MULTILINE)
 _DEFINE = re.compile(r"^#define (\w+) (.+)$", re.MULTILINE)
-# What would end a comment, begin another, or be a trigraph; JSON has a second way to write each.
+# These would end or begin a comment, or be a trigraph; JSON has a second way to write each.
 _UNSAFE = re.compile(r"(?<=\*)/|/(?=\*)|(?<=\?)\?")
 
 
@@ -26,7 +26,7 @@ def dump(tuned: Tuned) -> bytes:
 
 
 def header(tuned: Tuned, code: Sequence[str]) -> str:
-    """The header with lines of code after its numbers; ASCII, as they have to be."""
+    """The header with lines of code, ASCII too, after its numbers."""
     guard = f"{tuned.name.upper()}_HEADER_INCLUDED"
     lines = [*_numbers(tuned, guard), *(["", *code] if code else []), "", f"#endif /* {guard} */"]
     return "\n".join([*lines, ""])
@@ -56,7 +56,7 @@ def _numbers(tuned: Tuned, guard: str) -> Iterator[str]:
 
 
 def load(data: bytes) -> Tuned:
-    """What :func:`dump` wrote, from its macros for double and its comments."""
+    """The tuned filter that :func:`dump` wrote, from its macros for double and its comments."""
     text = data.decode("ascii").replace("\r\n", "\n").replace("\\\n", "")
     if "_HEADER_INCLUDED */" not in text:
         raise ValueError("it is cut short")
@@ -71,7 +71,7 @@ def load(data: bytes) -> Tuned:
 
 
 def _value(macros: Mapping[str, str], *parts: str) -> NDArray[np.float64]:
-    """The numbers that a macro stands for."""
+    """The numbers of a macro."""
     name = "_".join(parts).upper()
     if name not in macros:
         raise ValueError(f"it does not define {name}")
@@ -79,7 +79,7 @@ def _value(macros: Mapping[str, str], *parts: str) -> NDArray[np.float64]:
 
 
 def _comment(value: Any) -> str:
-    """JSON that stays inside its comment, on its line, whatever the text in it."""
+    """JSON that stays on its line and inside its comment, whatever its text."""
     return _UNSAFE.sub(lambda found: f"\\u{ord(found[0]):04x}", json.dumps(value))
 
 

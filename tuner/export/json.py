@@ -17,7 +17,7 @@ def dump(tuned: Tuned) -> bytes:
 
 
 def load(data: bytes) -> Tuned:
-    """What :func:`dump` wrote, or a person who knows its schema."""
+    """The tuned filter that :func:`dump` wrote, or a person who knows its schema."""
     return from_plain(json.loads(data))
 
 

@@ -9,7 +9,7 @@ _FLOAT = np.finfo(np.float32)
 
 
 def double(value: NDArray[np.float64]) -> str:
-    r"""The text of a number, or a brace initialiser: the fewest digits that give it to the bit.
+    r"""The text of a number, or a brace initialiser, with the fewest digits that are exact.
 
     >>> double(np.array([0.1, -2.0]))
     '{ 0.1, -2.0 }'
@@ -44,10 +44,10 @@ def value_of(text: str) -> NDArray[np.float64]:
 
 
 def _initialiser(value: NDArray[np.floating], suffix: str) -> str:
-    # str, for format() would make a float32 a float64 first, with digits that it never had.
+    # str: format() would make a float32 a float64 first, with more digits than it has.
     if value.ndim == 0:
         number = f"{value[()]!s}{suffix}"
-        # The brackets are what coding rules for C ask of a macro that is an expression.
+        # Coding rules for C require brackets around a macro that is an expression.
         return f"({number})" if np.signbit(value) else number
     if value.ndim == 1:
         return "{ " + ", ".join(f"{number!s}{suffix}" for number in value) + " }"

@@ -19,7 +19,7 @@ _TEXT = b"MATLAB 5.0 MAT-file, written by filter-tuner".ljust(116)
 def dump(tuned: Tuned) -> bytes:
     """After ``load`` MATLAB has ``R``, ``P0`` ... as matrices, vectors as columns.
 
-    ``tuner_meta`` is for reading by eye; what is read back stands in the text ``tuner_json``.
+    ``tuner_meta`` is for people; the text ``tuner_json`` is read back.
     """
     from scipy.io import savemat
 
@@ -31,7 +31,7 @@ def dump(tuned: Tuned) -> bytes:
 
 
 def load(data: bytes) -> Tuned:
-    """What :func:`dump` wrote, or MATLAB after it, compressed or not."""
+    """The tuned filter that :func:`dump` wrote, or MATLAB after it, compressed or not."""
     matrices, texts = variables(data)
     if _JSON not in texts:
         raise ValueError(f"it has no text {_JSON!r}")

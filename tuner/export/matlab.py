@@ -1,4 +1,4 @@
-"""A script for MATLAB and Octave: a struct of the numbers, and the steady loop where it has one."""
+"""A script for MATLAB and Octave: a struct of the numbers, and the steady loop if there is one."""
 
 import json
 import re
@@ -13,11 +13,11 @@ from tuner.export.tuned import Quantity, Tuned
 
 _LINE = re.compile(r"^% ([\w.]+): (.+)$", re.MULTILINE)
 _QUANTITY = re.compile(r"^% quantity: (.+)\n\w+\.\w+ = ([^\[;]+|\[[^\]]*\]);$", re.MULTILINE)
-# How the state moves, where a quantity's meaning tells that it is the model of K: a parameter may
-# be called so as well.
+# The transition of the state, where a quantity's meaning shows that it is the model of K: a
+# parameter may have the same name.
 _MODEL = {"F": ("F", "x' = F x"), "A": ("K", "L = A K")}
 _OWN = {"dt", "convention", "states", "predict", "update"}
-# No field and no variable may be called so, in one of both.
+# Reserved in MATLAB or Octave: no field or variable may have such a name.
 _KEYWORD = re.compile(
     r"""break|case|catch|classdef|continue|do|else|elseif|enumeration|events|for|function|global|if
     |methods|otherwise|parfor|persistent|properties|return|spmd|switch|try|until|while
@@ -29,7 +29,7 @@ _KEYWORD = re.compile(
 
 
 def dump(tuned: Tuned) -> bytes:
-    """Lines of ASCII; after the script is run there is a struct of the filter's name."""
+    """Lines of ASCII; running the script makes a struct of the filter's name."""
     return "\n".join([*_lines(tuned), ""]).encode("ascii")
 
 
@@ -75,7 +75,7 @@ def _meaning(named: Mapping[str, Quantity], name: str) -> str:
 
 
 def load(data: bytes) -> Tuned:
-    """What :func:`dump` wrote, from its comments and its numbers; nothing is run."""
+    """The tuned filter that :func:`dump` wrote, from comments and numbers; nothing is run."""
     text = data.decode("ascii").replace("\r\n", "\n")
     above = {key: json.loads(value) for key, value in _LINE.findall(text.partition("\n\n")[0])}
     if not isinstance(above.get("name"), str) or not text.rstrip().endswith(_end(above["name"])):

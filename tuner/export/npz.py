@@ -23,7 +23,7 @@ def dump(tuned: Tuned) -> bytes:
 
 
 def load(data: bytes) -> Tuned:
-    """What :func:`dump` wrote."""
+    """The tuned filter that :func:`dump` wrote."""
     with np.load(io.BytesIO(data), allow_pickle=False) as archive:
         if not isinstance(archive, np.lib.npyio.NpzFile):
             raise ValueError("it is a single array")

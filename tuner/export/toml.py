@@ -11,12 +11,12 @@ from tuner.toml import parsed
 def dump(tuned: Tuned) -> bytes:
     """A TOML document in UTF-8; numbers have the digits that give the same float64 again."""
     document = head(tuned)
-    # Last, for all of its keys are known: a file that was cut short is noticed.
+    # Written last, because all of its keys are known: a truncated file is noticed.
     source = document.pop("provenance")
     document |= {"quantities": plain_quantities(tuned), "provenance": source}
     return tomli_w.dumps(document).encode()
 
 
 def load(data: bytes) -> Tuned:
-    """What :func:`dump` wrote, or a person who knows its schema."""
+    """The tuned filter that :func:`dump` wrote, or a person who knows its schema."""
     return from_plain(parsed(data.decode()))

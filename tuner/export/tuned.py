@@ -1,4 +1,4 @@
-"""What is exported: the numbers of a tuned filter, what they mean, and where they came from."""
+"""A tuned filter for export: its numbers, their meaning and their origin."""
 
 import math
 import re
@@ -13,7 +13,7 @@ from tuner.export.checks import frozen_array, require, require_name, require_onc
 
 Convention: TypeAlias = Literal["discrete", "continuous"]
 
-# C99 tells identifiers apart by 63 characters, and GYRO_STATE_OMEGA is the longest that is made.
+# C99 distinguishes identifiers by 63 characters; GYRO_STATE_OMEGA is the longest form made.
 LONGEST_NAME = 31
 _LONGEST_PART = 25
 _TAKEN = re.compile(
@@ -23,11 +23,11 @@ _TAKEN = re.compile(
 
 @dataclass(frozen=True, eq=False)
 class Quantity:
-    """One number, vector or matrix of a tuned filter; equal to another to the bit.
+    """One number, vector or matrix of a tuned filter; equality is bit for bit.
 
     Attributes:
         name: letters, digits and single underscores, 25 characters at most: ``R``, ``P0``, ``K1``.
-            Names that a C header forms itself are taken: ``dt``, ``states``, ``..._f`` and so on.
+            Names that a C header forms are reserved: ``dt``, ``states``, ``..._f`` and so on.
         value: float64, shape ``()``, ``(n,)`` or ``(n, m)``, finite; kept as a read-only copy.
         unit: such as ``"(rad/s)^2"``; ``""`` for none.
         meaning: one short sentence.
@@ -67,14 +67,14 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where the numbers came from; no times and no machine, so equal runs give equal files.
+    """The origin of the numbers; no times and no machine, so equal runs give equal files.
 
     Attributes:
         study: name of the study.
         problem: name of its problem.
         solver: name of the solver.
         status: how the solver ended.
-        seed: of the random numbers, below 2^63 in size.
+        seed: seed of the random numbers, below 2^63 in magnitude.
         log_name: name of the log; ``""`` where there was none.
         log_sha256: its SHA-256; ``""`` where there was none.
         versions: ``("filter-tuner", "0.1.0"), ...``, each name once.
@@ -120,11 +120,11 @@ class Tuned:
     Attributes:
         name: file stem and prefix in C, ``"gyro"``; as a quantity's name, 31 characters at most.
         filter: name of the filter's class, ``"GyroscopeFilter"``.
-        quantities: its numbers, at least one; no two names alike, capitals or not.
+        quantities: its numbers, at least one; names differ in more than case.
         convention: whether they are those of the discrete or of the continuous model.
         dt: sample time in s, positive; 0 where the numbers are those of the continuous model.
         states: names of the states in their order, ``("omega", "epsilon")``.
-        provenance: where the numbers came from.
+        provenance: the origin of the numbers.
 
     Raises:
         ValueError: one sentence, where a field is not as above.

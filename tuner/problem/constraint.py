@@ -1,4 +1,4 @@
-"""What a solution has to keep besides the parameters' own limits: a quantity below a bound."""
+"""Constraints on a solution besides the parameters' own limits: a quantity below a bound."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ import numpy as np
 from jax import Array
 
 ALLOWED = 1e-6
-"""A constraint is kept if its quantity exceeds the bound by less than this share of it."""
+"""A constraint is satisfied if its quantity exceeds the bound by less than this share of it."""
 
 
 @dataclass(frozen=True)
@@ -16,7 +16,7 @@ class Constraint:
     """A quantity that may not exceed a bound.
 
     Attributes:
-        name: what it is called in results, "variance".
+        name: its name in results, such as "variance".
         measure: like an objective: from a filter's outputs (without a filter, the parameters) and
             the truth to one number, differentiable.
         most: the bound.
@@ -36,5 +36,5 @@ class Constraint:
             raise ValueError(f"the bound of {self.name} must be finite, got {self.most:g}")
 
     def excess(self, measured: Array) -> Array:
-        """How far a quantity lies above the bound, as a share of it; of 1 where the bound is 0."""
+        """Excess of a quantity over the bound, as a share of it; of 1 where the bound is 0."""
         return (measured - self.most) / (abs(self.most) or 1.0)

@@ -1,4 +1,4 @@
-"""What is written down of a tuned filter beside its tuned parameters."""
+"""The export of a tuned filter, with what follows from its tuned parameters."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -23,7 +23,7 @@ def no_more(params: Any) -> tuple[Quantity, ...]:
 
 
 class Trial(NamedTuple):
-    """A filter as it runs on the machine, and what it is tried on.
+    """A filter as it runs on the machine, and its inputs for a trial.
 
     Attributes:
         filter: the filter.
@@ -38,7 +38,7 @@ class Trial(NamedTuple):
 
 @dataclass(frozen=True)
 class Weighed:
-    """A filter of whose estimate, a vector, one weighted sum counts.
+    """A filter that outputs one weighted sum of its estimate, a vector.
 
     Attributes:
         filter: the filter.
@@ -60,17 +60,17 @@ class Weighed:
 
 @dataclass(frozen=True)
 class Exported:
-    """What an export says beside the parameters.
+    """The contents of an export besides the parameters.
 
     Attributes:
         filter: name of the filter's class.
         states: names of its states, in their order.
         dt: sample time, s; 0 where it is continuous.
-        derived: what follows from the filter's parameters.
+        derived: numbers that follow from the filter's parameters.
         unit: of the measurement, where the filter takes it in any.
-        runs: what runs on the machine where it is not the problem's own filter, as with a design:
-            from the same parameters to forms by name, to be tried in single precision.
-        machine: what is written as C, where that is another form of it.
+        runs: makes the forms that run on the machine, by name, from the same parameters, where
+            these are not the problem's own filter, as with a design; tried in single precision.
+        machine: the form that is written as C, where it is another one.
     """
 
     filter: str
@@ -83,7 +83,7 @@ class Exported:
 
 
 def exported_of(filter: Any, unit: str = "") -> Exported:
-    """What a filter declares of itself: its states, and what it derives from its parameters."""
+    """The declared export of a filter: its states, and what it derives from its parameters."""
     if filter is None:
         return Exported("Design")
     filter = bare(filter)
@@ -99,7 +99,7 @@ def exported_of(filter: Any, unit: str = "") -> Exported:
 
 
 def derived_of(filter: Any, params: Any, unit: str = "") -> tuple[Quantity, ...]:
-    """What follows from a filter's parameters: by its own ``derive``, and by its ``linear``."""
+    """Numbers that follow from a filter's parameters, by its ``derive`` and its ``linear``."""
     found = a_sample(filter, params)
     facts = {name: fact for name, (_, fact) in found.items()}
     return _told(facts, {name: value for name, (value, _) in found.items()}, unit)
@@ -114,7 +114,7 @@ def held_of(filter: Any, params: Any, unit: str = "") -> tuple[Quantity, ...]:
 
 
 def _told(facts: Mapping[str, Any], values: Mapping[str, Any], unit: str) -> tuple[Quantity, ...]:
-    """Numbers with their facts; what is not finite stands for something that there is not."""
+    """Numbers with their facts; one that is not finite does not exist and is left out."""
     arrays = {name: np.asarray(value, float) for name, value in values.items()}
     return tuple(
         Quantity(name, array, in_unit(facts[name].unit, unit), facts[name].meaning)
@@ -133,7 +133,7 @@ def quantities_of(space: Space, solution: Solution) -> tuple[Quantity, ...]:
 
 
 def once(told: Iterable[Quantity]) -> tuple[Quantity, ...]:
-    """Every name once; where names are alike but for capitals, the later one is renamed."""
+    """Every name once; where names differ in case only, the later one is renamed."""
     found: dict[str, Quantity] = {}
     for quantity in told:
         first = found.get(quantity.name.lower())

@@ -1,4 +1,4 @@
-"""Whether a filter's class is made and declared as everything that reads it expects."""
+"""Checks of a filter's class and its declarations."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
@@ -14,7 +14,7 @@ from tuner.export.tuned import LONGEST_NAME, Quantity
 
 
 def check_facts(cls: type[Any]) -> None:
-    """Refuse a class that cannot be tuned as it stands: no frozen dataclass, or facts with faults.
+    """Refuse a class that cannot be tuned: not a frozen dataclass, or facts with faults.
 
     Raises:
         ValueError: one sentence: the class, the part, what is wrong, and the way out.
@@ -47,7 +47,7 @@ def check_facts(cls: type[Any]) -> None:
 
 
 def check_frozen(cls: type[Any]) -> None:
-    """Refuse a dataclass that may change.
+    """Refuse a dataclass that is not frozen.
 
     Raises:
         ValueError: with the way out.
@@ -61,7 +61,7 @@ def check_frozen(cls: type[Any]) -> None:
 
 
 def _check_declared(cls: type[Any], part: str, kind: type[Any]) -> None:
-    """Refuse a part without facts, or with facts for some of its fields alone."""
+    """Refuse a part without facts, or with facts for some of its fields only."""
     try:
         declared = declaration(cls, part)
         if isinstance(declared, Mapping):

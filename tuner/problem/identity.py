@@ -1,4 +1,4 @@
-"""What a problem is: a digest that differs wherever the numbers would."""
+"""The identity of a problem: a digest that differs wherever the numbers would."""
 
 import hashlib
 from collections.abc import Iterable
@@ -14,8 +14,8 @@ def identity_of(programs: Iterable[str], space: Space, data: Data) -> str:
     """The SHA-256 of what is computed, over what and on which data.
 
     Args:
-        programs: what is compiled, as text with all constants: whatever a filter, an objective or
-            a function of the user's own reads as it is traced is in there.
+        programs: the traced programs, as text with all constants: they hold everything that a
+            filter, an objective or a function of the user's own reads during tracing.
         space: the coordinates.
         data: the arrays, to the bit.
     """

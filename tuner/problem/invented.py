@@ -14,7 +14,7 @@ def invented(filter: Any, channels: frozenset[str] | None = None) -> Any:
 
     Args:
         filter: the filter, which declares its inputs.
-        channels: those that there are; None: those that it cannot do without.
+        channels: those to make; None for the required ones.
     """
     draw = np.random.default_rng(0)
     facts = channel_facts(filter, "inputs")

@@ -1,4 +1,4 @@
-"""What an evaluation that failed says of the code that was evaluated: where, what, the way out."""
+"""The message for an evaluation that failed: where in the user's code, what, the way out."""
 
 import re
 import textwrap
@@ -46,7 +46,7 @@ def _is_own(frame: traceback.FrameSummary | None) -> bool:
 
 
 def _frame(frames: traceback.StackSummary) -> traceback.FrameSummary | None:
-    """The last line of the user's own; without one, of ours."""
+    """The last line of the user's code; without one, of ours."""
     known = [f for f in frames if not f.filename.startswith(_FOREIGN)]
     own = [f for f in known if not f.filename.startswith(_OURS)]
     inside = [f for f in known if f.filename.startswith(_OURS[:2])]
@@ -178,7 +178,7 @@ _REASONS: dict[type[Exception], Callable[[Exception, str], str]] = {
 
 
 def described(tree: Any) -> str:
-    """What a value is made of, in words.
+    """The structure of a value, in words.
 
     >>> described((jax.ShapeDtypeStruct((3,), float), jax.ShapeDtypeStruct((), float)))
     'a tuple of 2'

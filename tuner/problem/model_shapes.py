@@ -1,4 +1,4 @@
-"""Whether the matrices of a model fit together."""
+"""Checks that the matrices of a model fit together."""
 
 from typing import Any, TypeAlias
 
@@ -17,7 +17,7 @@ _LINEAR: Fields = {
     "P0": ("nn",),
 }
 _EXTENDED: Fields = {"x0": ("n",), "P0": ("nn",), "R": ("m",)}
-"""By field, the letters of its axes; equal letters are equal sizes, the first to come decides."""
+"""The letters of the axes by field; equal letters are equal sizes, and the first one decides."""
 
 
 def check_model(name: str, params: Any) -> None:
@@ -25,7 +25,7 @@ def check_model(name: str, params: Any) -> None:
 
     Args:
         name: of the problem.
-        params: what its filter takes; anything but a LinearModel or an ExtendedModel passes.
+        params: the parameters of its filter; only a LinearModel or an ExtendedModel is checked.
 
     Raises:
         ValueError: with the field, its shape and the one that is needed.

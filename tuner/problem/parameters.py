@@ -21,7 +21,7 @@ class Parameter(Protocol):
 
     @property
     def size(self) -> int:
-        """How many entries of z it takes."""
+        """Number of its entries in z."""
         ...
 
     @property
@@ -31,7 +31,7 @@ class Parameter(Protocol):
 
     @property
     def meaning(self) -> str:
-        """What it is, in a short sentence; "" where nobody said."""
+        """Its meaning, in a short sentence; "" where none was given."""
         ...
 
     @property
@@ -56,7 +56,7 @@ class Parameter(Protocol):
         ...
 
     def coordinates(self, name: str) -> list[str]:
-        """What each entry of z is called, in words."""
+        """The name of each entry of z, in words."""
         ...
 
 
@@ -64,8 +64,8 @@ class Parameter(Protocol):
 class Positive:
     """A positive number between ``low`` and ``high``, tuned as its natural logarithm.
 
-    ``threshold`` says that something is switched where it is passed, so that an objective is
-    piecewise constant in it and an automatic gradient is 0 and says nothing.
+    ``threshold`` says that something switches at this value, so that an objective is
+    piecewise constant in it and an automatic gradient is 0 and tells nothing.
     """
 
     init: float
@@ -146,7 +146,7 @@ class Bounded:
         return self.unconstrain(np.asarray(self.init))
 
     def box(self) -> tuple[np.ndarray, np.ndarray]:
-        """A thousandth of the range from either bound, where the curve is nearly flat; or init."""
+        """Init, or a thousandth of the range from either bound, where the curve is nearly flat."""
         start = self.start()
         return np.minimum(-6.9, start), np.maximum(6.9, start)
 
@@ -159,8 +159,8 @@ class Bounded:
 class Limited:
     """A number that is tuned as it is, in its own scale, between limits that belong to the problem.
 
-    At a limit the optimum may rest: it counts as converged there, with a multiplier, while a
-    parameter of another kind that ends at its bound says that the box was too small.
+    The optimum may lie at a limit: it counts as converged there, with a multiplier, while a
+    parameter of another kind that ends at its bound shows that the box was too small.
     """
 
     init: float
@@ -213,7 +213,7 @@ class Covariance:
         init: the initial matrix as nested tuples, symmetric positive definite.
         low, high: bounds of the factor's diagonal, that is of standard deviations.
         unit: unit of the entries.
-        meaning: what it is.
+        meaning: its meaning.
     """
 
     init: tuple[tuple[float, ...], ...]
@@ -281,7 +281,7 @@ class Covariance:
 class Fixed:
     """A parameter that is not tuned: a number, or a vector or matrix as nested tuples.
 
-    ``nominal`` says that nobody insists on the value: another one that is given is taken, as where
+    ``nominal`` says that the value is only a choice: another one that is given is taken, as where
     all variances of a filter are scaled together.
     """
 

@@ -1,4 +1,4 @@
-"""Which way a gradient takes through a problem's time loop."""
+"""The direction of a gradient through a problem's time loop."""
 
 from typing import Any
 
@@ -11,17 +11,17 @@ from objectives import Way
 
 
 def way_of(filter: AnyFilter | None, params: Any, size: int, forced: Way | None = None) -> Way:
-    """What is faster by measured cost, or what is forced.
+    """Forwards or backwards: the faster one by measured cost, or the forced one.
 
-    Backwards goes a Kalman filter of many parameters, and in parts where its transition or its
-    measurement rows have derivatives: see the table in docs/performance.md. Forwards goes
-    everything else: a few numbers, a filter whose step repeats itself for a gate, and a design.
+    Backwards where a Kalman filter has many parameters, and in parts where its transition or its
+    measurement rows have derivatives: see the table in docs/performance.md. Forwards otherwise: a
+    few numbers, a filter whose step repeats itself for a gate, and a design.
 
     Args:
         filter: the filter, or None.
         params: its parameters, or their shapes.
-        size: how many numbers are free.
-        forced: the way that is wanted, if any.
+        size: number of free parameters.
+        forced: the direction that is wanted, if any.
 
     >>> from filters import Complementary, ComplementaryGain
     >>> gain = ComplementaryGain(jax.numpy.ones(()), jax.numpy.zeros(()))
@@ -49,7 +49,7 @@ def turns_round(jaxpr: Jaxpr) -> bool:
 
 
 def _least(states: int, *, linear: bool) -> int:
-    """From how many parameters on the way back is the shorter one, of a filter of n states."""
+    """Number of parameters from which backwards is faster, for a filter of n states."""
     if not linear:
         return 6 if states < 5 else 4
     return 5 if states < 6 else 4 if states < 9 else 2

@@ -1,4 +1,4 @@
-"""What no data and no covariances can be, whatever the filter: told before anything is compiled."""
+"""Checks of data and covariances that hold for every filter, before anything is compiled."""
 
 from collections.abc import Iterator
 from functools import lru_cache
@@ -12,16 +12,16 @@ from filters import AnyFilter, bare
 from filters.declared import optional, parameter_facts
 
 _STRAY = float(1 / np.sqrt(np.finfo(float).eps))
-"""The square of a number so many times as large leaves no digit of the others' squares."""
+"""The square of a number larger by this factor leaves no digit of the others' squares."""
 _TOP = 100
-"""One of so many numbers may be an outlier."""
+"""One in this many numbers may be an outlier."""
 _ROUNDING = 1e-9
 _COVARIANCES = ("R", "Q", "P0")
 _WORDS = ("variance", "covariance", "spectral density")
 
 
 def check_leaf(where: str, leaf: np.ndarray) -> None:
-    """Refuse samples that are no numbers of float64, infinite ones, and outliers beyond all reason.
+    """Refuse samples that are not float64, infinite ones, and impossible outliers.
 
     Args:
         where: the place in the data, for the sentence.
@@ -49,7 +49,7 @@ def check_leaf(where: str, leaf: np.ndarray) -> None:
 
 
 def _check_outliers(where: str, leaf: np.ndarray) -> None:
-    """Refuse a number beside whose square those of all others are rounded away."""
+    """Refuse a number whose square is so large that those of all others are rounded away."""
     size = np.abs(leaf[np.isfinite(leaf) & (leaf != 0)])
     if len(size) < 2 or size.max() <= _STRAY * size.min():
         return
@@ -60,17 +60,17 @@ def _check_outliers(where: str, leaf: np.ndarray) -> None:
         at = tuple(map(int, np.argwhere(np.abs(leaf) >= least)[0]))
         usual = float(np.median(size))
         raise ValueError(
-            f"{where} is {leaf[at]:.3g} at {at}, where numbers are {usual:.3g} as a rule, and its "
+            f"{where} is {leaf[at]:.3g} at {at}, where numbers are usually {usual:.3g}, and its "
             "square leaves no digit of theirs; use NaN if it is no measurement"
         )
 
 
 def check_present(name: str, filter: AnyFilter | None, inputs: Any) -> None:
-    """Refuse inputs of which not one sample is there; a filter may do without optional ones.
+    """Refuse inputs without a single sample; optional ones may be absent.
 
     Args:
         name: of the problem.
-        filter: what runs over them; None: nothing does.
+        filter: the filter that runs over them, or None.
         inputs: the samples, time first.
 
     Raises:
@@ -83,7 +83,7 @@ def check_present(name: str, filter: AnyFilter | None, inputs: Any) -> None:
         if values.dtype.kind != "f" or not values.size or field in spared:
             continue
         gone = np.isnan(values).all(axis=0)
-        # Of signals side by side each is one by itself; an axis of a sensor may be missing.
+        # Each of several signals side by side is checked; an axis of a sensor may be missing.
         if gone.all() or (not path and gone.any()):
             what = f"the input {field}" if field else "an input"
             raise ValueError(
@@ -98,7 +98,7 @@ def _optional(filter: AnyFilter | None) -> frozenset[str]:
 
 
 def check_start(name: str, space: Any, build: Any, filter: Any) -> None:
-    """Refuse variances that are negative or infinite, and covariances that are none, at the start.
+    """Refuse, at the start, negative or infinite variances, and matrices that are no covariances.
 
     Args:
         name: of the problem.
@@ -112,7 +112,7 @@ def check_start(name: str, space: Any, build: Any, filter: Any) -> None:
     _check_start(name, space, build, filter)
 
 
-@lru_cache(maxsize=256)  # by its values, however many problems begin with them
+@lru_cache(maxsize=256)  # cached by its values, as many problems begin with the same
 def _check_start(name: str, space: Any, build: Any, filter: Any) -> None:
     z = jax.ShapeDtypeStruct((space.size,), jnp.float64)
     shapes = jax.eval_shape(lambda at: build(space.constrain(at)), z)
@@ -127,7 +127,7 @@ def _check_start(name: str, space: Any, build: Any, filter: Any) -> None:
 
 
 def _said(filter: AnyFilter | None) -> frozenset[str]:
-    """The parameters of which a filter says that they are variances."""
+    """The parameters that a filter declares as variances."""
     own = bare(filter)
     if getattr(own, "params", None) is None:
         return frozenset()
@@ -136,7 +136,7 @@ def _said(filter: AnyFilter | None) -> frozenset[str]:
 
 
 def _covariances(params: Any, said: frozenset[str]) -> Iterator[tuple[str, Any]]:
-    """The fields that hold variances: those said to, and R, Q and P0 of this package's tuples."""
+    """The fields that hold variances: those declared so, and R, Q, P0 of this package's tuples."""
     if not isinstance(params, tuple):
         return
     ours = type(params).__module__.startswith("filters.")
@@ -149,7 +149,7 @@ def _covariances(params: Any, said: frozenset[str]) -> Iterator[tuple[str, Any]]
 
 
 def _fault(value: np.ndarray) -> str:
-    """What is wrong with variances, or a covariance; "" where nothing is."""
+    """The fault of variances, or of a covariance; "" where there is none."""
     if not np.isfinite(value).all():
         return f"holds {value[~np.isfinite(value)][0]:g}; give a finite number"
     square = value.ndim == 2 and value.shape[0] == value.shape[1]

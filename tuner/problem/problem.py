@@ -1,4 +1,4 @@
-"""A tuning problem: what is tuned, on which data, judged by what. One number per point z."""
+"""A tuning problem: a filter, free parameters, data and an objective. One number per point z."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -27,9 +27,9 @@ from tuner.problem.steady_form import steady_form_of
 from tuner.problem.trial import try_out
 
 Build: TypeAlias = Callable[[dict[str, Array]], Any]
-"""From parameters by name to what the filter takes."""
+"""Makes the filter's parameters from values by name."""
 NO_DATA = Data(None, None)
-"""The data of a design, which is judged without any."""
+"""The empty data of a design."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Assemble:
     filter: Any
 
     def __call__(self, values: dict[str, Array]) -> Any:
-        """What the filter's ``init`` and ``step`` take."""
+        """The parameters that the filter's ``init`` and ``step`` take."""
         return assembled(self.filter, values)
 
 
@@ -48,27 +48,27 @@ class Problem:
     """A filter, its free parameters, an objective and data; or a design that needs no data.
 
     Attributes:
-        name: what the problem is called in results and files.
+        name: the problem's name in results and files.
         space: the parameters.
         filter: the filter that is tuned; None where nothing is run: the objective and the
             constraints then judge what ``build`` makes.
         build: makes the filter's parameters from the space's, by name; None where the space has
             the names that the filter declares. A module-level function is compiled once; a new
             lambda is compiled anew.
-        objective: what is minimised.
+        objective: the function to minimise.
         data: the filter's inputs and the truth, float64 throughout; NaN means missing.
         derive: numbers of interest that follow from the parameters, by name; None: those that the
             filter derives.
-        constraints: what a solution has to keep; not every solver takes them.
+        constraints: bounds that a solution must satisfy; not every solver supports them.
         known_starts: points z ``(space.size,)`` from which a search is worth beginning, after the
             initial values and before random points.
-        source: where the data come from.
-        exported: what is written down beside the parameters; None: what the filter declares.
-        way: how a gradient goes through the time loop; None: what is faster by measured cost.
+        source: the origin of the data.
+        exported: the export besides the parameters; None: what the filter declares.
+        way: direction of a gradient through the time loop; None: the faster by measured cost.
 
     Raises:
-        ValueError: where the data holds single precision, what is no real number, infinite values,
-            outliers beyond all reason, unequal lengths, or an input without one sample; where an
+        ValueError: where the data hold single precision, anything but real numbers, infinities,
+            impossible outliers, unequal lengths, or an input without a single sample; where an
             evaluation by shapes alone shows a mistake in the filter or its parameters; and where
             the search would begin with variances that are negative, or covariances that are none.
     """
@@ -101,14 +101,14 @@ class Problem:
             check_start(self.name, self.space, build, self.filter)
 
     def starts(self, count: int, seed: int) -> np.ndarray:
-        """Where to begin, ``(count, size)``: the initial values, known starts, random points."""
+        """Starting points, ``(count, size)``: the initial values, known starts, random points."""
         random = self.space.starts(max(count - len(self.known_starts), 1), seed)
         return np.vstack([random[:1], *self.known_starts, random[1:]])[:count]
 
     def identity(self) -> str:
-        """A digest of what is minimised, over what and on which data, equal for equal ones alone.
+        """A digest of objective, coordinates and data, equal only for equal problems.
 
-        It knows nothing of names, and nothing of solvers and their starts.
+        It does not depend on names, solvers or their starts.
         """
         at = jnp.asarray(self.space.start())
         programs = [_value.lower(self.static, at, self.data).as_text()]
@@ -128,7 +128,7 @@ class Problem:
 
     @property
     def route(self) -> Route:
-        """Whether its gradient goes by C that is compiled for it, where that pays, or by XLA."""
+        """Whether its gradient is computed by compiled C, where that pays, or by XLA."""
         if not self._routes:
             back = self.gradient_way != "forwards"
             self._routes.append(Route(self.static, self.data, self.space.size, self.by_xla, back))
@@ -136,7 +136,7 @@ class Problem:
 
     @property
     def gradient_by(self) -> str:
-        """Which way its gradients went, and why; empty before one was asked for."""
+        """The way its gradients were computed, and why; empty before the first one."""
         told = self.route.told or ("XLA: forced" if self.way is not None else "")
         return told.replace("XLA:", f"XLA, {self.gradient_way}:", 1)
 
@@ -156,7 +156,7 @@ class Problem:
 
     @cached_property
     def gradient_way(self) -> Way:
-        """How :meth:`value_and_gradient` goes through the time loop."""
+        """The direction of :meth:`value_and_gradient` through the time loop."""
         start = jnp.asarray(self.space.start())
         params = None if self.filter is None else jax.eval_shape(self.static.built, start)
         way = way_of(self.filter, params, self.space.size, self.way)
@@ -174,9 +174,9 @@ class Problem:
         return self._differences(lambda at: self.by_xla(at)[1], z, step)
 
     def excesses(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """How far each constraint is exceeded at z, relative ``(m,)``, and its Jacobian ``(m, n)``.
+        """Relative excess of each constraint at z, ``(m,)``, and its Jacobian ``(m, n)``.
 
-        Negative where there is room.
+        Negative where a constraint is satisfied.
         """
         excess, slopes = _excesses(self.static, jnp.asarray(z), self.data)
         return np.asarray(excess), np.asarray(slopes)
@@ -186,7 +186,7 @@ class Problem:
     ) -> np.ndarray:
         """The weighted sum of the constraints' Hessians, relative as in :meth:`excesses`.
 
-        A design's step is smaller: it knows no noise, and may lie near the edge of what is stable.
+        A design's step is smaller: it has no noise, and may lie close to instability.
         """
         if self.filter is None:
             step = 1e-2 * step
@@ -234,12 +234,12 @@ class Problem:
         return self.static.build(values)
 
     def outputs(self, solution: Solution, inputs: Any = None) -> Any:
-        """What the filter returns for a solution, time first.
+        """The outputs of the filter for a solution, time first.
 
         Args:
             solution: the solution.
-            inputs: what the filter runs over; None: the problem's own data, over which it is run
-                once a solution and remembered.
+            inputs: the inputs to run over; None: the problem's own data, over which it is run
+                once per solution, and the result kept.
 
         Raises:
             ValueError: for a design, which runs no filter.
@@ -254,7 +254,7 @@ class Problem:
         return self._runs[key]
 
     def single_precision(self, solution: Solution) -> tuple[SinglePrecision, ...]:
-        """How far the tuned filter strays in float32, or what runs in its place on the machine.
+        """The deviation in float32 of the tuned filter, or of what runs on the machine instead.
 
         Nothing for a design that does not say what runs. The steady form of a filter that offers
         one (a method ``steady``) is checked as well.
@@ -264,7 +264,7 @@ class Problem:
         return tuple(single_precision(form, *trial) for form, trial in trials.items())
 
     def on_machine(self, solution: Solution) -> Mapping[str, Trial]:
-        """What is written as C for a solution: forms by name, the main one first.
+        """The forms to write as C for a solution, by name, the main one first.
 
         Nothing for a design that does not say what runs.
         """
@@ -295,10 +295,10 @@ class Problem:
         return exported_of(self.filter) if self.exported is None else self.exported
 
     def quantities(self, solution: Solution) -> tuple[Quantity, ...]:
-        """What is exported for a solution: its parameters, the filter's own, and what follows.
+        """The quantities to export for a solution: its parameters, the filter's, and derived ones.
 
-        No name is there twice: what comes first stays. Names that differ in capitals alone cannot
-        stand in one C header; the later one, such as the variance a sample Q beside the density q,
+        No name occurs twice: the first one stays. Names that differ in case only cannot stand
+        in one C header; the later one, such as the variance per sample Q besides the density q,
         is called ``Q_derived``.
         """
         params = self.params(solution)
@@ -311,7 +311,7 @@ class Problem:
 
     @property
     def static(self) -> "Static":
-        """What is compiled for: everything but the numbers."""
+        """The static part for which code is compiled: everything but the numbers."""
         build = Assemble(self.filter) if self.build is None else self.build
         return Static(self.space, self.filter, self.objective, build, self.constraints)
 
@@ -326,7 +326,7 @@ class Static(NamedTuple):
     constraints: tuple[Constraint, ...]
 
     def built(self, z: Array) -> Any:
-        """What z stands for, as the filter takes it."""
+        """The filter's parameters at z."""
         return self.build(self.space.constrain(z))
 
     def score(self, z: Array, data: Data) -> Array:
@@ -334,7 +334,7 @@ class Static(NamedTuple):
         return score(self.filter, self.objective, self.built(z), data)
 
     def excesses(self, z: Array, data: Data) -> Array:
-        """How far each constraint is exceeded at z, ``(m,)``, inside ``jax.jit``."""
+        """The excess of each constraint at z, ``(m,)``, inside ``jax.jit``."""
         params = self.built(z)
         found = [c.excess(score(self.filter, c.measure, params, data)) for c in self.constraints]
         return jnp.stack(found) if found else jnp.zeros(0)
@@ -342,7 +342,7 @@ class Static(NamedTuple):
 
 @jax.jit(static_argnums=0)
 def run_filter(filter: AnyFilter, params: Any, inputs: Any) -> Any:
-    """What a filter returns over a record, compiled; equal filters share it."""
+    """The outputs of a filter over a record, compiled; equal filters share the compilation."""
     return run(filter, params, inputs)[1]
 
 

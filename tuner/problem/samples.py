@@ -1,4 +1,4 @@
-"""What the single samples of a record add to a likelihood or a mean square, and its slopes."""
+"""Contributions of single samples to a likelihood or a mean square, and their slopes."""
 
 from typing import Any, NamedTuple, cast
 
@@ -13,11 +13,11 @@ from tuner.problem.problem import Problem, Static
 
 
 class Added(NamedTuple):
-    """What samples add, of k records side by side; k = 1 for one alone.
+    """Contributions of samples, for k records side by side; k = 1 for a single one.
 
     Attributes:
         amounts: nats or squares, ``(N, k)``.
-        counts: how many numbers each adds for, ``(N, k)``.
+        counts: number of measured numbers in each, ``(N, k)``.
     """
 
     amounts: np.ndarray
@@ -25,10 +25,10 @@ class Added(NamedTuple):
 
 
 def added(problem: Problem, z: np.ndarray) -> Added:
-    """What each sample adds at z ``(n,)``.
+    """The contribution of each sample at z ``(n,)``.
 
     Raises:
-        ValueError: for an objective that is no sum over samples.
+        ValueError: for an objective that is not a sum over samples.
     """
     _check(problem)
     amounts, counts = _added(problem.static, jnp.asarray(z), problem.data)
@@ -36,19 +36,19 @@ def added(problem: Problem, z: np.ndarray) -> Added:
 
 
 def numbers(problem: Problem, z: np.ndarray) -> float:
-    """How many numbers a likelihood or a mean square counts at z ``(n,)``.
+    """Number of measured numbers in a likelihood or a mean square at z ``(n,)``.
 
     Raises:
-        ValueError: for an objective that is no sum over samples.
+        ValueError: for an objective that is not a sum over samples.
     """
     return float(_sloped(problem, z)[1].sum())
 
 
 def slopes(problem: Problem, z: np.ndarray) -> np.ndarray:
-    """The derivative of what each sample adds by each coordinate, ``(N, k, n)``.
+    """The derivative of each sample's contribution by each coordinate, ``(N, k, n)``.
 
     Raises:
-        ValueError: for an objective that is no sum over samples.
+        ValueError: for an objective that is not a sum over samples.
     """
     return _sloped(problem, z)[0]
 
@@ -61,10 +61,10 @@ def _sloped(problem: Problem, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def added_by(problem: Problem, outputs: Any) -> Added:
-    """What each sample of some outputs adds, time first, whoever made them.
+    """The contribution of each sample of some outputs, time first, whatever made them.
 
     Raises:
-        ValueError: for an objective that is no sum over samples.
+        ValueError: for an objective that is not a sum over samples.
     """
     _check(problem)
     amounts, counts = _of_outputs(problem.static, outputs, problem.data.truth)
@@ -73,7 +73,7 @@ def added_by(problem: Problem, outputs: Any) -> Added:
 
 def _check(problem: Problem) -> None:
     if problem.filter is None or not is_additive(problem.objective):
-        raise ValueError(f"the objective of {problem.name} is no sum over samples")
+        raise ValueError(f"the objective of {problem.name} is not a sum over samples")
 
 
 def _added_at(static: Static, z: Array, data: Data) -> tuple[Array, Array]:
@@ -88,7 +88,7 @@ def _of_outputs(static: Static, outputs: Any, truth: Any) -> tuple[Array, Array]
 
 
 def _by_record(filter: Any, amounts: Array, counts: Array) -> tuple[Array, Array]:
-    """What each sample of each record adds, ``(N, k)``, the numbers of a sample together."""
+    """The contribution of each sample of each record, ``(N, k)``, its numbers summed."""
     records = amounts.shape[1] if isinstance(filter, Batched | Lanes) else 1
     shape = (len(amounts), records, -1)
     counted = counts.astype(amounts.dtype)

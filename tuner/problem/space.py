@@ -1,4 +1,4 @@
-"""What is tuned: named parameters in a fixed order, as one unconstrained vector z."""
+"""The search space: named parameters in a fixed order, as one unconstrained vector z."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, is_dataclass, replace
@@ -33,12 +33,12 @@ class Space:
     def of_filter(cls, filter: Any, **overrides: Parameter | float | tuple[Any, ...]) -> "Space":
         """The space of a filter's parameters, as its facts suggest it.
 
-        What has a search range is free, positive where the range is, otherwise bounded; the rest
-        keeps its typical value.
+        A parameter with a search range is free, positive where the range is, otherwise bounded;
+        the rest keep their typical values.
 
         Args:
             filter: a filter that declares its parameters, or its class.
-            overrides: other decisions by name: a parameter of any kind, or what it is fixed at, a
+            overrides: other decisions by name: a parameter of any kind, or its fixed value, a
                 number or nested tuples. Unit and meaning come from the facts where they are left
                 out.
 
@@ -70,7 +70,7 @@ class Space:
 
     @property
     def coordinates(self) -> list[str]:
-        """What each entry of z is called."""
+        """The name of each entry of z."""
         return [label for name, p in self.parameters for label in p.coordinates(name)]
 
     def constrain(self, z: Array) -> dict[str, Array]:
@@ -115,7 +115,7 @@ class Space:
         return np.concatenate(kinds)
 
     def thresholds(self) -> np.ndarray:
-        """Which entries of z are thresholds, ``(size,)`` of bool: no gradient shows their worth."""
+        """Which entries of z are thresholds, ``(size,)`` of bool: gradients do not see them."""
         kinds = [
             np.full(p.size, isinstance(p, Positive) and p.threshold) for _, p in self.parameters
         ]
@@ -124,7 +124,7 @@ class Space:
     def widened(self, factor: float) -> "Space":
         """The same parameters in a wider box: positive ones up and down by a factor.
 
-        What bounds the problem itself (bounded and limited parameters) stays as it is.
+        Limits of the problem itself (bounded and limited parameters) do not change.
         """
         wider = (
             (name, replace(p, low=p.low / factor, high=p.high * factor))
@@ -135,7 +135,7 @@ class Space:
         return Space(tuple(wider))
 
     def starts(self, count: int, seed: int) -> np.ndarray:
-        """Where to begin, ``(count, size)``: the initial values, then random points of the box."""
+        """Starting points, ``(count, size)``: the initial values, then random points of the box."""
         low, high = self.box()
         random = np.random.default_rng(seed).uniform(low, high, (max(count - 1, 0), self.size))
         return np.vstack([self.start(), random])[:count]

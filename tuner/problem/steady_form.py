@@ -1,4 +1,4 @@
-"""A linear filter as it runs once its gain has settled: a few products a sample."""
+"""A linear filter with its steady gain: a few products per sample."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -14,7 +14,7 @@ _LEFT = 0.02
 
 
 def steady_form_of(filter: object, params: object) -> dict[str, Trial]:
-    """The form with a steady gain of a filter that has a linear model; nothing where it has none.
+    """The steady-gain form of a filter that has a linear model; nothing where it has none.
 
     Args:
         filter: the filter, which takes all its samples at the same rate.

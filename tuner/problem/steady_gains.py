@@ -1,4 +1,4 @@
-"""What a filter's parameters come to a sample: Q, the steady gains K and L, alpha and beta."""
+"""Values per sample of a filter's parameters: Q, the steady gains K and L, alpha and beta."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -16,11 +16,11 @@ _SAME = 1e-6
 
 
 def a_sample(filter: Any, params: Any) -> Derived:
-    """What a filter derives of its parameters, and what follows from its linear model.
+    """Numbers that a filter derives of its parameters, and that follow from its linear model.
 
-    To what it derives itself come, where it has a method ``linear``: Q and K where it does not
+    A method ``linear`` adds to its own derived numbers: Q and K where it does not
     derive them, F and C where they are those of K and nothing else moves the state, the gain
-    L = F K of the observer that predicts, where that is another one, and alpha, beta and gamma
+    L = F K of the predicting observer, where that is another one, and alpha, beta and gamma
     where the model is a position with its derivatives.
 
     Args:
@@ -43,7 +43,7 @@ def system_of(form: LinearForm, dt: float) -> LinearSystem:
     """The linear model of a filter, as designs take it.
 
     Raises:
-        ValueError: where its noise is no covariance.
+        ValueError: where its noise is not a covariance.
     """
     move = form.transition
     G, R = np.asarray(move.G), np.asarray(form.R)
@@ -80,13 +80,13 @@ def _of_model(form: LinearForm, dt: float, known: Derived) -> Derived:
 
 
 def _of_one_axis(system: LinearSystem, n: int, m: int) -> LinearSystem:
-    """The first of several like axes, whose gain has the shape ``(n, m)``."""
+    """The first of several equal axes, whose gain has the shape ``(n, m)``."""
     parts = {"A": system.A[:n, :n], "C": system.C[:m, :n], "W": system.W[:n, :n]}
     return derived(parts | {"V": system.V[:m, :m], "S": system.S[:n, :m]}, system.dt)
 
 
 def _is_steady(system: LinearSystem, K: np.ndarray) -> bool:
-    """Whether K is the gain of the steady filter: that of the covariance that it leads to."""
+    """Whether K is the gain of the steady filter, that of its own steady covariance."""
     from scipy.linalg import solve_discrete_lyapunov
 
     A, C, V = system.A, system.C, system.V

@@ -1,4 +1,4 @@
-"""What one step of a filter came to, by shapes alone, and whether a time loop can take it."""
+"""Checks of one step of a filter, by shapes alone, so that a time loop can run it."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ NARROW = ("float16", "bfloat16", "float32")
 
 
 def check_state(name: str, before: Any, after: Any) -> None:
-    """Refuse a state that is another kind of thing after a sample."""
+    """Refuse a state whose structure or shapes differ after a sample."""
     if not _alike(before, after):
         raise ValueError(
             f"the state is {described(before)} after {name}.init and {described(after)} after "
@@ -91,7 +91,7 @@ def _check_innovations(name: str, found: dict[str, Any]) -> None:
 
 
 def check_operations(name: str, jaxpr: Any) -> None:
-    """Refuse numbers in single precision and random ones among what a step does."""
+    """Refuse single precision and random numbers in the operations of a step."""
     for constant in jaxpr.consts:
         if isinstance(constant, jax.core.Tracer):
             raise ValueError(
@@ -119,7 +119,7 @@ def check_operations(name: str, jaxpr: Any) -> None:
 
 
 def _equations(jaxpr: Any) -> Any:
-    """All operations, those inside others included."""
+    """All operations, including nested ones."""
     for equation in jaxpr.eqns:
         yield equation
         for inner in jax.tree.leaves(list(equation.params.values()), is_leaf=_is_jaxpr):

@@ -15,9 +15,9 @@ from tuner.problem.problem import Problem, Static
 
 T = TypeVar("T")
 MEMORY = 200e6
-"""Bytes that one call may take for what it keeps, all threads together."""
+"""Bytes that one call may hold, all threads together."""
 _LANES = 64  # points side by side in one time loop: enough to fill the vector registers
-_TRANSFORMS = 12  # a kept record is cut, windowed and transformed: copies that live at once
+_TRANSFORMS = 12  # a stored record is cut, windowed and transformed: copies that exist at once
 
 
 def values(problem: Problem, Z: np.ndarray) -> np.ndarray:
@@ -87,7 +87,7 @@ def _lanes(problem: Problem, threads: int, points: int) -> int:
     return max(1, min(_LANES, affordable, -(-points // threads)))
 
 
-# A wider vector unit is used only where XLA is asked for it, and only side-by-side points fill it.
+# XLA uses a wider vector unit only on request, and only side-by-side points fill it.
 _WIDE = {"xla_cpu_prefer_vector_width": 512}
 
 

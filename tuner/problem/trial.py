@@ -1,7 +1,7 @@
-"""One abstract evaluation of a filter, by shapes alone: mistakes are told before anything runs.
+"""One abstract evaluation of a filter, by shapes alone, which finds mistakes before it runs.
 
 Nothing is computed and nothing is compiled. A filter is tried once for the shapes of its
-parameters and its inputs, however many problems it is in.
+parameters and its inputs, whatever the number of its problems.
 """
 
 from functools import lru_cache
@@ -28,8 +28,8 @@ def try_out(name: str, filter: Any, build: Any, space: Any, objective: Any, data
         filter: the filter.
         build: from values by name to its parameters.
         space: the parameters.
-        objective: what judges its outputs.
-        data: what it runs over and what its outputs are held against, time first.
+        objective: the objective that judges its outputs.
+        data: its inputs and the truth with which its outputs are compared, time first.
 
     Raises:
         ValueError: one sentence: which method of which class, what, and the way out.
@@ -50,7 +50,7 @@ def try_out(name: str, filter: Any, build: Any, space: Any, objective: Any, data
 
 
 def _params(name: str, build: Any, space: Any) -> Any:
-    """What the filter takes, by its shapes."""
+    """The filter's parameters, by their shapes."""
     try:
         z = jax.ShapeDtypeStruct((space.size,), jnp.float64)
         return jax.eval_shape(lambda at: build(space.constrain(at)), z)
@@ -59,7 +59,7 @@ def _params(name: str, build: Any, space: Any) -> Any:
 
 
 def check_class(filter: Any) -> None:
-    """Refuse what is no filter, or one that cannot stand for a compilation.
+    """Refuse anything but a filter, or one that cannot be the key of a compilation.
 
     Raises:
         ValueError: one sentence.
@@ -98,7 +98,7 @@ def _check_method(name: str, filter: Any, method: str, given: tuple[str, ...]) -
 
 
 def _unhashable(filter: Any) -> str:
-    """Which field it is that cannot be hashed."""
+    """The message about the field that cannot be hashed."""
     cls = type(filter).__name__
     for field in getattr(filter, "__dataclass_fields__", {}):
         value = getattr(filter, field)
@@ -113,7 +113,7 @@ def _unhashable(filter: Any) -> str:
 
 
 def _one(name: str, leaf: Any, lanes: int = 0) -> jax.ShapeDtypeStruct:
-    """One sample of an input, of one recording, by its shape."""
+    """One sample of an input of one recording, by its shape."""
     whole = _whole(leaf)
     if not whole.shape:
         raise ValueError(
@@ -161,7 +161,7 @@ def _judged(
 
 @lru_cache(maxsize=256)
 def _tried(filter: Any, leaves: tuple[Any, ...], kind: Any) -> Any:
-    """What the filter puts out in a sample, by its shapes."""
+    """The outputs of the filter in a sample, by their shapes."""
     params, sample = jax.tree.unflatten(kind, leaves)
     name = type(bare(filter)).__name__
     try:
