@@ -1,1 +1,1 @@
-"""How fast the filters and their tuning are, beside a C limit and beside other libraries."""
+"""Speed of the filters and of their tuning, compared with a C limit and other libraries."""

@@ -36,7 +36,7 @@ FULL, QUICK = Work(100_000, 15), Work(20_000, 5)
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Measure, print the table, and write what was asked for."""
+    """Measure, print the table, and write the requested files."""
     asked = _parser().parse_args(arguments)
     os.environ["TUNER_NATIVE"] = "off"  # but for the part about it
     work, said = QUICK if asked.quick else FULL, Console(stderr=True)

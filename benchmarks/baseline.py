@@ -1,4 +1,4 @@
-"""The C limit: baseline.c and tilt.c, compiled for this very machine when it is needed."""
+"""The C limit: baseline.c and tilt.c, compiled for this machine on demand."""
 
 import ctypes
 import os
@@ -28,7 +28,7 @@ _SIGNATURES = {  # how many sizes, numbers and arrays
 
 
 class NoCompilerError(Exception):
-    """Why there is no C limit on this machine."""
+    """The reason why there is no C limit on this machine."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class Baseline:
 
 @dataclass(frozen=True)
 class Weights:
-    """What the cost holds each sample against, ``(N,)`` each: see ``objectives.StepTruth``."""
+    """Truth of each sample in the cost, ``(N,)`` each: see ``objectives.StepTruth``."""
 
     step: np.ndarray
     lag: np.ndarray
@@ -94,7 +94,7 @@ class Weights:
 
     @property
     def arrays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """In the order of the C functions."""
+        """The numbers in the order of the C functions."""
         return self.step, self.lag, self.power
 
 

@@ -20,7 +20,7 @@ from tuner.problem import surface
 
 PART = "256 pairs (R, Q) at once"
 PAIRS = 256
-TARGETS = {"cost": 2.0, "cost + gradient": 10.0}  # ns a sample and pair
+TARGETS = {"cost": 2.0, "cost + gradient": 10.0}  # ns per sample and pair
 SLOW = (
     "the target is in nanoseconds of the machine it was set on, where C takes 0.4 for a cost and "
     "1.1 for a gradient; compare with C's time here"
@@ -32,7 +32,7 @@ _EVALUATE: dict[str, tuple[Callable[..., object], Any]] = {
 
 
 def rows(work: Work, limit: Baseline | None) -> list[Row]:
-    """Time a sample and pair under R1 against C, and what the two readings take in memory."""
+    """Time per sample and pair under R1 against C, and the memory of the two readings."""
     points = pairs(PAIRS)
     one = work.problem(Reading.R1)
     calls = _ours(one, points) | (_limits(work, one, points, limit) if limit else {})
@@ -88,7 +88,7 @@ def _row(name: str, times: Times, size: int) -> Row:
 
 
 def _memory(problem: Problem, name: str, points: np.ndarray, target: float) -> Row:
-    """What XLA reserves for one batch, times the batches that run at once."""
+    """The memory that XLA reserves for one batch, times the batches that run at once."""
     threads = os.cpu_count() or 1
     lanes = surface._lanes(problem, threads, len(points))
     _, function = _EVALUATE[name]

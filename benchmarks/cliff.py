@@ -1,4 +1,4 @@
-"""The silent cliff: what happens where XLA was not asked to compile whole loops."""
+"""The silent cliff: run times where XLA was not asked to compile whole loops."""
 
 from collections.abc import Mapping
 

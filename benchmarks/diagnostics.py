@@ -19,7 +19,7 @@ from filters import run
 from tuner.diagnostics import Diagnostics, Innovations, diagnose
 
 FEWER, MOVED = 50, 1.8
-"""So many records tell first whether a size comes into question."""
+"""Number of records in a first trial of a size."""
 
 
 # Tuning: Newton's method on all records at once, in the logarithms of q and R.
@@ -74,7 +74,7 @@ def tuned(model: Model, z: np.ndarray) -> np.ndarray:
 
 
 def diagnoses(model: Model, z: np.ndarray, at: np.ndarray, fitted: int) -> list[Diagnostics]:
-    """What each record's innovations say with its own ln q and ln R."""
+    """The diagnostics of each record's innovations with its own ln q and ln R."""
 
     y, s = map(np.asarray, compiled(model).innovations(at, z))
     turn = TURN * np.sqrt(model.R) / 0.1
@@ -93,7 +93,7 @@ def diagnoses(model: Model, z: np.ndarray, at: np.ndarray, fitted: int) -> list[
 
 
 def rates(found: list[Diagnostics]) -> dict[str, float]:
-    """In which share of the records each test failed, and any."""
+    """The share of the records in which each test failed, and any test."""
     tests = [each.test for each in found[0].findings]
     failed = [{each.test for each in one.failed} for one in found]
     shares = {test: float(np.mean([test in each for each in failed])) for test in tests}
@@ -101,7 +101,7 @@ def rates(found: list[Diagnostics]) -> dict[str, float]:
 
 
 def moved(model: Model, at: np.ndarray) -> float:
-    """By which factor the worse of q and R is wrong, in the median record."""
+    """The factor by which the worse of q and R is wrong, in the median record."""
     off = np.abs(at - np.log([model.q, model.R])).max(axis=1)
     return float(np.exp(np.median(off)))
 
@@ -109,7 +109,7 @@ def moved(model: Model, at: np.ndarray) -> float:
 def at_size(
     model: Model, fault: Fault, size: float, count: int, seed: int
 ) -> tuple[float, dict[str, float]]:
-    """How far a fault moves the parameters, and which tests fail."""
+    """The change of the parameters by a fault, and the tests that fail."""
     draw = np.random.default_rng(seed)
     z = fault.make(draw, model.states(draw, count), np.sqrt(model.R), size)
     at = tuned(model, z)

@@ -14,7 +14,7 @@ from objectives import dare, lyapunov
 PART = "A thousand steady-state equations, n = 3"
 COUNT, STATES = 1000, 3
 TARGET = 20.0  # ms for the batch
-AGREED = 1e-6  # of the largest entry: what scipy keeps of the worst of a thousand random models
+AGREED = 1e-6  # of the largest entry: scipy's accuracy in the worst of a thousand random models
 WHY = "the target is in milliseconds of an otherwise idle machine"
 
 Solve = Callable[..., jax.Array]

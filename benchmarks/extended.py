@@ -23,7 +23,7 @@ DT, DELTA, P0 = 0.01, 0.02, 1e-2
 NOISE = (0.1, 1e-3, 1e-3, 2.5e-5, 0.4, 0.5)
 """q1, r_nom (twice), r3, alpha1, alpha2."""
 SECONDS, ROUNDS = 200.0, 15
-AGREED = 1e-9  # rad; the C code leaves out the term that mends rounding
+AGREED = 1e-9  # rad; the C code leaves out the term that corrects rounding
 BUSY = "both compilers' vector code, which other work on the machine stretches unequally"
 
 

@@ -28,13 +28,13 @@ TURN = 2 * np.pi
 
 @dataclass(frozen=True)
 class Model:
-    """A filter with the process that it is right for.
+    """A filter with the process for which it is right.
 
     Attributes:
-        filter: it.
-        params: from q and R to what it takes.
+        filter: the filter.
+        params: makes its parameters from q and R.
         samples: from measurements ``(N,)`` to its inputs.
-        states: from a generator to what is measured without noise, ``(N, k)``.
+        states: from a generator to noise-free measurements, ``(N, k)``.
         q, R: the true ones.
     """
 

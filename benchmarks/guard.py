@@ -3,7 +3,7 @@
 The worst slowdown is silent: without one option XLA interprets a time loop operation by operation,
 10 to 100 times slower, and nothing fails. Here the same code runs in two processes, with the option
 and without. Only ratios are judged, with wide margins, so a busy machine does not matter. Of larger
-filters, whose loops are the first to be lost, what was compiled is read.
+filters, whose loops are the first to be lost, the compiled text is read.
 """
 
 import sys
@@ -20,7 +20,7 @@ GRADIENTS = {"cost + gradient": "gyroscope filter", "generic gradient": "generic
 
 
 def verdict(on: Mapping[str, float], off: Mapping[str, float]) -> list[str]:
-    """What is wrong, one sentence each.
+    """The faults, one sentence each.
 
     Args:
         on: seconds by name, measured with the loop option.
@@ -47,7 +47,7 @@ def verdict(on: Mapping[str, float], off: Mapping[str, float]) -> list[str]:
 
 
 def main() -> int:
-    """Measure, say what was found, and return the exit code."""
+    """Measure, print the result, and return the exit code."""
     on = measure("gradient", samples=SAMPLES)
     off = measure("gradient", whole=False, samples=SAMPLES)
     for name in on:

@@ -42,7 +42,7 @@ COUNTED = slice(0, 2)
 """Of the innovations: level GPS positions. Heights are taken loosely and not counted, for one
 receiver has smooth ones, and others' jump by tens of metres."""
 KNOWN = {"gravity": GRAVITY, "heading0": 1.8}
-"""Where no heading is known its deviation is that of a direction drawn evenly, pi / sqrt 3."""
+"""Deviation of an unknown heading, that of a uniform direction: pi / sqrt 3."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +137,7 @@ def tune(problem: Problem, starts: int) -> Solution:
 
 
 def judged(known: Flown, values: Mapping[str, Any]) -> Judged:
-    """How the INS does on a flight; a glitch of the GPS and 5 s around it do not count."""
+    """The errors of the INS on a flight; a glitch of the GPS and 5 s around it do not count."""
     filter = ErrorStateIns(known.study.dt / FINER, "ned")
     ran = _run(filter, assembled(filter, values), known.sample)
     motion, innovation, variance = jax.tree.map(np.asarray, ran)

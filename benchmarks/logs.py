@@ -1,4 +1,4 @@
-"""How long a ULog of 50 MB takes, from the file to two channels: python -m benchmarks.logs."""
+"""Time for a ULog of 50 MB, from the file to two channels: python -m benchmarks.logs."""
 
 import struct
 import tempfile
@@ -16,7 +16,7 @@ TOPICS = {
     "air_data": (10, 6),
     "imu": (1, 4),
 }
-"""Every how many of 4 ms, and how many floats."""
+"""Period in units of 4 ms, and number of floats."""
 SAMPLES = 230_000
 
 

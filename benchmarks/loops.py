@@ -1,4 +1,4 @@
-"""The filter as Python loops: a reference to 40 digits, and what people write with NumPy."""
+"""The filter as Python loops: a reference to 40 digits, and the usual code in NumPy."""
 
 from decimal import Decimal, localcontext
 from typing import Any

@@ -1,4 +1,4 @@
-"""The machine in neutral words: what the numbers depend on and nothing that names it."""
+"""The machine in neutral words: its relevant properties, and nothing that names it."""
 
 import os
 import platform
@@ -12,11 +12,11 @@ PACKAGES = ("jax", "numpy", "scipy", "statsmodels", "dynamax", "filterpy")
 
 @dataclass(frozen=True)
 class Machine:
-    """What the numbers were measured on.
+    """The machine on which the numbers were measured.
 
     Attributes:
-        processors: how many there are.
-        architecture: of what kind.
+        processors: their number.
+        architecture: their kind.
         vectors: width of their vectors and the compiler, in words.
         software: versions, in words.
     """

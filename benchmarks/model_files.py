@@ -1,8 +1,8 @@
 """Models in text files against the same in Python: ``python -m benchmarks.model_files``.
 
-A wheeled robot and a pendulum, each as a document and as functions of one's own for
-``filters.ExtendedKalman``, over one record in one process, turn by turn. Judged is the median
-of the ratios, each call against its neighbour; the numbers have to be equal to 1e-12.
+A wheeled robot and a pendulum, each as a document and as Python functions for
+``filters.ExtendedKalman``, over one record in one process, in turn. The median of the ratios is
+judged, each call against its neighbour; the numbers must be equal to 1e-12.
 """
 
 import sys
@@ -19,7 +19,7 @@ from objectives import Data, InnovationLikelihood, score_and_gradient
 from tuner.model import model_filter
 
 MOST = 1.1
-"""Times what the same takes in Python."""
+"""Largest ratio to the time of the same in Python."""
 EQUAL = 1e-12
 SAMPLES, ROUNDS = 20_000, 40
 
@@ -174,7 +174,7 @@ def gradient(filter: Any, build: Any, inputs: Any, point: np.ndarray) -> Call:
 
 
 def apart(one: Any, other: Any) -> float:
-    """The largest difference, over the size of what it is a difference of."""
+    """The largest relative difference."""
     pairs = zip(jax.tree.leaves(one), jax.tree.leaves(other), strict=True)
     return max(
         float(np.abs(np.asarray(a) - np.asarray(b)).max() / max(np.abs(np.asarray(b)).max(), 1.0))

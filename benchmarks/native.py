@@ -90,7 +90,7 @@ def dense(values: dict[str, Array]) -> LinearModel:
 
 
 def posed() -> dict[str, tuple[Problem, float | None]]:
-    """What is differentiated, and by how much C is to be faster."""
+    """A problem to differentiate, and the required speedup by C."""
     names = ("q1", "r1", "r2", "r3", "alpha1", "alpha2")
     six = {
         name: Positive(value, value / 1e3, value * 1e3)
@@ -192,7 +192,7 @@ def _compiling(name: str, problem: Problem) -> Row:
     for _ in range(3):
         with tempfile.TemporaryDirectory() as folder:
             begun = time.perf_counter()
-            build = lambda z: static.built(z)  # noqa: E731, PLW0108  # nothing is remembered of it
+            build = lambda z: static.built(z)  # noqa: E731, PLW0108  # so that nothing is cached
             made = Native(
                 static.filter, static.objective, build, len(z), problem.data, Path(folder)
             )
@@ -211,7 +211,7 @@ def _compiling(name: str, problem: Problem) -> Row:
 
 @contextmanager
 def native(word: str) -> Iterator[None]:
-    """Ask for C, or for none, where it is decided."""
+    """Choose C, or exclude it."""
     before = os.environ.get("TUNER_NATIVE")
     os.environ["TUNER_NATIVE"] = word
     try:

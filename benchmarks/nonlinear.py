@@ -1,8 +1,8 @@
 """Extended, iterated or unscented: one vessel, three sensors. ``python -m benchmarks.nonlinear``.
 
-A vessel of constant velocity is sighted from a mast once a second, by range and bearing. What the
-three filters make of it depends on the sensor and on what is known at the start, all in the same
-model: how far the prediction may be off, against how far h is straight.
+A vessel of constant velocity is sighted from a mast once a second, by range and bearing. The
+results of the three filters, all with the same model, depend on the sensor and on the knowledge at
+the start: on the prediction's error compared with the range in which h is straight.
 """
 
 from typing import Any, NamedTuple
@@ -30,11 +30,11 @@ Q = 0.01 * np.kron([[1 / 3, 1 / 2], [1 / 2, 1]], np.eye(2))
 
 
 class Case(NamedTuple):
-    """A sensor, and what is known at the start.
+    """A sensor, and the knowledge at the start.
 
     Attributes:
         name: in words.
-        at: where the vessel is thought to be, m.
+        at: assumed position of the vessel, m.
         known: deviation of each coordinate, m.
         range: deviation of a measured range, m.
         bearing: deviation of a measured bearing, rad.
@@ -55,13 +55,13 @@ CASES = (
 
 
 class Found(NamedTuple):
-    """How well a filter does over runs.
+    """The errors of a filter over runs.
 
     Attributes:
         first: median error of the position at the first measurement, m.
         rms: error of the position over all, m.
-        nees: median of the states' squared errors over their covariance, a number: 0.84 where the
-            filter knows how far it is off.
+        nees: median of the states' squared errors over their covariance, per state: 0.84 for a
+            consistent filter.
     """
 
     first: float
@@ -95,7 +95,7 @@ def sighted(p: Any, x: Array, u: Any) -> Array:
 
 
 def simulated(case: Case, runs: int, steps: int) -> tuple[np.ndarray, np.ndarray]:
-    """Where vessels were, ``(N, runs, 4)``, and what was measured, ``(N, runs, 2)``."""
+    """True states of the vessels, ``(N, runs, 4)``, and measurements, ``(N, runs, 2)``."""
     rng, root = np.random.default_rng(1), np.linalg.cholesky(Q)
     x = np.array([*case.at, -0.3, -0.2]) + rng.standard_normal((runs, 4)) * _start(case)
     truth, z = np.empty((steps, runs, 4)), np.empty((steps, runs, 2))

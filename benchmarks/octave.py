@@ -1,4 +1,4 @@
-"""What the paper did: Octave's fminsearch on the cost, timed per evaluation."""
+"""The paper's method: Octave's fminsearch on the cost, timed per evaluation."""
 
 import shutil
 import subprocess
@@ -31,7 +31,7 @@ class Search:
 
 
 def search(z: np.ndarray, weights: Weights, most: int) -> Search | None:
-    """Run fminsearch from (R, Q) with so many evaluations at most; None where Octave is missing."""
+    """Run fminsearch from (R, Q) with a limit of evaluations; None where Octave is missing."""
     octave = shutil.which("octave-cli") or shutil.which("octave")
     if octave is None:
         return None

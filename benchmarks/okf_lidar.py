@@ -3,7 +3,7 @@
     python -m benchmarks.okf_lidar okf_simple_lidar.npz
 
 Greenberg, Yannay and Mannor (Optimization or Architecture: How to Hack Kalman Filtering, NeurIPS
-2023) ask what a Kalman filter is worth whose Q and R are optimised instead of estimated. Here: the
+2023) examine a Kalman filter whose Q and R are optimised instead of estimated. Here: the
 first 700 targets tune, the other 300 judge; a target's state begins at its first measurement, at
 rest, with P0 = 1000 I. Beside the Q and R of the true noise: two factors on them by the error and
 by the likelihood without truth, and full matrices by the error. An error leaves the common factor
@@ -50,7 +50,7 @@ class Targets(NamedTuple):
 
     @property
     def samples(self) -> tuple[np.ndarray, np.ndarray]:
-        """What the filter takes: no time goes by before the first of them."""
+        """Inputs of the filter: no time passes before the first of them."""
         return self.z, np.arange(len(self.z)) > 0
 
 
@@ -108,7 +108,7 @@ def targets(file: Path) -> tuple[Targets, Targets]:
     for i, (end, length) in enumerate(zip(ends, lengths, strict=True)):
         z[:length, i] = known["measurements"][end - length : end]
         truth[:length, i] = known["states"][end - length : end]
-    # A constant velocity knows no place: from the first measurement on all begin at 0.
+    # A constant velocity does not depend on the place: all begin at 0 with the first measurement.
     truth[..., :2] -= z[:1]
     z = z - z[:1]
     return Targets(z[:, :TRAINED], truth[:, :TRAINED]), Targets(z[:, TRAINED:], truth[:, TRAINED:])
@@ -141,7 +141,7 @@ def posed(known: Targets, *, full: bool, truth: bool) -> Problem:
     else:
         kept["Q"], kept["R"] = Fixed(_nested(Q)), Fixed(_nested(R))
         kept |= {f"{n}_factor": Positive(1.0, 1e-6, 1e6) for n in ("Q", "R")}
-    if truth and not full:  # the same filters: the error sees ratios alone
+    if truth and not full:  # the same filters: the error depends on ratios only
         kept |= {"R_factor": Fixed(1.0, nominal=True), "P0": Positive(P0, 1.0, 1e9, "m^2")}
     error = ChannelRmse("x", parts=2)
     return Problem(
@@ -174,7 +174,7 @@ class Outcome(NamedTuple):
 
 
 def outcome(known: Targets, problem: Problem, values: dict[str, Any]) -> Outcome:
-    """What parameters come to on some targets."""
+    """The errors of parameters on some targets."""
     judge = replace(
         problem,
         filter=Tracks(known.z.shape[1]),
@@ -192,7 +192,7 @@ def values_of(solution: Solution) -> dict[str, np.ndarray]:
 
 
 def results(file: Path) -> dict[str, tuple[Outcome, Solution | None]]:
-    """What each way of tuning comes to on the targets that judge."""
+    """The errors of each way of tuning on the held-out targets."""
     tuned_on, judge = targets(file)
     factors = posed(tuned_on, full=False, truth=True)
     found: dict[str, tuple[Outcome, Solution | None]] = {}

@@ -23,7 +23,7 @@ OCTAVE = "Octave fminsearch, a cost"
 
 
 def rows(work: Work, limit: Baseline | None) -> list[Row]:
-    """How many times as long as ours each peer takes, and how far its output is from C's."""
+    """The time of each peer over ours, and the difference of its output from C's."""
     calls = {OURS: passes(work)[OURS]}
     missing = []
     for name, (prepare, target) in PEERS.items():
@@ -72,7 +72,7 @@ def _difference(call: Call, expected: np.ndarray) -> float:
 
 
 def _octave(work: Work) -> Row:
-    """On a tenth of the record, for Octave takes a second per evaluation of the whole."""
+    """On a tenth of the record, as Octave takes a second per evaluation of the whole."""
     short = Work(work.samples // 10, work.repetitions)
     problem = short.problem(Reading.R1)
     truth = problem.data.truth

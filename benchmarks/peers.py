@@ -12,7 +12,7 @@ from benchmarks.timing import Call
 from benchmarks.work import DT
 
 Prepare: TypeAlias = Callable[[np.ndarray, float, float], Call]
-"""From the signal, R and Q to a call that gives the output, ``(N,)``."""
+"""Makes a call that gives the output, ``(N,)``, from the signal, R and Q."""
 
 F = np.array([[1.0, DT], [0.0, 1.0]])
 H = np.array([[1.0, 0.0]])
@@ -24,7 +24,7 @@ def numpy_loop(z: np.ndarray, R: float, Q: float) -> Call:
 
 
 def filterpy(z: np.ndarray, R: float, Q: float) -> Call:
-    """FilterPy's KalmanFilter, one predict and one update a sample."""
+    """FilterPy's KalmanFilter, one predict and one update per sample."""
     from filterpy.kalman import KalmanFilter
 
     def call() -> np.ndarray:

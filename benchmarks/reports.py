@@ -1,10 +1,10 @@
-"""Reports in a browser: nothing is fetched, complains or sticks out, and pictures answer.
+"""Reports in a browser: no request, no error, no overflow, and responsive pictures.
 
     python -m benchmarks.reports RUN... [--axe axe.min.js] [--pictures FOLDER]
 
 opens the report of every run in headless Chromium, as a desktop and as a phone, light and dark.
-It takes `pip install playwright` and Debian's `chromium`; with axe-core's file its findings are
-told as well.
+It needs `pip install playwright` and Debian's `chromium`; with axe-core's file it prints those
+findings too.
 """
 
 import argparse
@@ -26,7 +26,7 @@ _SMALL = """[...document.querySelectorAll('.chart .area')].filter(
 
 
 def main(arguments):
-    """Print what is wrong with each report; 1 where anything is."""
+    """Print the faults of each report; 1 where there is any."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("runs", nargs="+", type=Path)
     parser.add_argument("--axe", type=Path)
@@ -53,7 +53,7 @@ def main(arguments):
 
 
 def looked_at(browser, file, view, asked):
-    """What is wrong with a report as it is seen in one way."""
+    """The faults of a report in one view."""
     width, height, scheme = VIEWS[view]
     size = {"width": width, "height": height}
     page = browser.new_page(viewport=size, color_scheme=scheme)
@@ -102,9 +102,9 @@ def tried(page):
 
 
 def accessibility(browser, file, view, axe):
-    """What axe-core finds."""
+    """The findings of axe-core."""
     width, height, scheme = VIEWS[view]
-    # The page's own policy would refuse any script but its own.
+    # The page's policy would refuse any other script.
     context = browser.new_context(
         viewport={"width": width, "height": height}, color_scheme=scheme, bypass_csp=True
     )

@@ -25,7 +25,7 @@ STANDARD = (44330.77, 0.190263)
 
 
 class Span(NamedTuple):
-    """A part of the flight, and what a person masks in it, s each."""
+    """A part of the flight, and the intervals that a person masks in it, s."""
 
     name: str
     start: float
@@ -49,7 +49,7 @@ WAYS: Mapping[str, Mapping[str, Any]] = {
 
 
 class Row(NamedTuple):
-    """What a fit came to."""
+    """The result of a fit."""
 
     span: str
     way: str
@@ -95,7 +95,7 @@ def rows(t: np.ndarray, pressure: np.ndarray, starts: int) -> Iterator[Row]:
 def fitted(
     span: str, way: str, t: np.ndarray, h: np.ndarray, options: Mapping[str, Any], starts: int
 ) -> Row:
-    """One fit; a gate has edges, on which a search without derivatives does better."""
+    """One fit; a gate is not smooth, so a search without derivatives does better."""
     fit = tuner.fit(
         "constant-velocity",
         tuner.Record.of({"x": h}, times=t, units={"x": "m"}),

@@ -63,7 +63,7 @@ def evaluations(work: Work) -> dict[str, Call]:
 
 
 def compiled(problem: Problem) -> dict[str, Callable[..., Any]]:
-    """What :class:`Problem` evaluates, without its conversion of the answer to NumPy."""
+    """The evaluation of :class:`Problem`, without the conversion of its result to NumPy."""
     static = problem.static
     gradient = partial(score_and_gradient, static.filter, static.objective, static.built)
     return {"cost": jax.jit(static.score), "cost + gradient": jax.jit(gradient)}
@@ -81,7 +81,7 @@ def limits(work: Work, limit: Baseline) -> dict[str, Call]:
 
 
 def largest_difference(work: Work, limit: Baseline) -> dict[str, float]:
-    """How far our outputs are from C's, by name."""
+    """Differences of our outputs from C's, by name."""
     expected = limit.forward(work.signal, R, Q)
     return {
         name: float(np.abs(np.asarray(call()) - expected).max())

@@ -1,4 +1,4 @@
-"""How long until something happens, in fresh processes."""
+"""Time of compilation and start, in fresh processes."""
 
 import tempfile
 from functools import partial
@@ -24,7 +24,7 @@ def rows(work: Work) -> list[Row]:
 
 
 def compiling(part: str, task: str, samples: int, target: float) -> list[Row]:
-    """What a worker's task compiles, three times in fresh processes, against a target in s."""
+    """Compilation time of a worker's task, thrice in fresh processes, against a target in s."""
     found = [measure(task, samples=samples) for _ in range(3)]
     return [
         Row(

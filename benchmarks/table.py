@@ -16,16 +16,16 @@ class Row:
     """One line of the table.
 
     Attributes:
-        part: the heading it stands under.
-        what: what was measured.
+        part: its heading.
+        what: the measured quantity.
         ours: our time, in words.
-        against: what it is held against, in words.
-        figure: the number that the target is about; None where it could not be measured.
+        against: what it is compared with, in words.
+        figure: the number that has the target; None where it could not be measured.
         best: the same from the shortest times.
         unit: of both; "x" is a ratio.
         target: None where there is none.
         sense: whether the target is the most or the least the figure may be.
-        note: what else was found.
+        note: further findings.
         why: why a target is out of reach, for where it is missed.
     """
 

@@ -1,4 +1,4 @@
-"""Tanaka's regression on windows of ten samples: many side by side, and one by itself."""
+"""Tanaka's regression on windows of ten samples: many side by side, and single ones."""
 
 from collections.abc import Callable
 
@@ -25,7 +25,7 @@ TARGETS = {SHARED: 5.0, OWN: 100.0, ONE: 100.0, NEW: 100.0}
 
 
 def rows() -> list[Row]:
-    """Ours, all exact, beside Clarabel alone, HiGHS and cvxpy with Clarabel."""
+    """Ours, all exact, compared with Clarabel alone, HiGHS and cvxpy with Clarabel."""
     rng = np.random.default_rng(0)
     t, x = np.arange(10.0), rng.normal(size=(WINDOWS, 10))
     own = np.sort(rng.uniform(0, 9, (WINDOWS, 10, 1)), axis=1)

@@ -1,8 +1,8 @@
-"""How long a text log of 10^6 rows x 10 columns takes: python -m benchmarks.text_logs [own].
+"""Time for a text log of 10^6 rows x 10 columns: python -m benchmarks.text_logs [own].
 
-Beside pandas and pyarrow where they are installed; they are no dependencies. ``own`` takes our
-reader in NumPy for all blocks, which else reads what is no block of plain numbers. Memory is what
-a process of its own grew by.
+Compared with pandas and pyarrow where they are installed; they are not dependencies. ``own`` uses
+our reader in NumPy for all blocks, which otherwise reads only blocks with more than plain numbers.
+Memory is the growth of a separate process.
 """
 
 import importlib
@@ -37,7 +37,7 @@ def ours(path: Path) -> object:
 
 
 def grown(path: Path) -> float:
-    """By how many arrays a process grows that reads the log, the one it returns among them."""
+    """Memory growth of a process that reads the log, in arrays, including the returned one."""
     parts.read_regular(b"1\n", b",", 1)  # with what it imports
     before = most_held()
     ours(path)
@@ -63,7 +63,7 @@ def others() -> dict[str, Read]:
 
 
 def timed(read: Read, path: Path) -> tuple[float, float]:
-    """How long it takes, s, and the work of all cores, s."""
+    """Wall time, s, and processor time of all cores, s."""
     start, work = time.perf_counter(), time.process_time()
     read(path)
     return time.perf_counter() - start, time.process_time() - work
@@ -78,7 +78,7 @@ def main() -> None:
         with multiprocessing.get_context("spawn").Pool(1) as pool:
             print(f"memory: {pool.apply(grown, (path,)):.1f} arrays")
         readers = {"tuner": ours, **others()}
-        # In turn, so that all see the same of the machine.
+        # In turn, so that all run under the same load.
         rounds = [{name: timed(read, path) for name, read in readers.items()} for _ in range(TIMES)]
     for name in readers:
         wall, work = ([one[name][k] for one in rounds] for k in (0, 1))

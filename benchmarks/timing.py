@@ -12,7 +12,7 @@ Call = Callable[[], object]
 
 @dataclass(frozen=True, eq=False)
 class Times:
-    """How long each call took in each round, s.
+    """The time of each call in each round, s.
 
     Attributes:
         seconds: by name, ``(rounds,)`` each; entries of one index were measured one after another.
@@ -29,14 +29,14 @@ class Times:
         return float(self.seconds[name].min())
 
     def ratio(self, name: str, *limits: str) -> "Ratio":
-        """How many times as long as the limits together."""
+        """The time over the sum of the limits."""
         ours = self.seconds[name]
         limit = np.sum([self.seconds[one] for one in limits], axis=0)
         best = sum(self.best(one) for one in limits)
         return Ratio(float(np.median(ours / limit)), float(ours.min() / best))
 
     def noise(self, name: str) -> float:
-        """The quartiles' distance over the median: how far to trust one number."""
+        """The interquartile range over the median: the precision of one number."""
         low, high = np.quantile(self.seconds[name], [0.25, 0.75])
         return float((high - low) / self.median(name))
 
@@ -66,9 +66,9 @@ def interleave(
     Args:
         calls: by name.
         rounds: how often each takes its turn.
-        repeats: how many calls make a turn, whose mean is kept; 1 where nothing is said. A call of
-            milliseconds needs a few beside one of seconds, which leaves it a cold processor.
-        clock: `time.process_time` where only the processor's work counts, whatever else is running.
+        repeats: number of calls in a turn, whose mean counts; 1 by default. A call of
+            milliseconds after one of seconds needs a few, because that leaves cold caches.
+        clock: `time.process_time` where only processor time counts, under any other load.
     """
     seconds: dict[str, list[float]] = {name: [] for name in calls}
     for call in calls.values():

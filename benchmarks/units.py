@@ -1,4 +1,4 @@
-"""Whether a fit depends on the units that its record happens to be in.
+"""A test that a fit does not depend on the units of its record.
 
 ``python -m benchmarks.units`` fits every filter whose measurement may have any unit, in channel
 units and units of time from 1e-9 to 1e9, and prints by how much each answer strays, relative, from
@@ -29,7 +29,7 @@ class Scaled(NamedTuple):
     clock: float = 1.0
 
     def of(self, unit: str) -> float:
-        """What a number in a declared unit is multiplied by.
+        """The factor on a number in a declared unit.
 
         >>> Scaled(10.0, 2.0).of("unit^2/s")
         50.0
@@ -83,7 +83,7 @@ def fitted(name: str, scaled: Scaled, **options: Any) -> dict[str, float]:
 
 
 def strays(name: str, **options: Any) -> Iterator[tuple[Scaled, float]]:
-    """How far each fit in other units is from that in plain ones, relative."""
+    """Relative difference of each fit in other units from that in plain ones."""
     plain = fitted(name, Scaled(), **options)
     for scaled in (*(Scaled(size=f) for f in FACTORS), *(Scaled(clock=f) for f in FACTORS)):
         other = fitted(name, scaled, **options)

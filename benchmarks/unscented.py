@@ -17,7 +17,7 @@ SIZES, SAMPLES, ROUNDS = (2, 5, 9), 5000, 25
 AGREED = 0.5  # rad; further apart they would not do the same work
 SPRING, GRADIENT = 0.05, "gradient, "
 NOISE = np.array([0.01, 0.5])
-"""Variance of the state's noise a sample, and of a measurement."""
+"""Variance of the state's noise per sample, and of a measurement."""
 
 
 def rows() -> list[Row]:
@@ -26,7 +26,7 @@ def rows() -> list[Row]:
 
 
 def filters() -> dict[str, AnyFilter]:
-    """What is timed."""
+    """The filters to time."""
     model = swung, shaken, seen
     return {
         "extended": ExtendedKalman(*model),
@@ -41,7 +41,7 @@ def swung(p: Array, x: Array, u: Any) -> Array:
 
 
 def shaken(p: Array, x: Array, u: Any) -> Array:
-    """Each by itself."""
+    """Independent noises."""
     return p[0] * jnp.eye(len(x), dtype=x.dtype)
 
 
@@ -51,7 +51,7 @@ def seen(p: Array, x: Array, u: Any) -> Array:
 
 
 def record(n: int) -> ExtendedSample:
-    """What is seen of n pendulums, ``(SAMPLES, (n + 1) // 2)``."""
+    """Measurements of n pendulums, ``(SAMPLES, (n + 1) // 2)``."""
     rng, x, z = np.random.default_rng(n), np.zeros(n), []
     for _ in range(SAMPLES):
         x = x + SPRING * (np.roll(x, -1) - x - np.sin(x)) + 0.1 * rng.standard_normal(n)

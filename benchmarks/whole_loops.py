@@ -1,8 +1,8 @@
-"""Whether time loops are compiled as a whole: ``python -m benchmarks.whole_loops`` asks filters.
+"""A check that time loops are compiled as a whole: ``python -m benchmarks.whole_loops``.
 
 A loop that XLA does not compile as a whole is interpreted operation by operation, with the same
-results. The text of what was compiled says which it is, so nothing has to be timed. What is asked
-for is what breaks first: a gradient of one point, and of 8 and 64 side by side.
+results. The compiled text shows which it is, so nothing has to be timed. The check takes the cases
+that break first: a gradient at one point, and at 8 and 64 side by side.
 """
 
 import sys
@@ -28,10 +28,10 @@ from filters import (
 from objectives import Data, InnovationLikelihood, Way, score, score_and_gradient
 
 WHOLE = "xla_cpu_small_call"
-"""What XLA calls a loop that it compiles as a whole."""
+"""XLA's name for a loop that it compiles as a whole."""
 LANES = (8, 64)
 QUICKLY = {"xla_backend_optimization_level": 0}
-"""What is compiled is not run; the loops are chosen before it is optimised."""
+"""The compiled code is not run, and loops are chosen before it is optimised."""
 Built = Callable[[Array], Any]
 
 

@@ -1,4 +1,4 @@
-"""The work that is timed: Kownacki's gyroscope filter on a step and on white noise."""
+"""The timed work: Kownacki's gyroscope filter on a step and on white noise."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -42,7 +42,7 @@ class Work:
 
     @cached_property
     def signal(self) -> np.ndarray:
-        """Their sum, which is what a filter is given, ``(N,)``."""
+        """Their sum, the input of a filter, ``(N,)``."""
         return np.asarray(self.step + self.noise)
 
     @cached_property
@@ -52,7 +52,7 @@ class Work:
 
     @cached_property
     def welch(self) -> Welch:
-        """How the spectrum is estimated."""
+        """The estimate of the spectrum."""
         return Welch.matlab(self.samples)
 
     def problem(self, reading: Reading) -> Problem:

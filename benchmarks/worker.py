@@ -1,4 +1,4 @@
-"""What is measured in a process of its own: ``python -m benchmarks.worker TASK SAMPLES``."""
+"""Measurements in a separate process: ``python -m benchmarks.worker TASK SAMPLES``."""
 
 import json
 import sys

@@ -1,1 +1,1 @@
-"""Bad input of every kind, made by a seed: what is refused has to be refused in one sentence."""
+"""Bad input of every kind, made by a seed: each refusal must be one sentence."""

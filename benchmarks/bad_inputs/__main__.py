@@ -1,7 +1,7 @@
-"""``python -m benchmarks.bad_inputs``: thousands of bad inputs, and what they do.
+"""``python -m benchmarks.bad_inputs``: thousands of bad inputs and their effects.
 
-Every case runs in a fork of one process that has everything loaded. Wanted are 0 tracebacks, 0
-signals, 0 hangs above 20 s, 0 peaks above 1 GB, and 0 files written by what was refused.
+Every case runs in a fork of one process that has everything loaded. The goal is 0 tracebacks, 0
+signals, 0 hangs above 20 s, 0 peaks above 1 GB, and 0 files written by refused input.
 """
 
 import argparse
@@ -30,12 +30,12 @@ DESIGNED = ("run", "design.toml")
 
 
 def cases(count: int, seed: int, folders: list[dict[str, bytes]]) -> Iterator[Case]:
-    """So many cases of all kinds.
+    """A number of cases of all kinds.
 
     Args:
-        count: how many.
-        seed: where they come from.
-        folders: the files of finished runs; none: no such cases.
+        count: their number.
+        seed: seed of their random numbers.
+        folders: the files of finished runs; without any there are no such cases.
     """
     made = {
         "logs": logs.cases, "hostile": hostile.cases, "lines": lines.cases,
@@ -48,7 +48,7 @@ def cases(count: int, seed: int, folders: list[dict[str, bytes]]) -> Iterator[Ca
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Try all cases, print what was wrong; 1 if anything was."""
+    """Try all cases and print the faults; 1 if there is any."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.bad_inputs", description=__doc__)
     parser.add_argument("--cases", type=int, default=5000)
     parser.add_argument("--seed", type=int, default=0)
@@ -88,7 +88,7 @@ class Worst:
         self.slow = self.large = ""
 
     def see(self, case: Case, ended: Ended) -> None:
-        """Look at one case."""
+        """Add one case."""
         if ended.seconds > self.seconds:
             self.seconds, self.slow = ended.seconds, case.kind
         if ended.peak > self.peak:
@@ -103,7 +103,7 @@ class Worst:
 
 
 def loaded() -> None:
-    """Load everything that cases take, so that forks have it; JAX starts in each of them."""
+    """Load everything that cases need, so that forks have it; JAX starts in each of them."""
     import h5py  # noqa: F401  # where it is missing nothing is measured
     import optuna  # noqa: F401
     import scipy.io

@@ -10,10 +10,10 @@ class Case:
     """A command line in a folder of its own.
 
     Attributes:
-        kind: what kind of bad input it is.
+        kind: the kind of bad input.
         words: the command line.
-        files: what lies in the folder, by name.
-        special: names of what is no file there: "fifo", "folder", "loop", "device" or "locked".
+        files: files of the folder, by name.
+        special: names of special entries: "fifo", "folder", "loop", "device" or "locked".
     """
 
     kind: str

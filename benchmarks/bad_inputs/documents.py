@@ -1,4 +1,4 @@
-"""TOML that is nearly a study or a model."""
+"""TOML that is almost a study or a model."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -43,7 +43,7 @@ NESTS = (
 
 
 def cases(random: Random) -> Iterator[Case]:
-    """Study files and model files without end."""
+    """An endless series of study files and model files."""
     log = {"good.csv": text()}
     for nest in NESTS:
         yield Case("toml: nest", ["run", "x.toml"], {"x.toml": nest.encode(), **log})
@@ -67,7 +67,7 @@ def _model(name: str) -> list[str]:
 
 
 def _bad(random: Random, document: dict[str, Any]) -> bytes:
-    """A document that was changed, as TOML where TOML can say it."""
+    """A changed document, as TOML where TOML can express it."""
     try:
         data = tomli_w.dumps(document_of(random, document)).encode()
     except (TypeError, ValueError, AttributeError):

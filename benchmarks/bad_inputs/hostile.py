@@ -1,4 +1,4 @@
-"""Files that were made to do harm: bombs, nests, claims, and what is no file at all."""
+"""Malicious files: bombs, deep nesting, false headers, and entries that are not files."""
 
 import gzip
 import io
@@ -16,14 +16,14 @@ _RUN = ("run", "kownacki2010", "--map", "omega=gx", "--rate", "100", "--dry-run"
 
 
 def npy(shape: str, dtype: str = "<f8") -> bytes:
-    """The beginning of an array that says this of itself."""
+    """The header of an array with this type and shape."""
     head = f"{{'descr': '{dtype}', 'fortran_order': False, 'shape': {shape}}}".encode()
     head += b" " * (-(len(head) + 11) % 64) + b"\n"
     return b"\x93NUMPY\1\0" + struct.pack("<H", len(head)) + head
 
 
 def repeated(head: bytes, body: bytes, times: int, window: int) -> bytes:
-    """Deflated bytes that repeat something: packed once, for a full flush forgets all before."""
+    """Deflated bytes of a repeated part, packed once: a full flush forgets what came before."""
     packer = zlib.compressobj(9, zlib.DEFLATED, window)
     first = packer.compress(head) + packer.flush(zlib.Z_FULL_FLUSH)
     again = packer.compress(body) + packer.flush(zlib.Z_FULL_FLUSH)
@@ -31,7 +31,7 @@ def repeated(head: bytes, body: bytes, times: int, window: int) -> bytes:
 
 
 def packed(name: str, head: bytes, mebibytes: int) -> bytes:
-    """A zip file whose member unpacks to so many MiB of zeros; its checksum is wrong."""
+    """A zip file whose member unpacks to this many MiB of zeros; its checksum is wrong."""
     data, size = repeated(head, _MIB, mebibytes, -15), len(head) + (mebibytes << 20)
     entry = struct.pack("<HHHHHIIIHH", 20, 0, 8, 0, 33, 0, len(data), size, len(name), 0)
     local = b"PK\x03\x04" + entry + name.encode() + data
@@ -62,7 +62,7 @@ def mat_of(body: bytes) -> bytes:
 
 
 def mat_bomb(mebibytes: int, stored: int) -> bytes:
-    """A packed matrix of zeros, each number a byte or eight of them."""
+    """A packed matrix of zeros, each number one byte or eight."""
     size = mebibytes << 20
     numbers = struct.pack("<II", stored, size)
     plain = matrix(6, (1, size // (8 if stored == 9 else 1)), numbers)
@@ -120,7 +120,7 @@ def files() -> Iterator[tuple[str, str, bytes]]:
 
 
 def cases(random: Random) -> Iterator[Case]:
-    """Each of them once, then what is no file, in every place that takes one, without end."""
+    """Each of them once, then endless entries that are not files, in every place for a file."""
     for kind, name, data in files():
         yield Case(kind, ["columns", name], {name: data})
         if not kind.startswith("claim"):

@@ -1,4 +1,4 @@
-"""One case in a process of its own, and what is wrong with how it ended."""
+"""One case in a process of its own, and the fault of its end."""
 
 import os
 import resource
@@ -15,21 +15,21 @@ from benchmarks.bad_inputs.case import Case
 from tuner.shown import shown
 
 SECONDS, PATIENCE = 20.0, 180.0
-"""Of processor time, and of waiting on a machine that others use as well."""
+"""Limits of processor time, and of waiting on a shared machine."""
 PEAK = 1 << 30
 REFUSED = 2
 
 
 @dataclass(frozen=True)
 class Ended:
-    """How a case ended.
+    """The end of a case.
 
     Attributes:
         code: the exit code; negative: the signal.
-        out, err: what was written.
+        out, err: its outputs.
         seconds: of processor time; infinite where it did not end.
         peak: bytes.
-        left: files that are new or changed.
+        left: new or changed files.
     """
 
     code: int
@@ -41,7 +41,7 @@ class Ended:
 
     @property
     def faults(self) -> list[str]:
-        """What must not be."""
+        """The fault of this end; "" for none."""
         found = []
         last = self.err.splitlines()[-1:]
         if "Traceback" in self.err:
@@ -83,7 +83,7 @@ def tried(case: Case, run: Callable[[list[str]], int]) -> Ended:
 
 
 def _seen(folder: Path) -> dict[str, tuple[int, int]]:
-    """All that lies in a folder, with sizes and times."""
+    """All entries of a folder, with sizes and times."""
     found = {}
     for root, folders, files in os.walk(folder):
         for name in (*folders, *files):
@@ -121,7 +121,7 @@ def _forked(
 
 
 def _child(home: Path, folder: Path, words: list[str], run: Callable[[list[str]], int]) -> None:
-    """What the fork does; it never returns."""
+    """The work of the fork; it never returns."""
     code = 99
     try:
         os.setpgid(0, 0)

@@ -1,4 +1,4 @@
-"""Command lines with words that nobody should write."""
+"""Command lines with bad words."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -35,7 +35,7 @@ KEYS = (
 
 
 def drawn(strategy: Any, count: int, number: int) -> list[Any]:
-    """So many examples of a strategy, the same for the same number."""
+    """A number of examples of a strategy, the same for the same number."""
     found: list[Any] = []
 
     @seed(number)
@@ -77,7 +77,7 @@ def _lines(draw: Any) -> tuple[str, ...]:
 
 
 def cases(random: Random) -> Iterator[Case]:
-    """Command lines without end."""
+    """An endless series of command lines."""
     while True:
         for line in drawn(_lines(), 200, int(random.integers(2**31))):
             yield Case(f"line: {line[0]}", list(line), {LOG: text()})

@@ -1,4 +1,4 @@
-"""Logs of every format, small and good, from which bad ones are made."""
+"""Small valid logs of every format, from which bad ones are made."""
 
 import gzip
 import io
@@ -142,11 +142,11 @@ FORMATS: dict[str, tuple[str, Callable[[], bytes], str]] = {
     "mcap": ("log.mcap", lambda: bag("mcap"), "rosbags"),
     "db3": ("log.db3", lambda: bag("db3"), "rosbags"),
 }
-"""A file's name, what makes its bytes, and the package whose reader runs in a process apart."""
+"""A file's name, the maker of its bytes, and the package whose reader runs apart."""
 
 
 def cases(random: Random) -> Iterator[Case]:
-    """Damaged logs without end; those that need a process of their own less often."""
+    """An endless series of damaged logs; those that need a separate process come less often."""
     seeds = {
         kind: (name, make(), bool(package))
         for kind, (name, make, package) in FORMATS.items()

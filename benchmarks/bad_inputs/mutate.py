@@ -1,4 +1,4 @@
-"""Bytes and documents that are nearly right."""
+"""Bytes and documents that are almost valid."""
 
 import copy
 from collections.abc import Iterator
@@ -65,7 +65,7 @@ def _has(holder: Any, key: Any) -> bool:
 
 
 def _places(document: Any) -> Iterator[tuple[Any, Any]]:
-    """Where something stands in a document: what holds it, and under which key."""
+    """A place in a document: its container and its key."""
     inside = (
         document.items() if isinstance(document, dict)
         else enumerate(document) if isinstance(document, list) else ()

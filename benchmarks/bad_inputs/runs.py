@@ -1,4 +1,4 @@
-"""Folders of runs that somebody changed."""
+"""Folders of runs with changed files."""
 
 import json
 from collections.abc import Iterator
@@ -27,10 +27,10 @@ _WAYS = (
 
 
 def cases(random: Random, folders: list[dict[str, bytes]]) -> Iterator[Case]:
-    """Runs without end, one of whose files was changed.
+    """An endless series of runs with one changed file.
 
     Args:
-        random: where the changes come from.
+        random: random numbers of the changes.
         folders: files by name of finished runs.
     """
     while True:

@@ -1,4 +1,4 @@
-"""``python -m benchmarks.coverage``: fit every record, count what the intervals hold."""
+"""``python -m benchmarks.coverage``: fit every record, count what the intervals contain."""
 
 import argparse
 import json
@@ -27,7 +27,7 @@ def main(arguments: list[str] | None = None) -> int:
     begun = time.perf_counter()
     chosen = [i for i, setting in enumerate(SETTINGS) if asked.only in setting.name]
     work = [(i, asked.seed, asked.records) for i in chosen]
-    # Spawned, for JAX does not survive a fork.
+    # Spawned, as JAX does not survive a fork.
     with ProcessPoolExecutor(asked.jobs, multiprocessing.get_context("spawn")) as pool:
         rows = [row for part in pool.map(counted, work) for row in part]
     profiles = off_profile(asked.seed, asked.profiles)

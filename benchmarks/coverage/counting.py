@@ -1,4 +1,4 @@
-"""How often the intervals of a setting's records hold the truth."""
+"""Coverage of the intervals of a setting's records."""
 
 import warnings
 from collections import Counter
@@ -25,15 +25,15 @@ class Covered:
 
     Attributes:
         setting, parameter: which.
-        truth: what is to be held.
-        interval, robust: shares of the records whose interval holds it; one that is missing
-            holds nothing.
+        truth: the value to contain.
+        interval, robust: shares of the records whose interval contains it; a missing interval
+            does not.
         oracle: the same by the oracle's likelihood ratios and by its robust limits; None where
             it has no filter.
         missing: records without one of them.
         one_sided: records whose interval is open to one side.
-        kinds: what the intervals say that they are.
-        holds: whether the shares are what is promised, where something is.
+        kinds: the declared kinds of the intervals.
+        holds: whether the shares are as promised, where there is a promise.
     """
 
     setting: str
@@ -103,7 +103,7 @@ def _covered(
 
 
 def share(intervals: Sequence[Interval], true: float) -> float:
-    """How many intervals hold a value, as a share of all.
+    """The share of intervals that contain a value.
 
     >>> share([(0.0, 2.0), (3.0, 4.0), None, (1.0, float("inf"))], 1.0)
     0.5
@@ -113,7 +113,7 @@ def share(intervals: Sequence[Interval], true: float) -> float:
 
 
 def off_profile(seed: int, count: int) -> float:
-    """How far limits of local levels are off their profile's at most, as shares."""
+    """Largest deviation of local levels' limits from their profile's, as a share."""
     if not count:
         return 0.0
     setting = SETTINGS[0]
@@ -125,7 +125,7 @@ def off_profile(seed: int, count: int) -> float:
 
 @dataclass(frozen=True)
 class Flow:
-    """The Nile's limits in words, and how far they are off the profile's, as a share."""
+    """The Nile's limits in words, and their deviation from the profile's, as a share."""
 
     words: str
     off: float

@@ -62,7 +62,7 @@ def fit(z: np.ndarray, start: np.ndarray, free: tuple[bool, bool] = (True, True)
 
 
 def covers(z: np.ndarray, fitted: Fitted, truth: np.ndarray) -> np.ndarray:
-    """Whether the likelihood-ratio intervals of (ln q, ln R) hold the truth, ``(B, 2)``."""
+    """Whether the likelihood-ratio intervals of (ln q, ln R) contain the truth, ``(B, 2)``."""
     held = []
     for i in range(2):
         start = fitted.at.copy()

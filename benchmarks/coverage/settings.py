@@ -1,4 +1,4 @@
-"""What is simulated and how it is posed: records of one setting share a compilation."""
+"""Settings: simulated models and their problems; records of one share a compilation."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -39,7 +39,7 @@ class Setting:
     """Many records of one kind.
 
     Attributes:
-        filter: what is tuned.
+        filter: the filter to tune.
         noise: of the measurements.
         length: samples of a record.
         q, R: the true values of the state's noise and of the measurements' variance.
@@ -57,7 +57,7 @@ class Setting:
         return f"{self.filter}, {self.noise}"
 
     def truth(self) -> dict[str, float]:
-        """What the intervals have to hold, by name."""
+        """The values that the intervals must contain, by name."""
         if self.filter == "pendulum":
             return {"q": self.q, "R": self.R}
         q, R = np.exp(pseudo_true(self.filter, self.q, self.R, self.noise))
@@ -82,21 +82,21 @@ def _space(q: float, R: float) -> Space:
 
 
 def level_problem(record: np.ndarray, space: Space) -> Problem:
-    """A local level, a sample a second."""
+    """A local level, one sample per second."""
     z = jnp.asarray(record)
     data = Data(LevelSample(z), z)
     return Problem("level", space, LocalLevel(1.0), None, InnovationLikelihood(), data)
 
 
 def track_problem(record: np.ndarray, space: Space) -> Problem:
-    """A velocity that white noise changes, a sample a second."""
+    """A velocity that white noise changes, one sample per second."""
     z = jnp.asarray(record)
     data = Data(PositionSample(z), z)
     return Problem("track", space, ConstantVelocity(1.0), None, InnovationLikelihood(), data)
 
 
 def swung(q: Array, x: Array, u: None) -> Array:
-    """Angle and rate of a pendulum one step on."""
+    """Angle and rate of a pendulum after one step."""
     return jnp.stack([x[0] + STEP * x[1], x[1] - STEP * GRAVITY * jnp.sin(x[0])])
 
 
@@ -106,7 +106,7 @@ def pushed(q: Array, x: Array, u: None) -> Array:
 
 
 def sideways(q: Array, x: Array, u: None) -> Array:
-    """What is measured."""
+    """The measurement."""
     return jnp.sin(x[:1])
 
 

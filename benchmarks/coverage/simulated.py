@@ -26,7 +26,7 @@ def noise(rng: np.random.Generator, shape: tuple[int, int], kind: Noise) -> np.n
 def local_levels(
     rng: np.random.Generator, count: int, length: int, q: float, R: float, kind: Noise = "white"
 ) -> np.ndarray:
-    """A random walk and noise, ``(count, length)``; a sample a second."""
+    """A random walk and noise, ``(count, length)``; one sample per second."""
     level = np.sqrt(q) * rng.standard_normal((count, length)).cumsum(axis=1)
     return np.asarray(level + np.sqrt(R) * noise(rng, (count, length), kind))
 
@@ -34,7 +34,7 @@ def local_levels(
 def tracks(
     rng: np.random.Generator, count: int, length: int, q: float, R: float, kind: Noise = "white"
 ) -> np.ndarray:
-    """Positions of a velocity that white noise changes, ``(count, length)``; a sample a second."""
+    """Positions of a velocity that white noise changes, ``(count, length)``, one per second."""
     factor = np.linalg.cholesky(q * np.array([[1 / 3, 1 / 2], [1 / 2, 1.0]]))
     pushes = rng.standard_normal((count, length, 2)) @ factor.T
     velocity = pushes[..., 1].cumsum(axis=1)
@@ -44,7 +44,7 @@ def tracks(
 
 
 STEP, GRAVITY = 0.05, 9.81
-"""A pendulum of 1 m, twenty samples a second."""
+"""A pendulum of 1 m, twenty samples per second."""
 START, SPREAD = np.array([0.6, 0.0]), 0.05
 
 
@@ -60,7 +60,7 @@ def pendulums(rng: np.random.Generator, count: int, length: int, q: float, R: fl
 
 
 def pseudo_true(filter: Literal["level", "track"], q: float, R: float, kind: Noise) -> np.ndarray:
-    """Where the likelihood of white noise comes to in an endless record: ``(ln q, ln R)``.
+    """The maximum of the white-noise likelihood in an infinite record: ``(ln q, ln R)``.
 
     Only spectra matter (Whittle 1953): of the first differences of a local level, q + R |D|^2, and
     of the second ones of a track, q (2 + cos w) / 3 + R |D|^4, with |D|^2 = 2 - 2 cos w. The

@@ -50,7 +50,7 @@ def main(arguments: list[str] | None = None) -> int:
 def _apart(parts: list[Part]) -> list[list[Verdict]]:
     if len(parts) == 1:
         return [solved(parts[0])]
-    # Spawned, for JAX does not survive a fork.
+    # Spawned, as JAX does not survive a fork.
     with ProcessPoolExecutor(len(parts), multiprocessing.get_context("spawn")) as pool:
         return list(pool.map(solved, parts))
 

@@ -28,7 +28,7 @@ def cases(seed: int, share: float = 1.0, family: str | None = None) -> Iterator[
 
 
 def solvers(case: Case, *, slow: int) -> Iterator[str]:
-    """Which solvers a case is given to: the slow ones in turn."""
+    """The solvers of a case: the slow ones in turn."""
     for name in SOLVERS:
         if is_threshold_refusal(case, name):
             continue
@@ -61,7 +61,7 @@ def verdicts(
 
 
 class Part(NamedTuple):
-    """What one of several processes does: of the kinds of cases every ``step``-th."""
+    """The part of one of several processes: every ``step``-th kind of cases."""
 
     seed: int
     share: float
@@ -72,7 +72,7 @@ class Part(NamedTuple):
 
 
 def solved(part: Part) -> list[Verdict]:
-    """The verdicts of a part; cases of one kind stay together, for they share compilations."""
+    """The verdicts of a part; cases of one kind stay together, as they share compilations."""
     kinds: dict[str, int] = {}
     chosen = [
         case

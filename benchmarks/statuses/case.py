@@ -21,13 +21,13 @@ EDGE = Space.of(x=Limited(-4.0, -4.0, 4.0), y=Limited(0.0, -4.0, 4.0))
 """Begun on a limit."""
 MANY = Space.of(**{f"p{i}": Limited(0.0, -4.0, 4.0) for i in range(1, 6)})
 WIDE = Space.of(x=Limited(0.0, -4e5, 4e5), y=Limited(0.0, -4e5, 4e5))
-"""Numbers of six digits that nobody gave a scale."""
+"""Numbers of six digits without a scale."""
 THRESHOLD = Space.of(a=Positive(1.0, 1e-2, 1e2, threshold=True), b=Positive(1.0, 1e-2, 1e2))
 
 
 @dataclass(frozen=True)
 class Stated:
-    """A function as an objective: the numbers are the truth, the parameters are what z is."""
+    """A function as an objective: the numbers are the truth, the parameters give z."""
 
     function: Function
 
@@ -49,17 +49,17 @@ def plain(values: dict[str, Array]) -> Array:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Case:
-    """A problem with what is known of it.
+    """A problem with its known solution.
 
     Attributes:
-        family, kind, number: what it is.
-        problem: what is solved.
+        family, kind, number: its name.
+        problem: the problem to solve.
         values: the objective in NumPy, from points ``(B, n)`` to ``(B,)``; of a likelihood the
             mean negative log-density of a number.
         best: the least value in the box.
         where: a point that has it, ``(n,)``.
-        count: how many numbers a likelihood counts; None for a cost.
-        starts: how many starts a solver makes.
+        count: count of a likelihood's numbers; None for a cost.
+        starts: number of a solver's starts.
         smooth: whether it has derivatives that lead to the optimum.
         several: whether it has wells of different depth, so that starts may truly differ.
         flat: whether a tenfold change along some direction changes nothing; None: that is open.
@@ -90,18 +90,18 @@ class Case:
 
     @property
     def scale(self) -> float:
-        """What a share of the value is a share of: values near 0 are measured by the start's."""
+        """The reference of relative differences: that of the start for values near 0."""
         start = float(self.values(self.problem.space.start()[None])[0])
         return max(abs(self.best), 1e-6 * abs(start) if np.isfinite(start) else 0.0)
 
     @property
     def tolerance(self) -> float:
-        """By how much a value may be worse than the best: 0.1 %; of likelihoods 0.05 nats."""
+        """The tolerated excess over the best: 0.1 %; for likelihoods 0.05 nats."""
         return 1e-3 * self.scale if self.count is None else 0.05 / self.count
 
     @property
     def felt(self) -> float:
-        """What is more than nothing: 1 %; of likelihoods half the 95 % quantile of chi-square."""
+        """The least change that counts: 1 %; for likelihoods half the 95 % quantile of chi-square."""
         return 1e-2 * self.scale if self.count is None else 1.92 / self.count
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from benchmarks.statuses.case import Case
 
 Make: TypeAlias = Callable[[np.random.Generator, int], Case]
-"""From random numbers and the case's number to the case."""
+"""Makes a case from random numbers and its number."""
 
 
 def power_of_ten(rng: np.random.Generator, low: float, high: float) -> float:

@@ -8,7 +8,7 @@ from benchmarks.statuses.drawn import Make, place, power_of_ten
 
 
 def flat(across: tuple[float, float] | None, *, told: bool) -> Make:
-    """A ridge, exact or with what is across it between two powers of ten."""
+    """A ridge, exact or with a curvature across it between two powers of ten."""
 
     def make(rng: np.random.Generator, number: int) -> Case:
         c, k = power_of_ten(rng, -3, 3), power_of_ten(rng, -0.5, 1.5)
@@ -158,7 +158,7 @@ def root(rng: np.random.Generator, number: int) -> Case:
 
 
 def plan() -> tuple[tuple[Make, int], ...]:
-    """How many cases of which kind."""
+    """Number of cases of each kind."""
     return (
         (flat(None, told=True), 10),
         (flat((-8, -5), told=True), 10),

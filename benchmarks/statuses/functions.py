@@ -8,14 +8,14 @@ import jax.numpy as jnp
 import numpy as np
 
 T = np.linspace(0.0, 10.0, 60)
-"""Times of the records that are fitted."""
+"""Times of the fitted records."""
 
 
 # --- flat: what does not matter -----------------------------------------------------------------
 
 
 def ridge(xp: ModuleType, z: Any, p: Any) -> Any:
-    """Only z0 + s z1 matters, and by e what is across: exactly flat where e is 0."""
+    """Only z0 + s z1 matters, and e times the other direction: exactly flat where e is 0."""
     c, k, s, m, e, n = p
     along, across = z[..., 0] + s * z[..., 1] - m, z[..., 1] - s * z[..., 0] - n
     return c * (1 + k * along**2 + e * across**2)

@@ -1,4 +1,4 @@
-"""Whether what a solver says of its end is true."""
+"""Verdicts on a solver's statements about its end."""
 
 import re
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from benchmarks.statuses.case import Case
 from tuner import Solution, Status
 
 AROUND = 0.5
-"""How far from an end a lower point is looked for, in z."""
+"""Distances from an end, in z, at which a lower point is sought."""
 END = 0.011
 """A coordinate this close to an end of its box lies on it."""
 
@@ -19,7 +19,7 @@ class Verdict:
     """One end of one solver.
 
     Attributes:
-        family, case, solver: what was solved by what.
+        family, case, solver: the problem and its solver.
         status: how it ended, in words; the error's first words where there was one.
         gap: value less the best, over the tolerance: above 1 the optimum was missed.
         agreed: whether more than half of several starts came to the same end.
@@ -27,8 +27,8 @@ class Verdict:
         near: trusted, and worse than a point close by, or than one beyond an end that holds it.
         alarm: the optimum, inside the box, and not trusted.
         differs: an alarm because starts differ, where there are wells of different depth.
-        lies: how many sentences say that a step changes nothing, and it does.
-        silent: a trusted optimum, and no sentence says what does not matter.
+        lies: number of sentences that wrongly say that a step changes nothing.
+        silent: a trusted optimum without a sentence about its flat direction.
         raised: whether the solver raised an error.
     """
 
@@ -48,7 +48,7 @@ class Verdict:
 
 
 def judge(case: Case, solver: str, solution: Solution) -> Verdict:
-    """Hold a solution against what is known."""
+    """Compare a solution with the known one."""
     z, trusted = solution.z, solution.status.trusted
     value = float(case.values(z[None])[0])
     gap = (value - case.best) / case.tolerance if case.tolerance else np.sign(value - case.best)
@@ -106,7 +106,7 @@ def _around(case: Case, z: np.ndarray) -> float:
 
 
 def steps(labels: list[str], sentence: str) -> np.ndarray:
-    """The step in z ``(n,)`` that a sentence speaks of.
+    """The step in z ``(n,)`` that a sentence names.
 
     >>> steps(["ln R", "ln Q", "x"], "R x 10 with x +0.5 changes nothing: ...").round(3).tolist()
     [2.303, 0.0, 0.5]
@@ -137,10 +137,10 @@ def _untrue(case: Case, z: np.ndarray, value: float, sentence: str) -> bool:
 
 
 def is_threshold_refusal(case: Case, solver: str) -> bool:
-    """Whether a solver is made to refuse a case: gradients where there is a threshold."""
+    """Whether a solver has to refuse a case: gradients where there is a threshold."""
     declared = bool(case.problem.space.thresholds().any())
     return declared and solver not in ("nelder-mead", "alternating")
 
 
 TRUSTED = tuple(status.value for status in Status if status.trusted)
-"""What may be exported, in words."""
+"""The trusted statuses, in words."""

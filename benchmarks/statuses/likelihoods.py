@@ -32,7 +32,7 @@ class Constant:
     """Foretells every number by the same mean and deviation."""
 
     def init(self, params: tuple[Array, Array]) -> tuple[()]:
-        """Nothing is remembered."""
+        """The empty state."""
         return ()
 
     def step(
@@ -71,7 +71,7 @@ def gaussian(rng: np.random.Generator, number: int) -> Case:
 
 
 def product(rng: np.random.Generator, number: int) -> Case:
-    """A deviation of which only a product is known."""
+    """A deviation that is the product of two factors."""
     x = 10 ** rng.uniform(-1, 1) * rng.standard_normal(COUNT)
     half = np.log(np.mean(x**2)) / 4
 
@@ -105,7 +105,7 @@ def level(ratio: tuple[float, float], kind: str, *, wander: bool = True) -> Make
         problem = Problem(
             f"{kind}_{number}", LEVEL, LocalLevel(1.0), None, InnovationLikelihood(), data
         )
-        # With q at the end of the box nothing says how small it is.
+        # With q at the end of the box its size is not determined.
         idle = bool((at < low + 5).any() or (at > high - 5).any())
         return Case(
             "likelihood",
@@ -138,7 +138,7 @@ def local_level(z: np.ndarray, q: np.ndarray, R: np.ndarray) -> np.ndarray:
 
 
 def plan() -> tuple[tuple[Make, int], ...]:
-    """How many cases of which kind."""
+    """Number of cases of each kind."""
     return (
         (gaussian, 5),
         (product, 3),

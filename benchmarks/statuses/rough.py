@@ -131,7 +131,7 @@ def cone(rng: np.random.Generator, number: int) -> Case:
 
 
 def plan() -> tuple[tuple[Make, int], ...]:
-    """How many cases of which kind."""
+    """Number of cases of each kind."""
     return (
         (corner, 8),
         (largest, 7),

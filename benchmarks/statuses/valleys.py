@@ -91,7 +91,7 @@ def wells(rng: np.random.Generator, number: int) -> Case:
 
 
 def plan() -> tuple[tuple[Make, int], ...]:
-    """How many cases of which kind."""
+    """Number of cases of each kind."""
     return (
         (monkey, 3),
         (inflection, 3),

@@ -39,10 +39,10 @@ class Reader:
     Attributes:
         module: with the functions ``contents(path) -> Contents`` and
             ``load(path, names) -> dict`` of arrays.
-        format: what it reads, for the sentences.
-        package: which package it needs.
+        format: the format that it reads, for messages.
+        package: the package that it needs.
         extra: the extra of this project that installs it.
-        mend: what to do with a damaged file.
+        mend: advice for a damaged file.
     """
 
     module: str
@@ -104,7 +104,7 @@ def _asked(
 
 
 def _answered(question: dict[str, Any], answer: IO[bytes], seconds: int) -> int | None:
-    """Let the child answer into a file: its exit code, None where it took too long."""
+    """The exit code of the child, which answers into a file; None where it took too long."""
     search = os.pathsep.join(os.path.abspath(entry) for entry in sys.path)
     try:
         done = subprocess.run(

@@ -1,4 +1,4 @@
-"""Phone loggers: a zip file, or a folder, with one text file a sensor, each on its own clock."""
+"""Phone loggers: a zip file or folder with one text file per sensor, each on its own clock."""
 
 import zipfile
 from collections.abc import Iterator, Sequence
@@ -34,8 +34,8 @@ def is_archive(path: Path) -> bool:
 def open_archive(path: Path) -> Table:
     """Open a zip file of text files: columns ``Gyroscope/x``, the file's name before each.
 
-    It is unpacked into a folder that goes with the table. What would unpack to more than 256 MiB
-    and to more than a hundredfold is refused before and while it is read, and so are names that
+    It is unpacked into a folder that lasts as long as the table. A file that unpacks to more than
+    256 MiB and a hundred times its size is refused before and while it is read; so are names that
     lead out of the folder, and archives in the archive.
 
     Raises:
@@ -124,8 +124,8 @@ class _Sensor:
     Attributes:
         table: its columns under their own names.
         name: of the file in the archive.
-        prefix: what stands before the names of its columns.
-        home: the folder that is removed with the last one who needs it.
+        prefix: the prefix of its columns' names.
+        home: the folder that is removed with its last user.
     """
 
     table: Table
@@ -147,7 +147,7 @@ class _Sensor:
         return self.table.labels(name.removeprefix(self.prefix))
 
     def place(self, row: int) -> str:
-        """Where a row is."""
+        """The place of a row."""
         return f"{self.table.place(row)} of {self.name}"
 
     def prefixed(self, archive: str, kind: str) -> Table:
@@ -171,7 +171,7 @@ class _Sensor:
 
 @contextmanager
 def _named(sensor: _Sensor) -> Iterator[None]:
-    """Say the file's name in the archive instead of that in the folder."""
+    """Replace the file's name in the folder by that in the archive."""
     try:
         yield
     except LogError as error:

@@ -23,7 +23,7 @@ _FEWEST = 3
 
 
 def open_betaflight(path: Path) -> Table:
-    """Open what blackbox_decode or the Blackbox Explorer wrote: columns ``gyroADC[0]``.
+    """Open a file of blackbox_decode or the Blackbox Explorer: columns ``gyroADC[0]``.
 
     Times are in microseconds, whether the column says so or not.
 
@@ -56,7 +56,7 @@ def _load(_: Home, table: Table, names: Sequence[str]) -> dict[str, Raw] | Loade
 
 
 def _above(path: Path) -> int:
-    """How many lines stand above the names of the columns."""
+    """Number of lines above the names of the columns."""
     with path.open("rb") as stream:
         for number in range(_MOST):
             line = stream.readline(1 << 16)

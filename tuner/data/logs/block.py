@@ -14,7 +14,7 @@ from tuner.data.logs.layout import Layout
 from tuner.data.logs.moments import is_moment
 
 INSIDE = "\x1f"
-"""What stands for a delimiter inside quotes."""
+"""The substitute for a delimiter inside quotes."""
 
 _QUOTE, _TAB, _BLANK, _NEWLINE = b'"\t \n'
 
@@ -41,7 +41,7 @@ class Rows:
     Attributes:
         grid: their cells.
         lines: their numbers in the file.
-        left_out: why other lines were left out, with a number each.
+        left_out: the reasons why other lines were left out, with a count each.
     """
 
     grid: Grid
@@ -53,7 +53,7 @@ def read_rows(layout: Layout, block: Block) -> Rows:
     """The rows of a block.
 
     Raises:
-        LogError: for a line of another width that is neither a head come again nor the last.
+        LogError: for a line of another width that is neither a repeated head nor the last.
     """
     text, cut = block.text, not block.text.endswith(b"\n")
     text = tidied(layout, text + b"\n" * cut)
@@ -82,7 +82,7 @@ def _cells(layout: Layout, text: bytes) -> Grid | None:
 
 
 def _trimmed(text: bytes, delimiter: str | None) -> bytes:
-    """Without blanks at both ends of each cell; one is left of those inside."""
+    """Lines without blanks at the ends of cells, and with single blanks inside them."""
     letters = np.frombuffer(text, np.uint8)
     blank = letters == _BLANK
     border = letters == _NEWLINE
@@ -101,7 +101,7 @@ def _trimmed(text: bytes, delimiter: str | None) -> bytes:
 
 
 def _unquoted(layout: Layout, text: bytes) -> bytes:
-    """Without quotes; what they protect is written as ``INSIDE``."""
+    """Lines without quotes; delimiters inside quotes become ``INSIDE``."""
     delimiter = ord(layout.delimiter or " ")
     letters = np.frombuffer(text, np.uint8)
     quote = letters == _QUOTE
@@ -119,7 +119,7 @@ def _line_unquoted(line: str, delimiter: str) -> str:
 
 
 def _may_be_no_rows(layout: Layout, grid: Grid) -> bool:
-    """Whether some lines begin like a comment, a head come again or nothing at all."""
+    """Whether some lines may be comments, repeated heads or blank."""
     first = grid.text[grid.spans.starts[:, 0]]
     marks = {*b"#%", *(head[0] for head in layout.heads if head)}
     if len(layout.names) == 1:
@@ -161,7 +161,7 @@ def _parted(layout: Layout, line: bytes) -> list[str]:
 
 
 def _complete(layout: Layout, cells: list[str]) -> bool:
-    """Whether the cells of a line that does not end are what they should be."""
+    """Whether the cells of an unfinished last line are complete."""
     pairs = zip(layout.names, cells, strict=False)
     return all(name in layout.texts or _is_value(layout, cell) for name, cell in pairs)
 
@@ -171,7 +171,7 @@ def _is_value(layout: Layout, cell: str) -> bool:
 
 
 def _why_no_row(layout: Layout, line: bytes, last: bool) -> str:
-    """Why a line below all rows may be left out; "" where it may not."""
+    """The reason to leave out a line below all rows; "" where there is none."""
     cells = _parted(layout, line)
     if not any(read_cell(cell, layout.point) for cell in cells if not is_missing(cell)):
         return "line without a number at the end"
@@ -179,7 +179,7 @@ def _why_no_row(layout: Layout, line: bytes, last: bool) -> str:
 
 
 def _ragged(layout: Layout, line: int, text: bytes) -> LogError:
-    """Which line is no row."""
+    """The message about a line that is not a row."""
     cells, width = _parted(layout, text), len(layout.names)
     return LogError(
         f"{layout.path.name}: line {line} has {counted(len(cells), 'cell')} instead of {width}; "

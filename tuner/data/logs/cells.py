@@ -7,7 +7,7 @@ from collections.abc import Iterable
 _WORDS = ("nan", "na", "n/a", "nat", "null", "nil", "none", "missing", "-", "--", "---", "?", ".")
 _CODES = ("#n/a", "#na", "#value!", "#div/0!", "#num!", "#ref!", "nan(ind)", "-nan", "-nan(ind)")
 MISSING = frozenset((*_WORDS, *_CODES))
-"""What loggers and spreadsheets write where there is no number, in small letters."""
+"""Words of loggers and spreadsheets for a missing number, in lower case."""
 
 _GROUPS = re.compile(
     r"[-+]?[1-9]\d{0,2}(?P<mark>[., '\xa0\u2009\u202f])\d{3}(?:(?P=mark)\d{3})*"
@@ -31,7 +31,7 @@ def is_number(cell: str) -> bool:
 
 
 def is_missing(cell: str) -> bool:
-    """Whether a cell says that there is no number.
+    """Whether a cell marks a missing number.
 
     >>> [is_missing(cell) for cell in ("", " NaN", "#N/A", "--", "0")]
     [True, True, True, True, False]
@@ -76,7 +76,7 @@ def _grouped(text: str, point: str) -> tuple[float, str] | None:
 
 
 def decimal_mark(cells: Iterable[str]) -> tuple[str, str]:
-    """The decimal mark of numbers, and what it is taken for where there are two readings.
+    """The decimal mark of numbers, and a note where there are two readings.
 
     >>> decimal_mark(["21,60", "44,2"]), decimal_mark(["1.234,5"]), decimal_mark(["1.5", "2,5"])
     ((',', ''), (',', ''), ('.', ''))

@@ -1,4 +1,4 @@
-"""What runs in the process apart: one question by JSON, one answer, then the arrays' bytes."""
+"""The separate process of a reader: a question in JSON, an answer, then the arrays' bytes."""
 
 import importlib
 import json
@@ -15,7 +15,7 @@ from tuner.data.logs.table import Raw
 
 
 def main() -> None:
-    """Answer the question on stdin; what a reader prints goes nowhere."""
+    """Answer the question on stdin; a reader's own output is discarded."""
     question = json.loads(sys.stdin.buffer.read())
     nowhere = os.open(os.devnull, os.O_WRONLY)
     with os.fdopen(os.dup(1), "wb") as out:
@@ -23,7 +23,7 @@ def main() -> None:
         _bound(question["seconds"], question["bytes"], question["held"])
         answer, arrays = _answer(question)
         _write(out, answer, arrays)
-    os._exit(0)  # a library's own end can fail on a damaged file, when all is said
+    os._exit(0)  # a library's cleanup can fail on a damaged file, after the answer
 
 
 def _bound(seconds: int, size: int, held: int) -> None:
@@ -56,7 +56,7 @@ def _answer(question: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Raw]]:
         return {"arrays": {n: [a.dtype.str, a.shape] for n, a in arrays.items()}}, arrays
     except LogError as error:
         return {"refused": str(error)}, {}
-    except BaseException as error:  # whatever another package raises is a damaged file here
+    except BaseException as error:  # any exception of another package means a damaged file here
         return {"broken": f"{type(error).__name__}: {error}" if str(error) else repr(error)}, {}
 
 

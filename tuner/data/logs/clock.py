@@ -19,25 +19,25 @@ _MANY = 10
 _STRAY = 0.1
 _SHARE = 0.2
 _DRIFT = 0.01
-_SPREAD = 0.6  # of a usual step: two samples in the time of one have a half
+_SPREAD = 0.6  # share of a usual step: two samples in the time of one have a half
 
 
 @dataclass(frozen=True, eq=False)
 class Clock:
-    """How a time column runs.
+    """The clock of a time column.
 
     Attributes:
         seconds: since the first sample, ``(N,)``, rising.
-        step: seconds between two samples as a rule; their mean where there is no rule, or where
-            that does not add up to the time that has passed.
-        rate_hz: samples per second, the same the other way round.
+        step: usual seconds between two samples; their mean where there is no usual step, or
+            where that does not add up to the elapsed time.
+        rate_hz: samples per second, the inverse.
         gaps: ``(row, seconds)`` of each step above 1.5 times the median; the row before it.
         jitter: largest relative deviation of the other steps from the usual one; 0 where the
             digits of the column explain it.
-        steady: whether there is a usual step: four fifths of all are within a tenth of it.
+        steady: whether there is a usual step: four fifths of all steps are within a tenth of it.
         origin: the first sample's time as the column has it, s; None without a column.
         source: ``column 't'``, ``--rate`` or ``scalar 'fs'``; ``""`` for times that no file has.
-        notes: what was taken for granted.
+        notes: what was assumed.
     """
 
     seconds: Floats
@@ -52,21 +52,21 @@ class Clock:
 
     @property
     def even(self) -> bool:
-        """Whether one step stands for all: none is further off than by a half."""
+        """Whether one step describes all: none is off by more than a half."""
         return self.steady and not self.gaps and self.jitter <= _GAP - 1.0
 
     @classmethod
     def rated(
         cls, samples: int, rate_hz: float, source: str = "", notes: tuple[str, ...] = ()
     ) -> "Clock":
-        """A clock that only its rate tells."""
+        """A clock that is known by its rate only."""
         seconds, step = np.arange(samples, dtype=np.float64), 1.0 / rate_hz
         seconds /= rate_hz  # in place: a long record is large
         return cls(seconds, step, float(rate_hz), source=source, notes=notes)
 
 
 def read_clock(columns: Columns, parts: Sequence[Mapping]) -> Clock:
-    """Judge the sum of time columns, one as a rule, with at least 2 samples.
+    """Judge the sum of time columns, usually one, with at least 2 samples.
 
     Raises:
         LogError: where it has missing values, runs backwards or stands still, or is hardly in
@@ -107,14 +107,14 @@ def judged(seconds: Floats, resolution: float = 0.0) -> Clock:
     if gap.sum() >= _MANY and _straight(seconds, resolution):
         gap[:] = False  # steps of one and two last digits: a coarse clock, not lost samples
     if gap.mean() > _SHARE:
-        gap[:] = False  # so many are no gaps but the clock's way
+        gap[:] = False  # so many are not gaps but normal for the clock
     regular = steps[~gap]
     rounded = np.ptp(regular) <= 1.001 * resolution
     stray = np.abs(regular - median) > _STRAY * median
     steady = bool(rounded or stray.mean() <= _SHARE)
     mean = float(regular.mean())
     told = steady and not rounded and abs(mean - median) <= _DRIFT * median
-    step = median if told else mean  # of steps that take turns the middle one fits no record
+    step = median if told else mean  # the median of alternating steps fits no record
     jitter = 0.0 if rounded else float(np.abs(regular - step).max()) / step
     rows = np.flatnonzero(gap)
     gaps = tuple(zip(rows.tolist(), steps[rows].tolist(), strict=True))
@@ -133,10 +133,10 @@ def _check_rising(columns: Columns, mapping: Mapping, seconds: Floats) -> None:
 
 
 def _spread(columns: Columns, mapping: Mapping, seconds: Floats) -> tuple[Floats, int]:
-    """Samples with the time of the one before, spread over the time that they stand for.
+    """Samples with the time of the previous one, spread over the time that they cover.
 
-    Loggers write what comes in one burst with the time at which it comes, and clocks that are too
-    coarse with the time of the last tick. What fits neither is a row twice, or two recordings.
+    Loggers give all samples of a burst the same time, and coarse clocks give the time of the last
+    tick. Anything else is a row twice, or two recordings.
     """
     new = np.diff(seconds, prepend=-np.inf) > 0
     if new.all():

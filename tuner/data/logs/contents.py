@@ -1,4 +1,4 @@
-"""What a log of another program holds: groups of columns, each on a clock of its own."""
+"""Contents of another program's log: groups of columns, each on a clock of its own."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -17,14 +17,14 @@ class Group:
     """Columns that are written together, such as a topic or a sensor.
 
     Attributes:
-        prefix: what stands before the names of its columns, ``imu.``; ``""`` where nothing does.
-        columns: their names without the prefix, and how many numbers a row has: 0 for one that is
-            no array.
-        rows: how many rows; None where only loading tells.
+        prefix: prefix of its columns' names, ``imu.``; ``""`` for none.
+        columns: their names without the prefix, and the count of numbers in a row: 0 for one that
+            is not an array.
+        rows: number of rows; None where it is known only after loading.
         time: the name of the time column; None where it is found by name.
         time_unit: its unit.
         units: of the other columns, where the file tells them.
-        notes: what was taken for granted of this group.
+        notes: what was assumed of this group.
     """
 
     prefix: str
@@ -38,12 +38,12 @@ class Group:
 
 @dataclass(frozen=True)
 class Contents:
-    """What a file holds, before anything of it is loaded.
+    """The contents of a file, before anything is loaded.
 
     Attributes:
-        format: what kind of file it is, in words.
+        format: the kind of file, in words.
         groups: its columns.
-        notes: what was found in the file and has to be said.
+        notes: remarks on the file.
     """
 
     format: str
@@ -51,12 +51,12 @@ class Contents:
     notes: Sequence[str] = ()
 
     def plain(self) -> dict[str, Any]:
-        """As JSON holds it."""
+        """The contents as JSON."""
         return asdict(self)
 
     @classmethod
     def of(cls, plain: Mapping[str, Any]) -> "Contents":
-        """Back from JSON."""
+        """The contents from JSON."""
         groups = tuple(Group(**group) for group in plain["groups"])
         return cls(plain["format"], groups, plain["notes"])
 
@@ -66,7 +66,7 @@ def table_of(path: Path, contents: Contents, load: Load) -> Table:
 
     Args:
         path: the file.
-        contents: what it holds.
+        contents: its contents.
         load: reads columns by their full names.
 
     Raises:

@@ -87,7 +87,7 @@ def _table(layout: Layout, prefix: str) -> Table:
 
 @contextmanager
 def _damage_told(path: Path) -> Iterator[None]:
-    """Turn what a damaged file raises into a sentence."""
+    """Turn the exceptions of a damaged file into a sentence."""
     try:
         yield
     except (OSError, EOFError, zlib.error, csv.Error) as error:
@@ -115,7 +115,7 @@ def _blocks(layout: Layout) -> Iterator[Block]:
 
 
 def _load(layout: Layout, places: Mapping[str, int]) -> Loaded:
-    """Some columns, and what is to be said of them."""
+    """Some columns, and notes on them."""
     dates = [place for place in places.values() if layout.names[place] in layout.moments]
     others = [place for place in places.values() if layout.names[place] not in layout.moments]
     written: dict[int, list[Raw]] = {place: [] for place in dates}

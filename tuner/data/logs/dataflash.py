@@ -35,7 +35,7 @@ Starts = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class _Walked:
-    """The kinds of messages by their number, where each message starts, and how much is none."""
+    """The kinds of messages by number, the start of each message, and the count of lost bytes."""
 
     kinds: dict[int, Message]
     starts: dict[int, Starts]
@@ -79,7 +79,7 @@ def _prefix(name: str) -> str:
 
 
 def _walked(data: NDArray[np.uint8]) -> _Walked:
-    """Go from message to message; what is none is passed over up to the next."""
+    """Go from message to message, and skip other bytes up to the next."""
     content = data.tobytes()
     fmt = Message("FMT", *DESCRIPTIONS["FMT"])
     kinds, sizes, starts = {_FMT: fmt}, {_FMT: _size(fmt)}, {_FMT: array("q")}
@@ -97,7 +97,7 @@ def _walked(data: NDArray[np.uint8]) -> _Walked:
         starts[number].append(at)
         if number == _FMT:
             new, length, message = _described(data[at : at + size], fmt)
-            if new not in kinds and length >= _HEAD:  # the first description of a kind stands
+            if new not in kinds and length >= _HEAD:  # the first description of a kind counts
                 kinds[new], sizes[new], starts[new] = message, length, array("q")
         at += size
     return _Walked(kinds, {n: np.array(found, np.int64) for n, found in starts.items()}, lost)
@@ -108,13 +108,13 @@ def _size(message: Message) -> int:
 
 
 def _described(record: NDArray[np.uint8], fmt: Message) -> tuple[int, int, Message]:
-    """What an FMT says: a kind's number, its size and its columns."""
+    """The contents of an FMT: a kind's number, its size and its columns."""
     assert fmt.dtype is not None
     number, length, *texts = record[_HEAD:].view(fmt.dtype)[0].tolist()
     name, codes, columns = map(plain_text, texts)
     message = Message(name, codes, tuple(columns.split(",")))
     if _size(message) != length:
-        message = Message(name, "", ())  # its bytes can be passed over, but not be read
+        message = Message(name, "", ())  # its bytes can be skipped, but not read
     return number, length, message
 
 
@@ -132,7 +132,7 @@ def _column(data: NDArray[np.uint8], message: Message, starts: Starts, name: str
 def _instances(
     data: NDArray[np.uint8], message: Message, starts: Starts
 ) -> list[tuple[str, Starts]]:
-    """The messages of a kind, for each sensor that they tell of."""
+    """The messages of a kind, for each of its sensors."""
     unread = not message.columns or message.dtype is None or message.name in DESCRIPTIONS
     if unread or not len(starts):
         return []
@@ -146,7 +146,7 @@ def _instances(
 
 
 def _rows(data: NDArray[np.uint8], walked: _Walked, name: str) -> list[tuple[Any, ...]]:
-    """All messages of a name that describe others, where they are as they should be."""
+    """All well-formed messages of a name that describe others."""
     wanted = Message(name, *DESCRIPTIONS[name])
     rows = []
     for number, message in walked.kinds.items():

@@ -1,4 +1,4 @@
-"""How ArduPilot's DataFlash logs describe their own messages: columns, scales and units.
+"""Message descriptions in ArduPilot's DataFlash logs: columns, scales and units.
 
 Format: ArduPilot, libraries/AP_Logger/LogStructure.h.
 """
@@ -33,7 +33,7 @@ _CODES: dict[str, tuple[str, float]] = {
 }  # fmt: skip
 _TIMES = {"TimeUS": "us", "TimeMS": "ms"}
 _PREFIXES = {1.0: "", 1e-1: "d", 1e-2: "c", 1e-3: "m", 1e-6: "u", 1e-9: "n"}
-# Names of units as ArduPilot writes them, where ours differ; what is in neither is not told.
+# Names of units as ArduPilot writes them, where ours differ; others are left out.
 _UNITS = {
     "m/s/s": "m/s^2", "deg/s/s": "deg/s^2", "rad/s/s": "rad/s^2", "degheading": "deg",
     "deglatitude": "deg", "deglongitude": "deg", "Gauss": "gauss",
@@ -46,10 +46,10 @@ class Message:
 
     Attributes:
         name: four letters at most, ``IMU``.
-        codes: one letter a column.
+        codes: one letter per column.
         columns: their names.
-        unit_ids: one letter a column, a key of the log's units; ``""`` where none are told.
-        mult_ids: one letter a column, a key of the log's multipliers.
+        unit_ids: one letter per column, a key of the log's units; ``""`` where none are given.
+        mult_ids: one letter per column, a key of the log's multipliers.
     """
 
     name: str
@@ -70,7 +70,7 @@ class Message:
 
     @property
     def instance(self) -> str | None:
-        """The column that tells several sensors of a kind apart."""
+        """The column that distinguishes several sensors of a kind."""
         place = self.unit_ids.find("#")
         return self.columns[place] if 0 <= place < len(self.columns) else None
 
@@ -84,7 +84,7 @@ class Message:
 
 @dataclass(frozen=True)
 class Scales:
-    """What the letters of ``unit_ids`` and ``mult_ids`` mean in one log."""
+    """Meaning of the letters of ``unit_ids`` and ``mult_ids`` in one log."""
 
     units: Mapping[str, str] = field(default_factory=dict)
     mults: Mapping[str, float] = field(default_factory=dict)
@@ -98,7 +98,7 @@ class Scales:
         )
 
     def units_of(self, message: Message) -> dict[str, str]:
-        """The unit of each column in which its numbers are, where the log tells it."""
+        """The unit of each column's numbers, where the log gives it."""
         letters = zip(
             message.columns, message.codes, message.unit_ids, message.mult_ids, strict=False
         )  # the letters may be fewer
@@ -112,7 +112,7 @@ class Scales:
 
 
 def group_of(prefix: str, message: Message, rows: int, scales: Scales) -> Group:
-    """The columns of a message that stand under one name, ``IMU[0].``"""
+    """The columns of a message under one name, ``IMU[0].``"""
     columns = {
         name: 32 if code == "a" else 0
         for name, code in zip(message.columns, message.codes, strict=True)
@@ -124,5 +124,5 @@ def group_of(prefix: str, message: Message, rows: int, scales: Scales) -> Group:
 
 
 def plain_text(text: "bytes | str") -> str:
-    """What stands before the first zero byte."""
+    """The text before the first zero byte."""
     return (text if isinstance(text, str) else text.decode("latin-1")).partition("\0")[0]

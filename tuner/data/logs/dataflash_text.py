@@ -1,4 +1,4 @@
-"""ArduPilot DataFlash as text, the ``.log`` of ground stations: a message a line."""
+"""ArduPilot DataFlash as text, the ``.log`` of ground stations: one message per line."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -68,7 +68,7 @@ def _lines(path: Path) -> Iterator[tuple[int, str, list[str]]]:
 
 
 def _fits(row: list[str], width: int) -> bool:
-    """Whether the last two cells say what a letter means."""
+    """Whether the last two cells give the meaning of a letter."""
     try:
         return len(row) == width and int(row[1]) >= 0
     except ValueError:
@@ -76,7 +76,7 @@ def _fits(row: list[str], width: int) -> bool:
 
 
 def _messages(described: dict[str, list[list[str]]]) -> dict[str, Message]:
-    """The kinds of messages by name; the first description of a kind stands."""
+    """The kinds of messages by name; the first description of a kind counts."""
     letters = {row[1]: row[2:] for row in described["FMTU"] if len(row) == 4}
     found: dict[str, Message] = {}
     for number, _, name, codes, *columns in (r for r in described["FMT"] if len(r) > 4):
@@ -87,7 +87,7 @@ def _messages(described: dict[str, list[list[str]]]) -> dict[str, Message]:
 
 
 def _cells(message: Message, cells: list[str]) -> list[str]:
-    """One cell a column: a text at the end may hold commas; none where the line is cut."""
+    """One cell per column: a text at the end may hold commas; none where the line is cut."""
     width = len(message.columns)
     if len(cells) > width and message.codes[-1] in _TEXTS:
         cells = [*cells[: width - 1], ", ".join(cells[width - 1 :])]
@@ -101,7 +101,7 @@ def _instance(message: Message, cells: list[str]) -> str:
 
 
 def _counted(path: Path, messages: dict[str, Message]) -> tuple[Counts, int]:
-    """How many lines there are of each sensor, and how many that are cut."""
+    """Number of lines of each sensor, and number of cut lines."""
     counts: Counts = {}
     cut = 0
     for _, name, cells in _lines(path):

@@ -1,8 +1,8 @@
 """Decimal numbers in a text as float64, many at once: the very doubles that ``float`` gives.
 
-Up to 19 digits are one 64-bit integer, eight characters a step. Up to 2**53 and 10**22 one
+Up to 19 digits are one 64-bit integer, eight characters per step. Up to 2**53 and 10**22 one
 rounding of an exact quotient is right (Clinger 1990); beyond, the product with a power of ten is
-worked out in twice the digits (Dekker 1971), and where that leaves the last bit open, or where a
+computed in twice the digits (Dekker 1971), and where that leaves the last bit open, or where a
 cell is written in another way, the number is left to others.
 """
 
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from tuner.data.logs.scaling import Bits, Floats, Index, scaled
 
 MARGIN = 24
-"""So many characters before, and eight after, a text may be looked at."""
+"""Characters before a text that may be read; so may eight after it."""
 
 _DIGITS, _SINGLY = 19, 3
 _POWERS = 10.0 ** np.arange(9)
@@ -35,14 +35,14 @@ _PAIRS = [  # digits to pairs, pairs to fours, fours to all eight
 
 @dataclass(frozen=True, eq=False)
 class Spans:
-    """Where numbers stand in a text: indices of characters, ``(N,)`` each.
+    """Places of numbers in a text: indices of characters, ``(N,)`` each.
 
     Attributes:
         starts: of the first character.
         points: of the decimal point; where there is none, of what follows the digits.
         stops: behind the last digit before an exponent.
         ends: behind the last character.
-        odd: what is no such number for sure, ``(N,)``.
+        odd: cells that may be no such number, ``(N,)``.
     """
 
     starts: Index
@@ -67,13 +67,13 @@ class Spans:
 
 @dataclass(frozen=True, eq=False)
 class Numbers:
-    """What was read.
+    """The numbers that were read.
 
     Attributes:
-        values: ``(N,)``; NaN where nothing stands.
+        values: ``(N,)``; NaN where there is none.
         whole: the digits as one integer, without a sign, ``(N,)``.
         negative: where a minus stands, ``(N,)``.
-        odd: the indices of what has to be read in another way.
+        odd: the indices of cells that have to be read in another way.
     """
 
     values: Floats
@@ -129,7 +129,7 @@ def read_decimals(text: NDArray[np.uint8], spans: Spans) -> Numbers:
 
 
 def _quotients(whole: Bits, behind: Index) -> Floats:
-    """Few digits over few: one rounding."""
+    """Numbers with few digits and a small divisor: one rounding."""
     values = whole.astype(np.float64)
     values /= _POWERS.take(behind)
     return values
@@ -206,7 +206,7 @@ def _value(found: Bits, wrong: Bits) -> Bits:
 
 
 def _raise(text: NDArray[np.uint8], spans: Spans, power: Index, odd: NDArray[np.bool_]) -> None:
-    """Add what stands behind each exponent to the powers."""
+    """Add the number of each exponent to the powers."""
     raised = np.flatnonzero(spans.stops < spans.ends)
     found, failed = _exponents(text, spans.stops[raised] + 1, spans.ends[raised])
     power[raised] += found

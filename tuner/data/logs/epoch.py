@@ -1,4 +1,4 @@
-"""The unit of a time column that names none: told by its size, or proposed by the rate."""
+"""The unit of a time column that names none: known by its size, or proposed by the rate."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ _USUAL_HZ = 100.0
 
 
 def since_1970(column: Raw) -> str | None:
-    """The unit in which a column counts the time since 1970; None where it hardly does.
+    """The unit in which a column counts the time since 1970; None where that is unlikely.
 
     No two units fit, for the years 2001 to 2096 are within a factor of 4.1.
 

@@ -17,7 +17,7 @@ class LogError(ValueError):
 
 
 def quoted(names: Iterable[str]) -> str:
-    """The names in quotes, on one line whatever they hold.
+    """The names in quotes, always on one line.
 
     Example:
         >>> quoted(["t", "omega"])
@@ -37,7 +37,7 @@ def counted(number: int, noun: str) -> str:
 
 
 def suggest(name: str, known: Sequence[str]) -> str:
-    """What else could have been meant: all names where they are few, else the near ones.
+    """The names that could have been meant: all where they are few, else the near ones.
 
     Example:
         >>> suggest("omga", ["omega", "theta"])

@@ -1,4 +1,4 @@
-"""Which format a log has, told by its bytes and never by its name."""
+"""The format of a log, found by its bytes and never by its name."""
 
 from collections.abc import Callable
 from functools import partial
@@ -80,7 +80,7 @@ _FORMATS: tuple[tuple[tuple[bytes, ...], Callable[[Path], Table]], ...] = (
 
 
 def _head(path: Path) -> bytes | None:
-    """The first bytes of the file; None of a folder."""
+    """The first bytes of the file; None for a folder."""
     try:
         if path.is_dir():
             return None

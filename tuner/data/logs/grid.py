@@ -1,4 +1,4 @@
-"""Where the cells of a text lie: found by its delimiters, all at once."""
+"""Places of the cells of a text, found by its delimiters all at once."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ class Grid:
         return len(self.spans.starts)
 
     def cells(self, column: int) -> list[bytes]:
-        """One column as it is written."""
+        """One column as text."""
         return self._written(self.spans.starts[:, column], self.spans.ends[:, column])
 
     def chosen(self, columns: Sequence[int], places: Index) -> list[bytes]:

@@ -32,17 +32,17 @@ class Head:
 
 
 def present(rows: list[list[str]], column: int) -> list[str]:
-    """What is written in a column."""
+    """The nonempty cells of a column."""
     return [row[column] for row in rows if column < len(row) and not is_missing(row[column])]
 
 
 def is_value(cell: str, point: str) -> bool:
-    """Whether a cell is a number, a time, or a word that says there is none."""
+    """Whether a cell is a number, a time, or a mark for a missing one."""
     return read_cell(cell, point) is not None or is_moment(cell)
 
 
 def holds_values(cells: list[str], point: str) -> bool:
-    """Whether a column holds numbers or times: more than half of what is written in it."""
+    """Whether more than half of a column's nonempty cells are numbers or times."""
     written = [cell for cell in cells if not is_missing(cell)]
     return 2 * sum(is_value(cell, point) for cell in written) > len(written)
 
@@ -59,7 +59,7 @@ def first_row(head: Head) -> int | None:
 
 
 def names_above(head: Head, first: int) -> tuple[list[str] | None, list[str], int]:
-    """The names above the first row, the units between them, and how many lines are neither."""
+    """The names above the first row, the units between them, and the number of other lines."""
     above = [_fitted(head, row) for row in head.rows[max(first - 2, 0) : first]]
     last = above[-1] if above else None
     if last is None or not is_header(last):
@@ -71,7 +71,7 @@ def names_above(head: Head, first: int) -> tuple[list[str] | None, list[str], in
 
 
 def _fitted(head: Head, row: list[str]) -> list[str] | None:
-    """A row as wide as those of numbers, but for a delimiter at its end or at theirs."""
+    """A row of the same width as those of numbers, except for a delimiter at the end."""
     if len(row) == head.width + 1 and not row[-1].strip():
         return row[:-1]
     if len(row) == head.width - 1 and head.width - 1 not in head.values:
@@ -101,7 +101,7 @@ def is_header(cells: list[str]) -> bool:
 
 
 def _are_units(cells: list[str]) -> bool:
-    """Whether most of what is written in a row are units."""
+    """Whether most nonempty cells of a row are units."""
     written = [cell for cell in cells if cell.strip()]
     return 2 * sum(_unit(cell) is not None for cell in written) > len(written)
 
@@ -133,7 +133,7 @@ def commented_names(above: list[str], delimiter: str | None, width: int) -> list
 
 
 def unique(cells: list[str]) -> tuple[str, ...]:
-    """Names without blanks around them; nameless and repeated ones tell their number."""
+    """Names without blanks around them; nameless and repeated ones get their number."""
     names = [cell.strip() or f"column{number}" for number, cell in enumerate(cells, 1)]
     counts = Counter(names)
     return tuple(

@@ -1,4 +1,4 @@
-"""A folder for what is unpacked, as long as someone needs it."""
+"""A folder for unpacked files that lasts as long as it is needed."""
 
 import shutil
 import weakref
@@ -6,11 +6,11 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
 
-_OPEN: "weakref.WeakSet[Home]" = weakref.WeakSet()  # for a process that ends without its end
+_OPEN: "weakref.WeakSet[Home]" = weakref.WeakSet()  # for a process that ends without finalizers
 
 
 class Home:
-    """A new folder that is removed when the last one who holds this object is gone.
+    """A new folder that is removed with the last reference to this object.
 
     Attributes:
         path: the folder.

@@ -1,4 +1,4 @@
-"""Rows of several kinds in one text log, told apart by a word: ``IMU,...`` and ``GPS,...``."""
+"""Rows of several kinds in one text log, marked by a word: ``IMU,...`` and ``GPS,...``."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -20,8 +20,8 @@ class Chosen:
     """The rows of one kind.
 
     Attributes:
-        column: where its word stands, from 0.
-        word: which it is.
+        column: the column of its word, from 0.
+        word: the word.
     """
 
     column: int
@@ -43,8 +43,8 @@ class Lines:
 def kinds_of(path: Path, encoding: Encoding, delimiter: str, first: Lines) -> dict[Chosen, Lines]:
     """The kinds of rows with the first lines of each; empty where all rows are of one.
 
-    Rows are of several kinds where one of their first cells is a word in all of them, and tells
-    how many cells there are.
+    Rows are of several kinds where one of their first cells is a word in all of them, which
+    determines the number of cells.
     """
     rows = list(split(first.texts[len(first.texts) // 2 :], delimiter))
     for column in range(_FIRST):
@@ -85,7 +85,7 @@ def _by_word(
 
 
 def _tells_width(widths: dict[str, Counter[int]]) -> bool:
-    """Whether there are several widths, and nearly always one with a word."""
+    """Whether there are several widths, and each word has nearly always the same one."""
     usual = {word: count.most_common(1)[0] for word, count in widths.items()}
     rows = sum(sum(count.values()) for count in widths.values())
     repeated = {width for word, (width, times) in usual.items() if times > 1}

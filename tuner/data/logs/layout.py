@@ -1,4 +1,4 @@
-"""How a text log is laid out: its lines, its delimiter and the names of its columns."""
+"""The layout of a text log: its lines, its delimiter and the names of its columns."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -33,22 +33,22 @@ _T = TypeVar("_T")
 
 @dataclass(frozen=True)
 class Layout:
-    """What is known of a text log before its numbers are read.
+    """The layout of a text log, known before its numbers are read.
 
     Attributes:
         path: the file.
-        encoding: how its letters are written.
+        encoding: its character encoding.
         delimiter: one character, or None where blanks separate the cells.
         names: the columns, each name once.
-        above: how many lines stand above the first row of numbers, blank ones and comments too.
-        heads: those of them that are neither; where one comes again, it is no row.
+        above: number of lines above the first row of numbers, including blank ones and comments.
+        heads: those of them that are neither; a repetition of one is not a row.
         point: the decimal mark of its numbers.
         moments: the columns that hold dates or times of day.
         texts: the columns that hold other text.
-        words: the words in them, among the first rows, and in which column they are.
-        units: what a row below the names says, by column.
-        notes: what was found.
-        chosen: which rows are meant; None for all.
+        words: the words in them, among the first rows, and their columns.
+        units: those in a row below the names, by column.
+        notes: remarks on the layout.
+        chosen: the rows to read; None for all.
     """
 
     path: Path
@@ -67,7 +67,7 @@ class Layout:
 
 
 def read_layouts(path: Path) -> dict[str, Layout]:
-    """Look at the first lines of a text log: one layout, or one for each kind of rows.
+    """The layout of a text log from its first lines, or one for each kind of rows.
 
     Raises:
         LogError: where the file is no text or holds no numbers.
@@ -100,7 +100,7 @@ def read_layouts(path: Path) -> dict[str, Layout]:
 
 
 def _titled(layout: Layout, titles: list[tuple[int, list[str]]], told: str) -> Layout:
-    """With the names of a line of another kind above it, where it has none of its own."""
+    """The layout with the names in a line of another kind above, where it has none of its own."""
     width = len(layout.names)
     fits = [cells for number, cells in titles if number < layout.above and len(cells) == width]
     nameless = layout.names == unique([""] * width)
@@ -161,7 +161,7 @@ def _read_layout(
 
 
 def _delimiter(lines: list[str]) -> str | None:
-    """What most lines at the end hold; a decimal comma yields to all others."""
+    """The delimiter of most lines at the end; any other goes before a possible decimal comma."""
     lines = list(_end(lines))
     for delimiter in _DELIMITERS:
         if 2 * sum(delimiter in line for line in lines) > len(lines):
@@ -180,12 +180,12 @@ def _blanks_fit_better(lines: list[str]) -> bool:
 
 
 def _end(rows: Sequence[_T]) -> Sequence[_T]:
-    """Some rows at the end, where numbers stand and not what is said of them."""
+    """Some rows at the end, where there are numbers and no headings."""
     return rows[len(rows) // 2 :][-_FEW:]
 
 
 def _columns(rows: Sequence[list[str]], width: int) -> tuple[str, tuple[int, ...], str]:
-    """The decimal mark of rows, the columns that hold numbers or times, and what is to be said."""
+    """The decimal mark of rows, the columns of numbers or times, and notes."""
     fitting = [row for row in rows if len(row) == width]
     point, note = decimal_mark(cell for row in fitting for cell in row)
     columns = ([row[k] for row in fitting] for k in range(width))
@@ -193,6 +193,6 @@ def _columns(rows: Sequence[list[str]], width: int) -> tuple[str, tuple[int, ...
 
 
 def _width(rows: Sequence[list[str]]) -> int:
-    """How many cells most rows have."""
+    """The most frequent number of cells in a row."""
     counts = Counter(map(len, rows))
     return max(counts, key=lambda width: (counts[width], width), default=0)

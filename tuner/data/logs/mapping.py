@@ -1,4 +1,4 @@
-"""What a user wrote for ``--map`` and ``--time``: which column feeds which channel."""
+"""The user's text for ``--map`` and ``--time``: which column feeds which channel."""
 
 import math
 import re
@@ -25,10 +25,10 @@ class Mapping:
         channel: name of the channel, such as ``omega``.
         column: name of the column in the file; in text files also its number, from 1.
         index: which column of a 2-D array, from 0; None for a 1-D one.
-        factor: what the column is multiplied by: a number, the name of a scalar in the same
-            file, or None.
+        factor: factor on the column: a number, the name of a scalar in the same file,
+            or None.
         unit: the unit after the multiplication; None where none was given.
-        minus: whether the sign is turned.
+        minus: whether the sign is changed.
     """
 
     channel: str
@@ -105,7 +105,7 @@ def parse_maps(
     Before them, ``FILE/`` says which file is meant.
 
     Args:
-        text: what the user wrote.
+        text: the user's text.
         channels: the channels that may be mapped; None for any.
         files: the names of the files that may be named.
 
@@ -157,7 +157,7 @@ def _columns(text: str, right: str, count: int) -> list[str]:
 
 
 def _factor(text: str, parts: dict[str, str]) -> float | str | None:
-    """A number where it is one, else the name of a scalar."""
+    """The number in a text, else the text as the name of a scalar."""
     if "factor" not in parts:
         return None
     try:

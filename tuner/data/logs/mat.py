@@ -25,7 +25,7 @@ _DAMAGE = (
 def open_mat5(path: Path) -> Table:
     """Open a MAT file of version 5; the fields of a struct are columns ``struct.field``.
 
-    Row and column vectors come as 1-D arrays, a struct array of single numbers as one column a
+    Row and column vectors come as 1-D arrays, a struct array of single numbers as one column per
     field. The variables of a table are ``table.variable``; those of a timetable have a clock of
     their own, its row times.
 
@@ -34,7 +34,7 @@ def open_mat5(path: Path) -> Table:
     """
     try:
         check_amount("the MAT file", path.stat().st_size, "save fewer variables in it")
-        variables = mat.read(np.memmap(path, np.uint8, "r").data)  # of which little may be used
+        variables = mat.read(np.memmap(path, np.uint8, "r").data)  # may be read only in part
         groups, columns, left = _sorted_out(variables)
     except _DAMAGE as error:
         reason = " ".join(str(error).split()) or type(error).__name__
@@ -63,7 +63,7 @@ _EXPORTS = {
 
 
 def told(name: str, kind: str) -> str:
-    """What is said of an object that is not read.
+    """The note on an object that is not read.
 
     >>> told("d", "duration")
     "'d' is a duration, not read; S = struct('Time', seconds(d)); save('log.mat', '-struct', 'S')"
@@ -77,7 +77,7 @@ def told(name: str, kind: str) -> str:
 def _sorted_out(
     variables: dict[str, mat.Value],
 ) -> tuple[list[Group], dict[str, Raw], list[str]]:
-    """The groups of a file, its columns, and what is said of what is left out."""
+    """The groups of a file, its columns, and notes on what is left out."""
     columns: dict[str, Raw] = {}
     units: dict[str, str] = {}
     left: list[str] = []
@@ -106,7 +106,7 @@ def _sorted_out(
 
 
 def _read(subsystem: mat.Value, value: mat.Opaque) -> Columns | None:
-    """The columns of an object; None where it has none, or other ones than are known."""
+    """The columns of an object; None where it has none, or an unknown form."""
     if not isinstance(subsystem, np.ndarray):
         return None
     try:
@@ -126,7 +126,7 @@ def _timetable(name: str, found: Columns, own: dict[str, Raw]) -> Group:
 def _flat(
     variables: dict[str, mat.Value], prefix: str, deep: int
 ) -> Iterator[tuple[str, "Raw | mat.Opaque"]]:
-    """The arrays by name, those in structs with their struct's name before them."""
+    """The arrays by name; those in structs have the struct's name as prefix."""
     for name, value in variables.items():
         full = prefix + name
         if not name:

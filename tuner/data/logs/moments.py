@@ -1,4 +1,4 @@
-"""Dates and times of day as they are written: by ISO 8601, and as clocks and offices write them."""
+"""Dates and times of day as text, in ISO 8601 and other usual forms."""
 
 import re
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 ORDERS = {"dmy": "day, month, year", "mdy": "month, day, year", "ymd": "year, month, day"}
 SHORT = {"h-min": "hours and minutes", "min-s": "minutes and seconds"}
-"""What ``12:30`` may be."""
+"""Possible meanings of ``12:30``."""
 
 Ticks = NDArray[np.int64]
 
@@ -46,15 +46,15 @@ _LENGTHS = {"H": _DAY // 24, "M": 60_000_000_000, "S": 1_000_000_000}
 
 @dataclass(frozen=True, eq=False)
 class Moments:
-    """When samples were taken.
+    """The times of samples.
 
     Attributes:
         ticks: ns since 1970, or since midnight where no date is written, ``(N,)``.
-        missing: where nothing is written that is a time, ``(N,)``.
+        missing: where there is no time, ``(N,)``.
         dated, timed: whether a date and a time of day are written.
         step: ns of the last digit that is written.
-        readings: what the column may mean, ``(N,)`` each, by the word that chooses it; the first
-            is ``ticks``. Empty where there is but one meaning.
+        readings: possible meanings of the column, ``(N,)`` each, by the word that chooses each;
+            the first is ``ticks``. Empty where there is but one meaning.
     """
 
     ticks: Ticks
@@ -103,7 +103,7 @@ def read_moments(cells: NDArray[np.bytes_], chosen: str | None = None) -> Moment
 
 
 def _fields(cells: NDArray[np.bytes_]) -> tuple[dict[str, Ticks], NDArray[np.bool_]]:
-    """The numbers in all cells by their names in the forms, and where there are none."""
+    """The numbers in all cells by their names in the forms, and where cells have none."""
     text = cells.view(np.uint8).reshape(len(cells), -1).copy()
     text[(text >= ord("A")) & (text <= ord("Z"))] |= 0x20
     shape = np.where((text >= ord("0")) & (text <= ord("9")), ord("0"), text)
@@ -198,7 +198,7 @@ def _short(of_day: Ticks, chosen: str | None) -> dict[str, Ticks]:
 
 
 def _step(fields: dict[str, Ticks]) -> int:
-    """What the last digit counts, ns."""
+    """The step of the last digit, ns."""
     if decimals := int(fields["decimals"].max()):
         return int(10 ** (9 - decimals))
     if fields["seconds"].any():

@@ -1,4 +1,4 @@
-"""NPZ logs: numpy's archives of plain arrays, never pickles, each read by what its header says."""
+"""NPZ logs: numpy's archives of plain arrays, never pickles, each read by its header."""
 
 import math
 import zipfile
@@ -59,7 +59,7 @@ def _load(path: Path, name: str, member: zipfile.ZipInfo) -> Raw:
             return _numbers(stream, shape, in_columns, dtype, member.file_size)
     except LogError:
         raise
-    except Exception as error:  # numpy reads headers as Python, which fails in every way there is
+    except Exception as error:  # numpy reads headers as Python, which can raise anything
         raise _damaged(path, error) from error
 
 
@@ -85,7 +85,7 @@ def _header(path: Path, name: str, stream: IO[bytes]) -> tuple[tuple[int, ...], 
 def _numbers(
     stream: IO[bytes], shape: tuple[int, ...], in_columns: bool, dtype: Any, most: int
 ) -> Raw:
-    """The array itself, in place: nothing is there twice."""
+    """The array itself, read in place without a copy."""
     size = math.prod(shape) * dtype.itemsize
     if size > most:
         raise ValueError("an array ends too early")

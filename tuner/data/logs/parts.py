@@ -21,15 +21,15 @@ _FEW = 1 << 16
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """What a block holds of some columns.
+    """A block's numbers in some columns.
 
     Attributes:
         values: their numbers, a column after another.
         whole: those that float64 would round as integers, by the column's place among them.
-        odd: cells that are read one by one: row, place of the column, and what is written.
-        dates: of other columns, as they are written.
+        odd: cells that are read one by one: row, place of the column, and text.
+        dates: text of other columns.
         lines: the numbers of the rows in the file.
-        left_out: why other lines were left out, with a number each.
+        left_out: the reasons why other lines were left out, with a count each.
         size: bytes.
     """
 
@@ -56,7 +56,7 @@ def _plain(layout: Layout, block: Block, columns: list[int]) -> Part | None:
     if len(text) < _FEW or text[-1:] != b"\n" or not may_be_regular(text, delimiter):
         return None
     if any(may_be_regular(head, delimiter) for head in layout.heads):
-        return None  # where it comes again it is no row
+        return None  # a repetition of it is not a row
     values = read_regular(text, delimiter, width)
     if values is None:
         return None
@@ -65,7 +65,7 @@ def _plain(layout: Layout, block: Block, columns: list[int]) -> Part | None:
 
 
 def _from_cells(layout: Layout, block: Block, dates: list[int], columns: list[int]) -> Part:
-    """Any block, cell by cell where it has to be."""
+    """Any block, cell by cell where necessary."""
     rows = read_rows(layout, block)
     numbers = rows.grid.numbers(columns)
     values = numbers.values.reshape(-1, max(len(columns), 1))

@@ -1,4 +1,4 @@
-"""Whether a text holds decimal numbers alone: a bit for each character, 64 of them a step.
+"""A test whether a text holds only decimal numbers: a bit per character, 64 of them per step.
 
 Which characters are points or delimiters is a bit each; a sum carries from one bit to the next
 that matters (Langdale and Lemire 2019).
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tuner.data.logs.scaling import Bits
 
-_PIECE = 1 << 17  # what a processor keeps close
+_PIECE = 1 << 17  # fits the processor's cache
 _NINE, _POINT, _MINUS, _PLUS, _NEWLINE = np.frombuffer(b"9.-+\n", np.uint8)
 _E, _SMALL = np.uint8(ord("e")), np.uint8(0x20)
 _ONE, _LAST = np.uint64(1), np.uint64(63)
@@ -18,10 +18,10 @@ Letters = NDArray[np.uint8]
 
 
 def count_rows(text: bytes, delimiter: bytes, width: int) -> int:
-    """How many rows of ``width`` numbers a text holds; 0 where it holds anything else.
+    """Number of rows of ``width`` numbers in a text; 0 where it holds anything else.
 
-    Numbers are what ``float`` reads, of digits, points, signs and exponents. A cell that begins
-    like none is not told from them: an empty one, a point or a sign alone, a sign before another.
+    Numbers are those that ``float`` reads, of digits, points, signs and exponents. Some wrong cells
+    pass as numbers: an empty one, a point or a sign alone, a sign before another.
 
     >>> count_rows(b"1,-2.5\\n3,1e3\\n", b",", 2), count_rows(b"1,2.5.6\\n", b",", 2)
     (2, 0)

@@ -1,6 +1,6 @@
 """Blocks of a text log that hold plain numbers alone, read by SciPy's Matrix Market reader.
 
-Such files hold one number a line. The reader is compiled and gives the doubles that ``float``
+Such files hold one number per line. The reader is compiled and gives the doubles that ``float``
 gives, but it passes over what follows a number on its line and takes lines as cells: a block goes
 there only where all of its cells are known to be numbers to their last character.
 """
@@ -19,7 +19,7 @@ _MINUS, _NEWLINE = b"-\n"
 
 
 def read_regular(text: bytes, delimiter: bytes, width: int) -> Floats | None:
-    """The numbers of whole lines, ``(width, rows)``; None where others have to read them.
+    """The numbers of whole lines, ``(width, rows)``; None where this reader cannot read them.
 
     These are lines with other cells than numbers with decimal points, with another number of
     cells, and with whole numbers of which float64 rounds some.
@@ -45,14 +45,14 @@ def read_regular(text: bytes, delimiter: bytes, width: int) -> Floats | None:
 
 
 def may_be_regular(text: bytes, delimiter: bytes) -> bool:
-    """Whether lines are worth a look, by the characters they begin with."""
+    """Whether lines may be plain numbers, by their first characters."""
     beginning = text[:_BEGINNING]
     odd = beginning.translate(None, _USUAL + delimiter)
     return not odd and 2 * delimiter not in beginning
 
 
 class _Stream:
-    """Bytes in parts. The size is asked for in vain: 1 kB at a time would take a tenth longer."""
+    """Bytes in parts. The requested size is ignored: 1 kB at a time would take a tenth longer."""
 
     def __init__(self, parts: Sequence[bytes]) -> None:
         self._parts = iter(parts)
@@ -63,7 +63,7 @@ class _Stream:
 
 
 def _matrix(parts: Sequence[bytes]) -> Floats:
-    """What ``scipy.io.mmread`` gives, by one thread, which takes three quarters of the work.
+    """The array of ``scipy.io.mmread`` by one thread, which takes three quarters of the work.
 
     Raises:
         ValueError: for a line that does not begin with a number, and too few of them.

@@ -20,7 +20,7 @@ _MCAP = b"\x89MCAP0\r\n"
 
 
 def contents(path: Path) -> Contents:
-    """The topics of a bag; what holds no numbers is left out.
+    """The topics of a bag; those without numbers are left out.
 
     Raises:
         LogError: where no topic holds numbers, or the bag is of another system than ROS.
@@ -50,7 +50,7 @@ def load(path: Path, names: Sequence[str]) -> dict[str, Raw]:
 
 
 class _Bag:
-    """An open bag: its kind, its reader, and what makes a message of bytes and a type's name."""
+    """An open bag: its kind, its reader, and the decoder of a message by its type's name."""
 
     def __init__(self, kind: str, reader: Any) -> None:
         self.kind = kind
@@ -84,7 +84,7 @@ def _reader(path: Path) -> tuple[str, Any]:
         head = stream.read(64)
     if not head.startswith((_MCAP, b"SQLite")):
         return ROS1, Reader1(path)
-    reader = Reader2.__new__(Reader2)  # it tells them apart by their names, and we by their bytes
+    reader = Reader2.__new__(Reader2)  # it distinguishes them by their names, and we by their bytes
     mcap = head.startswith(_MCAP)
     reader.path, reader.is_open = path, False
     reader.storage = McapReader(path) if mcap else Sqlite3Reader(path)

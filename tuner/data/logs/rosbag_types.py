@@ -35,7 +35,7 @@ _UNITS = {
 
 
 def types_of(connections: Iterable[Any]) -> Any:
-    """The store of a bag's message types; the usual ones of ROS 2 where the bag tells none.
+    """The store of a bag's message types; the usual ones of ROS 2 where the bag has none.
 
     Raises:
         LogError: where a name in a definition is none.
@@ -75,7 +75,7 @@ def _defined(connection: Any) -> dict[str, Any]:
 
 
 def check_names(names: Iterable[str]) -> None:
-    """Refuse what is no name.
+    """Refuse anything but a name.
 
     Raises:
         LogError: with the first that is none.
@@ -129,7 +129,7 @@ def _columns(store: Any, kind: str, prefix: str, deep: int) -> Iterator[tuple[st
 
 @cache
 def getter(field: str) -> Callable[[Any], Any]:
-    """What takes a field, ``angular_velocity.x``, of a message; times come in nanoseconds."""
+    """A getter of a message's field, ``angular_velocity.x``; times come in nanoseconds."""
     from rosbags.typesys.base import normalize_fieldname
 
     get = attrgetter(".".join(map(normalize_fieldname, field.split("."))))

@@ -1,7 +1,7 @@
 """Whole numbers times powers of ten as the nearest doubles, many at once.
 
 Up to 2**53 and 10**22 one rounding of an exact quotient is right (Clinger 1990); beyond, the
-product with a power of ten is worked out in twice the digits (Dekker 1971).
+product with a power of ten is computed in twice the digits (Dekker 1971).
 """
 
 from fractions import Fraction
@@ -24,7 +24,7 @@ _POWERS = np.array([10.0**k for k in range(_FIVES + 1)])
 
 
 def scaled(whole: Bits, power: Index, odd: NDArray[np.bool_]) -> Floats:
-    """Integers times powers of ten; what cannot be told to the last bit becomes odd."""
+    """Integers times powers of ten; those not certain to the last bit are marked odd."""
     power[odd] = 0
     hard = (whole > _EXACT) | (np.abs(power) > _FIVES)
     share = hard.sum() / max(len(hard), 1)
@@ -70,7 +70,7 @@ def _product(whole: Bits, power: Index) -> tuple[Floats, NDArray[np.bool_]]:
 
 
 def _error_of_product(a: Floats, b: Floats, product: Floats) -> Floats:
-    """What rounding took from a product (Dekker 1971)."""
+    """The rounding error of a product (Dekker 1971)."""
     a_high, b_high = a * _SPLIT, b * _SPLIT
     a_high -= a_high - a
     b_high -= b_high - b
@@ -83,7 +83,7 @@ def _error_of_product(a: Floats, b: Floats, product: Floats) -> Floats:
 
 @cache
 def _tens() -> tuple[Floats, Floats]:
-    """Powers of ten as sums of two doubles, of which the second is what the first leaves."""
+    """Powers of ten as sums of two doubles, the second the remainder of the first."""
     exact = [Fraction(10) ** k for k in range(-_LARGEST, _LARGEST + 1)]
     high = [float(value) for value in exact]
     low = [float(value - Fraction(part)) for value, part in zip(exact, high, strict=True)]

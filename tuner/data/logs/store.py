@@ -13,8 +13,8 @@ class Store:
     """Columns that grow; whole numbers that float64 would round are kept as such.
 
     Args:
-        size: how many bytes the file has, to know how many rows there may be.
-        width: how many columns.
+        size: bytes of the file, for an estimate of its rows.
+        width: number of columns.
     """
 
     def __init__(self, size: int, width: int) -> None:
@@ -24,12 +24,12 @@ class Store:
         self._whole: list[list[tuple[int, Raw]]] = [[] for _ in range(width)]
 
     def add(self, values: Sequence[Floats], whole: Mapping[int, Raw], text: int) -> None:
-        """Some rows more.
+        """Add rows.
 
         Args:
             values: the numbers of each column.
             whole: the same as integers, of columns where that makes a difference.
-            text: how many bytes they were.
+            text: their size as text, in bytes.
         """
         if not values or not len(values[0]):
             return

@@ -27,11 +27,11 @@ _MARKS = {
 
 @dataclass(frozen=True)
 class Encoding:
-    """How letters are written.
+    """The character encoding of a text.
 
     Attributes:
-        name: as Python calls it.
-        mark: the bytes before the first letter that say so.
+        name: its name in Python.
+        mark: its byte order mark before the first letter.
         old_lines: whether lines end with a carriage return alone.
     """
 
@@ -41,19 +41,19 @@ class Encoding:
 
     @property
     def told(self) -> str:
-        """What was found, where it is not the usual; "" where it is."""
+        """A note on an unusual encoding; "" for the usual one."""
         return "" if self.name == "utf-8" else f"letters read as {self.name}"
 
     @property
     def letters(self) -> str:
-        """How the lines of :func:`blocks` are written."""
+        """The encoding of the lines of :func:`blocks`."""
         return "cp1252" if self.name == "cp1252" else "utf-8"
 
 
 def read_head(path: Path) -> tuple[bytes, Encoding]:
-    """The first whole lines of a text log, as UTF-8 or cp1252, and how it is written.
+    """The first whole lines of a text log, as UTF-8 or cp1252, and its encoding.
 
-    What is no UTF-8 at its beginning is taken as cp1252, the usual one where it is not.
+    A text whose beginning is not UTF-8 is taken as cp1252, the usual alternative.
 
     Raises:
         LogError: where the file is no text.
@@ -61,7 +61,7 @@ def read_head(path: Path) -> tuple[bytes, Encoding]:
     encoding = _encoding(next(_chunks(path, _PROBE), b""))
     if _is_packed(path):
         for _ in _chunks(path, _BLOCK):
-            pass  # to its end, so that what is too much is refused before anything is kept
+            pass  # to its end, so that too large a text is refused before anything is stored
     head = b""
     for block in lines(path, encoding, _HEAD):
         head += block
@@ -92,7 +92,7 @@ def lines(path: Path, encoding: Encoding, size: int = _BLOCK) -> Iterator[bytes]
     """Blocks of whole lines, each ended by a line feed; the last one may lack it.
 
     Raises:
-        LogError: for a line of megabytes, and a compressed file that hardly ends.
+        LogError: for a line of megabytes, and a compressed file that unpacks to too much.
     """
     decoder = None
     if encoding.name.startswith("utf-16"):
@@ -124,7 +124,7 @@ def _is_packed(path: Path) -> bool:
 
 
 def _chunks(path: Path, size: int) -> Iterator[bytes]:
-    """The bytes of the text, unpacked where they are compressed, up to what a log unpacks to."""
+    """The bytes of the text, unpacked where compressed, up to the limit for a log."""
     held = path.stat().st_size
     packed = _is_packed(path)
     most = unpacked(held)
@@ -141,7 +141,7 @@ def _chunks(path: Path, size: int) -> Iterator[bytes]:
 
 
 def _encoding(head: bytes) -> Encoding:
-    """What the first bytes are written in: a mark says so, or where their zeros are."""
+    """The encoding of the first bytes, by their mark or the places of their zeros."""
     for mark, name in _MARKS.items():
         if head.startswith(mark):
             return _with_lines(head, Encoding(name, len(mark)))

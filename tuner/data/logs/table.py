@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 
 
 def array_row(row: int) -> str:
-    """Where a row of an array is: numpy counts from 0, other tools from 1, so it is said."""
+    """The place of a row of an array; the text says that it counts from 0."""
     return f"row {row} (counted from 0)"
 
 
@@ -26,7 +26,7 @@ class Loaded:
 
     Attributes:
         raw: the arrays by name.
-        notes: what was found and done, a sentence each.
+        notes: remarks on the reading, a sentence each.
     """
 
     raw: dict[str, Raw]
@@ -34,7 +34,7 @@ class Loaded:
 
     @classmethod
     def of(cls, found: "dict[str, Raw] | Loaded") -> "Loaded":
-        """What a table gave, in this form."""
+        """The result of a table's loading, in this form."""
         return found if isinstance(found, Loaded) else cls(found)
 
 
@@ -43,24 +43,24 @@ class Table:
     """The columns of one file before anything is mapped.
 
     Attributes:
-        file: name of the file without its folder, for the sentences.
+        file: name of the file without its folder, for messages.
         names: the columns (and scalars) in the order of the file, each once.
-        load: reads the named ones; scalars come as arrays of size 1. What is to be said of them
-            comes with them as a :class:`Loaded`.
-        place: where a row, counted from 0, stands in the file: ``line 7``.
+        load: reads the named ones; scalars come as arrays of size 1. Notes on them come with
+            them in a :class:`Loaded`.
+        place: the place in the file of a row counted from 0: ``line 7``.
         numbered: columns may also be named by their number, from 1.
         texts: the columns that are known to hold text.
-        labels: reads one column as text, ``(N,)`` of str, where the format knows a way.
+        labels: reads one column as text, ``(N,)`` of str, where the format can.
         moments: the columns that hold dates or times of day; they are loaded as bytes.
-        kinds: the words that tell rows apart, each with the table of its rows.
-        format: what kind of file it is, in words.
+        kinds: the words that mark kinds of rows, each with the table of its rows.
+        format: the kind of file, in words.
         groups: where the columns have several clocks, one table for each of them.
-        prefix: what the names of all columns begin with; it may be left out where a group is meant.
+        prefix: the common prefix of all columns' names; it may be left out where a group is meant.
         time: the time column that the format itself prescribes, with its unit.
-        units: the units that the file tells, by column.
-        widths: how many numbers a row of a column has, where it is known and not one.
-        rows: how many rows there are, where it is known.
-        notes: what was found in the file, and taken for granted.
+        units: the units that the file gives, by column.
+        widths: count of numbers in a row of a column, where it is known and not one.
+        rows: number of rows, where it is known.
+        notes: remarks on the file, and assumptions.
     """
 
     file: str
@@ -84,7 +84,7 @@ class Table:
     def find(self, mapping: Mapping) -> Mapping | None:
         """The mapping with its column as the file names it; None where there is none.
 
-        The name to the letter goes before its parts: ``gyro[2]`` may be a column of that name.
+        An exact name goes before its parts: ``gyro[2]`` may be a column of that name.
         """
         column, unit, minus = mapping.column, mapping.unit, "-" * mapping.minus
         index = "" if mapping.index is None else f"[{mapping.index}]"
@@ -102,7 +102,7 @@ class Table:
         return self._find_shorter(mapping)
 
     def _find_shorter(self, mapping: Mapping) -> Mapping | None:
-        """Where a group is meant: its columns by their numbers, or without its prefix."""
+        """The table of a group: its columns by their numbers, or without its prefix."""
         column = mapping.column
         if self.prefix and not column.startswith(self.prefix):
             return self.find(replace(mapping, column=self.prefix + column))
@@ -110,7 +110,7 @@ class Table:
         return next((group.find(mapping) for group in numbered), None)
 
     def with_kinds(self, columns: Sequence[str]) -> "Table":
-        """With the rows of each word in ``WORD/NAME``, one of these columns, as a group."""
+        """The table with a group for each word in ``WORD/NAME``, one of these columns."""
         words = dict.fromkeys(column.partition("/")[0] for column in columns if "/" in column)
         tables = [self.kinds[word]() for word in words if word in self.kinds]
         return together(self.file, [self, *tables], self.format, self.notes) if tables else self
@@ -129,7 +129,7 @@ class Table:
         return found
 
     def find_parts(self, mapped: Mapped) -> tuple[Mapping, ...] | None:
-        """All columns of a channel as the file names them; None where one is not there."""
+        """All columns of a channel as the file names them; None where one is missing."""
         name, _, unit = mapped.text.rpartition(":")
         if len(mapped.parts) > 1 and mapped.text in self.names:
             return (Mapping(mapped.channel, mapped.text),)

@@ -18,7 +18,7 @@ from tuner.data.logs.written import past_midnight, read_written
 
 _DIGITS = 9
 _NS = Fraction(1, 10**9)
-_JUMP = 20.0  # of a usual step: what may be lost where a counter begins anew
+_JUMP = 20.0  # in usual steps: the samples that may be lost where a counter restarts
 _COUNTERS = {
     2.0**16: "2^16",
     2.0**24: "2^24",
@@ -34,14 +34,14 @@ _COUNTERS = {
 
 @dataclass(frozen=True, eq=False)
 class Times:
-    """When samples were taken, before it is judged.
+    """The times of samples, before they are judged.
 
     Attributes:
         seconds: since the first, ``(N,)``.
         first: the first as the columns have it, s.
         resolution: the step of the digits they were written with, s.
-        known: whether anything tells the unit.
-        notes: what was taken for granted.
+        known: whether the unit is known.
+        notes: what was assumed.
     """
 
     seconds: Floats
@@ -52,7 +52,7 @@ class Times:
 
 
 def read_times(columns: Columns, parts: Sequence[Mapping]) -> Times:
-    """The sum of time columns, one as a rule.
+    """The sum of time columns, usually one.
 
     Raises:
         LogError: where one has missing values, no unit of time, or more than one meaning.
@@ -71,7 +71,7 @@ def read_times(columns: Columns, parts: Sequence[Mapping]) -> Times:
 
 
 def same_as_before(columns: Columns, parts: Sequence[Mapping]) -> NDArray[np.bool_]:
-    """Which rows have the time of the row before, ``(N,)``."""
+    """Which rows have the time of the previous row, ``(N,)``."""
     raw = [columns.raw[part.column] for part in parts]
     found = [
         pick(columns, p) if r.dtype.kind != "S" else r for p, r in zip(parts, raw, strict=True)
@@ -82,7 +82,7 @@ def same_as_before(columns: Columns, parts: Sequence[Mapping]) -> NDArray[np.boo
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """One of several time columns: ns, the step of the last digit, and if it is a time of day."""
+    """One of several time columns: ns, step of the last digit, and whether it is a time of day."""
 
     ticks: Ticks
     step: float
@@ -101,7 +101,7 @@ def _nanoseconds(columns: Columns, mapping: Mapping, parts: Sequence[Mapping]) -
 
 
 def _counted(columns: Columns, mapping: Mapping, column: Raw, *, alone: bool = True) -> Times:
-    """Numbers in a unit of time, which count on where they begin anew if they stand alone."""
+    """Numbers in a unit of time; a single column counts on where it restarts."""
     check_finite(columns, mapping, column)
     scale, known, note = _scale(columns, mapping, column)
     coarse = _rounding(column)
@@ -130,7 +130,7 @@ def _scale(columns: Columns, mapping: Mapping, column: Raw) -> tuple[Fraction, b
 
 
 def _exact(unit: str) -> Fraction:
-    """Seconds per unit of time, without rounding: 1e-9 is no double."""
+    """Seconds per unit of time, without rounding: 1e-9 is not a double."""
     return Fraction(str(UNITS[unit.lower()]))
 
 
@@ -146,24 +146,24 @@ def _seconds(column: Raw, scale: float, coarse: float) -> tuple[Floats, float]:
 
 
 def _rounding(column: Raw) -> float:
-    """What single precision rounds away."""
+    """The rounding error of single precision."""
     single = column.dtype.kind == "f" and column.dtype.itemsize < 8
     return float(np.spacing(np.abs(column).max())) if single else 0.0
 
 
 def _digits(column: Floats) -> float:
-    """The step of the last decimal digit in use, 10**-k; rounding alone where there are more."""
+    """The step of the last decimal digit in use, 10**-k, or that of rounding if larger."""
     sample = column[:: max(1, len(column) // 1000)]
     noise = 4.0 * float(np.spacing(np.abs(column).max()))
     for decimals in range(_DIGITS + 1):
-        # Every second row of steps in turn may have fewer digits than all of them.
+        # With alternating steps every second row may have fewer digits than all of them.
         if all(np.abs(x - np.round(x, decimals)).max() <= noise for x in (sample, column)):
             return max(10.0**-decimals, noise)
     return noise
 
 
 def _unwrapped(column: Raw) -> tuple[Raw, str]:
-    """A counter that began anew at its end goes on counting; told with where that end is."""
+    """Times of a counter that restarted at its end and now counts on, and that end for a note."""
     whole = column.dtype.kind in "iub"
     column = column.astype(np.int64 if whole else np.float64)
     steps = np.diff(column)

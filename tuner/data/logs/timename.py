@@ -1,4 +1,4 @@
-"""Which columns are time by their names, and in which unit."""
+"""Columns that are time by their names, and their units."""
 
 import re
 from collections.abc import Iterable
@@ -28,7 +28,7 @@ _FRACTIONS = ("nsecs", "nsec", "nanosec", "nanosecs", "nanoseconds", "usecs", "u
 
 
 def is_time(name: str) -> bool:
-    """Whether a column's name says that it is time; a struct's name before it does not count.
+    """Whether a column's name denotes time; a struct's name before it does not count.
 
     Example:
         >>> [is_time(name) for name in ("t", "Time (s)", "imu.t_us", "seconds", "omega")]

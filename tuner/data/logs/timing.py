@@ -1,4 +1,4 @@
-"""When the samples were taken: from time columns, a given rate or a scalar of the file."""
+"""The times of samples, from time columns, a given rate or a scalar of the file."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -16,14 +16,14 @@ from tuner.data.logs.values import Columns, pick, scalar
 from tuner.data.logs.written import date_and_time
 
 RESTART = "restart"
-"""What --by says for recordings that begin where the time runs back."""
+"""The word of --by for recordings that begin where the time runs back."""
 
 _RATES = ("fs", "rate", "rate_hz", "sampling_rate", "sample_rate")
 _AGREES = 0.01
 
 
 def timing_names(table: Table) -> list[str]:
-    """The names in a file that may tell the timing: time columns and scalar rates."""
+    """The names in a file that may give the timing: time columns and scalar rates."""
     times = _time_names(table)
     fractions = [fraction_of(name, table.names) for name in times]
     return [*times, *(name for name in fractions if name), *_rate_names(table)]
@@ -32,13 +32,13 @@ def timing_names(table: Table) -> list[str]:
 def find_clock(
     columns: Columns, time: Sequence[Mapping] | None, rate_hz: float | None, samples: int
 ) -> Clock:
-    """When the samples of a file were taken.
+    """The clock of a file's samples.
 
     Args:
         columns: the loaded columns, among them those of :func:`timing_names`.
         time: the time columns where the user named them; otherwise they are found by their names.
         rate_hz: the rate where the user gave one; it overrules a time column that differs.
-        samples: how many samples the file holds.
+        samples: number of samples in the file.
 
     Raises:
         LogError: where neither time nor rate is known, or the time column is unusable.
@@ -74,10 +74,10 @@ def time_parts(
 
 
 def without_repeats(columns: Columns, time: Sequence[Mapping] | None, samples: int) -> Columns:
-    """The rows but for those that have the time of the row before.
+    """The columns without the rows that have the time of the previous row.
 
     Raises:
-        LogError: where no column tells the time.
+        LogError: where no column holds the time.
     """
     parts = time_parts(columns, time, samples)
     if parts is None:
@@ -92,7 +92,7 @@ def without_repeats(columns: Columns, time: Sequence[Mapping] | None, samples: i
 
 
 def _unlike(columns: Columns, rows: NDArray[np.intp], samples: int) -> int:
-    """How many of some rows differ in a column from the row before."""
+    """Number of the given rows that differ in a column from the previous row."""
     differ = np.zeros(len(rows), bool)
     for array in columns.raw.values():
         if array.ndim and len(array) == samples:
@@ -105,10 +105,10 @@ def _unlike(columns: Columns, rows: NDArray[np.intp], samples: int) -> int:
 
 
 def restarts(columns: Columns, time: Sequence[Mapping] | None, samples: int) -> NDArray[np.int64]:
-    """The number of the recording that each row is of, from 1: a new one where time runs back.
+    """The number of each row's recording, from 1: a new one begins where time runs back.
 
     Raises:
-        LogError: where no column tells the time.
+        LogError: where no column holds the time.
     """
     parts = time_parts(columns, time, samples)
     if parts is None:
@@ -136,7 +136,7 @@ def _rate_names(table: Table) -> Iterable[str]:
 
 
 def _found(columns: Columns, samples: int) -> tuple[Mapping, ...] | None:
-    """The first column that is time and could be, one number a sample, and what belongs to it."""
+    """The first usable time column, one number per sample, and its companions."""
     table = columns.table
     for name in _time_names(table):
         array = columns.raw[name]
@@ -177,7 +177,7 @@ def _overruled(samples: int, rate_hz: float, names: str, why: str) -> Clock:
 
 
 def _scalar_rate(columns: Columns) -> tuple[str, float]:
-    """The rate that the file itself tells."""
+    """The rate that the file itself gives."""
     file, names = columns.table.file, columns.table.names
     found = [name for name in _rate_names(columns.table) if columns.raw[name].size == 1]
     if not found:

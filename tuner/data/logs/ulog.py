@@ -83,7 +83,7 @@ def _column(data: dict[str, Raw], name: str) -> Raw:
 
 
 def _notes(log: Any) -> list[str]:
-    """What was lost, by the logger's own word."""
+    """The note on lost samples, by the logger's own count."""
     notes = []
     if log.dropouts:
         lost = sum(dropout.duration for dropout in log.dropouts)

@@ -52,7 +52,7 @@ class Columns:
         return Columns(table, raw)
 
     def with_notes(self, notes: Iterable[str]) -> "Columns":
-        """With more to say of them."""
+        """The columns with further notes."""
         return replace(self, table=replace(self.table, notes=(*self.table.notes, *notes)))
 
 
@@ -105,7 +105,7 @@ def pick_whole(columns: Columns, mapping: Mapping) -> Raw:
 
 
 def _of_two(columns: Columns, mapping: Mapping, array: Raw) -> Raw:
-    """What the index chooses of a 2-D array."""
+    """The column of a 2-D array that the index chooses."""
     rows, width = array.shape
     if rows < width:
         raise columns.error(
@@ -122,7 +122,7 @@ def _of_two(columns: Columns, mapping: Mapping, array: Raw) -> Raw:
 
 
 def rounded(column: Raw) -> str:
-    """A word on numbers of less than 64 bits; empty where there is none to say.
+    """A note on numbers of less than 64 bits; empty for none.
 
     >>> rounded(np.zeros(3, np.float32)), rounded(np.zeros(3))
     ('float32, widened to float64; what was rounded away stays lost', '')
@@ -133,7 +133,7 @@ def rounded(column: Raw) -> str:
 
 
 def factor_of(columns: Columns, mapping: Mapping) -> float:
-    """What a mapping multiplies by; 1 where it says nothing.
+    """The factor of a mapping; 1 where it has none.
 
     Raises:
         LogError: where it names no scalar of the file.
@@ -164,7 +164,7 @@ def scalar(columns: Columns, name: str) -> float:
 def to_float(columns: Columns, mapping: Mapping, column: Raw) -> Floats:
     """The column times its factor as float64, contiguous; NaN where nothing was measured.
 
-    Missing are NaN, Inf and the huge numbers that some loggers write in their place.
+    NaN, Inf and the huge numbers of some loggers count as missing.
 
     Raises:
         LogError: for integers that float64 cannot hold, and where the factor is unusable.
@@ -189,7 +189,7 @@ def _check_exact(columns: Columns, mapping: Mapping, column: Raw) -> None:
 
 
 def check_finite(columns: Columns, mapping: Mapping, values: Raw) -> None:
-    """Refuse NaN, Inf and the huge numbers that some loggers write in their place.
+    """Refuse NaN, Inf and the huge numbers that some loggers write instead.
 
     Raises:
         LogError: with the first row and the number of rows.

@@ -37,7 +37,7 @@ def read_written(
     """Dates or times of day, and what was assumed of them.
 
     Raises:
-        LogError: where some are missing, or mean several things.
+        LogError: where some are missing, or are ambiguous.
     """
     column = columns.raw[mapping.column]
     if mapping.unit not in (None, *ORDERS, *SHORT):
@@ -59,7 +59,7 @@ def _first(column: Raw) -> str:
 def _meanings(
     columns: Columns, mapping: Mapping, parts: Sequence[Mapping], moments: Moments
 ) -> tuple[str, ...]:
-    """What is assumed of dates that mean several things; refused where the steps differ too."""
+    """The assumption for ambiguous dates; refused where their readings have different steps."""
     words = list(moments.readings)
     if not words:
         return ()
@@ -75,6 +75,6 @@ def _meanings(
 
 
 def past_midnight(ticks: Ticks) -> tuple[Ticks, int]:
-    """Times of day that go on behind midnight, and how often they passed it."""
+    """Times of day that go on past midnight, and the number of midnights."""
     back = np.diff(ticks, prepend=ticks[0]) < -_DAY_NS // 2
     return ticks + np.cumsum(back) * _DAY_NS, int(back.sum())

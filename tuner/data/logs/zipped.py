@@ -1,4 +1,4 @@
-"""Zip files, looked at before they are read: how many members they have and what they unpack to."""
+"""Checks of zip files before they are read: number and unpacked size of their members."""
 
 import struct
 import zipfile
@@ -14,10 +14,10 @@ DAMAGE = (
     OSError, EOFError, ValueError, KeyError, IndexError, TypeError, OverflowError, SyntaxError,
     MemoryError, NotImplementedError, RuntimeError, struct.error, zipfile.BadZipFile, zlib.error,
 )  # fmt: skip
-"""What readers of a damaged zip file raise."""
+"""Exceptions of readers of a damaged zip file."""
 
 MOST = 1000
-"""Files of an archive or a folder, and arrays of an NPZ file."""
+"""Most files of an archive or a folder, and arrays of an NPZ file."""
 
 _END, _TAIL = b"PK\x05\x06", 65_557
 _INDEX = 1 << 24
