@@ -41,7 +41,7 @@ class Ended:
 
     @property
     def faults(self) -> list[str]:
-        """The fault of this end; "" for none."""
+        """The faults of this end."""
         found = []
         last = self.err.splitlines()[-1:]
         if "Traceback" in self.err:

@@ -9,7 +9,7 @@ from benchmarks.statuses.case import Case
 from tuner import Solution, Status
 
 AROUND = 0.5
-"""Distances from an end, in z, at which a lower point is sought."""
+"""Distance from an end, in z, within which a lower point is sought."""
 END = 0.011
 """A coordinate this close to an end of its box lies on it."""
 
