@@ -35,14 +35,14 @@ NAME = "drill"
 
 @dataclass(frozen=True)
 class Drill:
-    """What is asked for.
+    """The settings of a drill.
 
     Attributes:
         url: of the database.
-        trials: how many are to be complete.
-        workers: how many at a time.
-        seconds: that a trial takes.
-        every: so many seconds one of them is killed; 0: none.
+        trials: number of trials to complete.
+        workers: number of workers at a time.
+        seconds: duration of a trial.
+        every: interval in s at which one of them is killed; 0: never.
     """
 
     url: str
@@ -59,7 +59,7 @@ class Drill:
             yield trials
 
     def work(self) -> None:
-        """What a worker does."""
+        """The work of a worker."""
         with self.search() as trials:
             trials.work(self.evaluate)
 

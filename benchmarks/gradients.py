@@ -169,7 +169,7 @@ def _both_ways(name: str, made: Callable[[int], Any], back: Way, every: int) -> 
 
 
 def _over_a_pass(n: int) -> Row:
-    """What is chosen for an extended filter of 12 parameters, or of all it has."""
+    """The choice for an extended filter with 12 parameters, or with all of its own."""
     free = min(12, n + 2)
     times = _timed(_calls(*extended(n, free), free))
     what = f"extended, {n} states, {free} parameters: gradient"

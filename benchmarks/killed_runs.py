@@ -29,7 +29,7 @@ def command(out: Path, *more: str) -> list[str]:
 
 
 def found(out: Path) -> dict[str, Any]:
-    """What has to be the same: points of descents, and how many trials samplers made."""
+    """The invariant results: points of descents, and the number of samplers' trials."""
     solutions = json.loads((out / "result.json").read_text())["solutions"]
     return {
         f"{each['problem']} {each['solver']}": each["evaluations"]

@@ -13,7 +13,7 @@ from typing import Any
 
 USER = "tuner"
 FAST = ("fsync=off", "full_page_writes=off", "synchronous_commit=off")
-"""What a test or a drill writes need not outlive the machine."""
+"""Settings without durability: data of a test or a drill need not survive a crash."""
 
 
 class NoServerError(Exception):

@@ -118,7 +118,7 @@ def parametrised(
     _check(filter, measured, states, inputs)
     called = name or "".join(w.capitalize() for w in getattr(build, "__name__", "own").split("_"))
     if not called.isidentifier():
-        raise ValueError(f"{called!r} is no name of a class; give it with name=")
+        raise ValueError(f"{called!r} is not a name of a class; give it with name=")
     named = cast("Any", NamedTuple)
     details = {
         "innovation": Channel(_unit(measured), "measured less foretold", _axes(measured), "detail"),

@@ -23,15 +23,13 @@ def opened(path: Path) -> BufferedReader:
 
     >>> opened(Path("/dev/null"))
     Traceback (most recent call last):
-    ValueError: /dev/null is a device and no file; write what it gives to a file, and name that
+    ValueError: /dev/null is a device, not a file; write its data to a file, and name that
     """
     # Opening a pipe would wait for a writer.
     number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
     if kind := _kind(number):
         os.close(number)
-        raise ValueError(
-            f"{path} is {kind} and no file; write what it gives to a file, and name that"
-        )
+        raise ValueError(f"{path} is {kind}, not a file; write its data to a file, and name that")
     return os.fdopen(number, "rb")
 
 

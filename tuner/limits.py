@@ -29,7 +29,7 @@ def parse_size(what: str, text: str) -> int:
     """
     found = _SIZE.fullmatch(text.strip())
     if found is None or len(text) > 40:
-        raise ValueError(f"{what} {text[:40]!r} is no size; write such as 4GB or 800MB")
+        raise ValueError(f"{what} {text[:40]!r} is not a size; write for example 4GB or 800MB")
     size = int(float(found[1]) * 1024 ** _POWERS[found[2].lower()])
     if size < LEAST:
         raise ValueError(f"{what} {text} is less than the program itself takes; give 1GB or more")
@@ -88,7 +88,7 @@ def check_amount(what: str, size: int | float, way_out: str) -> None:
     if size > largest():
         raise ValueError(
             f"{what} would take {told(size)}, where {told(largest())} is the most that "
-            f"{told(memory())} of memory allow; {way_out}, or name another limit by --memory"
+            f"{told(memory())} of memory allow; {way_out}, or set another limit by --memory"
         )
 
 

@@ -101,7 +101,7 @@ class Case:
 
     @property
     def felt(self) -> float:
-        """The least change that counts: 1 %; of likelihoods half the 95 % quantile of chi-square."""
+        """Least change that counts: 1 %; of likelihoods half the 95 % quantile of chi-square."""
         return 1e-2 * self.scale if self.count is None else 1.92 / self.count
 
 

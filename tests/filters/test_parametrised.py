@@ -211,7 +211,7 @@ def test_without_inputs_what_can_be_known_is_told(record):
         ({"states": {"P": Channel("m", "x")}}, "the name P comes twice"),
         ({"measured": {}}, "there is nothing measured"),
         ({"known": {"position": Channel("m", "x")}}, "the name position comes twice"),
-        ({"name": "no name"}, "'no name' is no name of a class"),
+        ({"name": "no name"}, "'no name' is not a name of a class"),
     ],
 )
 def test_refusals(changed, words):

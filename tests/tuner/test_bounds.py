@@ -50,7 +50,7 @@ def test_what_is_no_file_is_not_waited_for(cli, here, words):
 
 @UNIX
 def test_kinds_of_what_is_no_file(tmp_path):
-    with pytest.raises(ValueError, match="is a folder and no file"):
+    with pytest.raises(ValueError, match="is a folder, not a file"):
         opened(tmp_path)
     (tmp_path / "x").write_bytes(b"12345")
     assert whole(tmp_path / "x", 5, "note") == b"12345"

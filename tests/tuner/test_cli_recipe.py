@@ -71,8 +71,8 @@ def test_a_file_that_is_not_there_or_a_folder(cli, here, toy):
     assert cli("run", "folder.toml") == (
         2,
         "",
-        "tuner: folder.toml is no study.toml: folder.toml is a folder and no file; write what it "
-        "gives to a file, and name that\n",
+        "tuner: folder.toml is no study.toml: folder.toml is a folder, not a file; write its "
+        "data to a file, and name that\n",
     )
 
 

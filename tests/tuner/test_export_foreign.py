@@ -78,13 +78,13 @@ def changed(**fields):
         ({"extra": 1}, "the head should not have 'extra'"),
         ({"dt": "1"}, f"the sample time is '1'; {_SECONDS}"),
         ({"dt": float("nan")}, f"the sample time is nan; {_SECONDS}"),
-        ({"states": "ab"}, "the list of states is missing or no list"),
-        ({"versions": [1]}, "the list of versions is missing or no mapping"),
+        ({"states": "ab"}, "the list of states is missing or not a list"),
+        ({"versions": [1]}, "the list of versions is missing or not a mapping"),
         ({"versions": {"jax": 1}}, "the version of 'jax' is 1; give text"),
-        ({"provenance": None}, "the provenance is missing or no mapping"),
-        ({"quantities": {}}, "the list of quantities is missing or no list"),
+        ({"provenance": None}, "the provenance is missing or not a mapping"),
+        ({"quantities": {}}, "the list of quantities is missing or not a list"),
         ({"quantities": []}, "there are no quantities; give at least one"),
-        ({"quantities": [1]}, "a quantity is missing or no mapping"),
+        ({"quantities": [1]}, "a quantity is missing or not a mapping"),
         ({"quantities": [{"name": "R"}]}, "a quantity lacks 'meaning', 'unit', "
          "'value'"),
     ],
@@ -96,7 +96,7 @@ def test_documents_that_are_wrong(fields, reason):
 @pytest.mark.parametrize(
     ("value", "reason"),
     [
-        ("1.0", "'1.0' is no number"),
+        ("1.0", "'1.0' is not a number"),
         ([True], "True is no number"),
         (None, "None is no number"),
         ([[1], [1, 2]], "'R' has rows of different lengths; give a full array"),

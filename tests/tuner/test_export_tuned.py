@@ -96,7 +96,7 @@ def test_fields(changed, sentence):
         ({"seed": 1.0}, "the seed is 1.0; give a whole number below 2^63"),
         ({"seed": True}, "the seed is True; give a whole number below 2^63"),
         ({"seed": 2**63}, f"the seed is {2**63}; give a whole number below 2^63"),
-        ({"versions": ("ab",)}, "'ab' is no version; give pairs of a name and a version"),
+        ({"versions": ("ab",)}, "'ab' is not a version; give pairs of a name and a version"),
         ({"versions": (("a", 1),)}, "the version of 'a' is 1; give text"),
         ({"versions": (("a", ""), ("a", ""))}, "the version 'a' comes twice; rename one"),
     ],

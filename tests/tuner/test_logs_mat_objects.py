@@ -68,7 +68,7 @@ def test_tables_dates_and_what_is_left_out(log):
     np.testing.assert_allclose(found["T.t"], [0.0, 0.1, 0.2])
     np.testing.assert_array_equal(found["when"], START + 10_000_000 * np.arange(6))
     assert table.notes == (
-        "T.s is no number, and left out",
+        "T.s is not a number, and left out",
         "'name' is of the class 'string', not read; save its numbers as plain arrays",
     )
     assert read_record(log, ["g=T.g:m"]).channels["g"].rate_hz == pytest.approx(10.0)

@@ -282,14 +282,18 @@ MISTAKES = {
     "dt is no field": (
         "    dt: float\n",
         "    dt = 0.1\n",
-        ("Robot.dt is no field", "write dt: float"),
+        ("Robot.dt is not a field", "write dt: float"),
     ),
     "not frozen": (CLASS, "@dataclass", ("write @dataclass(frozen=True)",)),
-    "no dataclass": (CLASS + "\n", "", ("Robot is no dataclass; write @dataclass(frozen=True)",)),
+    "no dataclass": (
+        CLASS + "\n",
+        "",
+        ("Robot is not a dataclass; write @dataclass(frozen=True)",),
+    ),
     "an unhashable field": (
         "    dt: float\n",
         "    dt: float\n    H: tuple = ([1.0, 0.0],)\n",
-        ("the field H of Robot holds a tuple, which is no key of a compilation",),
+        ("the field H of Robot holds a tuple, which cannot be the key of a compilation",),
     ),
     "a field without a default": (
         "    dt: float\n",

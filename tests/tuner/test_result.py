@@ -256,7 +256,7 @@ def test_no_result(tmp_path):
 
 def test_a_result_that_cannot_be_read(tmp_path):
     (tmp_path / "result.json").mkdir()
-    with pytest.raises(ValueError, match="is a folder and no file"):
+    with pytest.raises(ValueError, match="is a folder, not a file"):
         read_result(tmp_path)
 
 

@@ -203,7 +203,7 @@ def test_walk_reaches_its_deviation_after_one_second(dt):
     ],
 )
 def test_times_that_are_none(seconds, dt):
-    with pytest.raises(ValueError, match=r"s in steps of .* is no motion; give positive times"):
+    with pytest.raises(ValueError, match=r"s in steps of .* is not a motion; give positive times"):
         simulate(seconds=seconds, dt=dt, seed=0, swing=STILL)
 
 

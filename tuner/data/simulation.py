@@ -121,14 +121,14 @@ def simulate(
     [0.0, 0.0, 9.80665]
     """
     if not (0 < dt < np.inf and dt <= seconds < np.inf):
-        raise ValueError(f"{seconds:g} s in steps of {dt:g} s is no motion; give positive times")
+        raise ValueError(f"{seconds:g} s in steps of {dt:g} s is not a motion; give positive times")
     check_amount(f"{seconds / dt:.4g} samples", 512 * seconds / dt, "take a shorter time")
     draw = np.random.default_rng(seed)
     time = dt * np.arange(round(seconds / dt))
     angles, speed = _angles(swing, time, draw)
     if not np.isfinite(angles).all():
         raise ValueError(
-            f"the swing {swing} is no motion; give finite numbers, frequencies above 0"
+            f"the swing {swing} is not a motion; give finite numbers, frequencies above 0"
         )
     if np.abs(angles[:, 1]).max() > np.radians(85):
         raise ValueError(

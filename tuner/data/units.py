@@ -81,12 +81,12 @@ def convert(values: ArrayLike, unit: str, to: str) -> NDArray[np.float64]:
     293.15
     >>> convert(1.0, "g", "m")
     Traceback (most recent call last):
-    ValueError: g is m/s^2 in SI, which is no m
+    ValueError: g is m/s^2 in SI, which is not m
     """
     array = np.asarray(values, np.float64)
     given, wanted = Unit.of(unit), Unit.of(to)
     if given.powers != wanted.powers:
-        raise ValueError(f"{unit} is {given.si or 'a bare number'} in SI, which is no {to or 1}")
+        raise ValueError(f"{unit} is {given.si or 'a bare number'} in SI, which is not {to or 1}")
     if (given.factor, given.offset) == (wanted.factor, wanted.offset):
         return array
     if not (given.offset or wanted.offset):

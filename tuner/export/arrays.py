@@ -25,7 +25,7 @@ def from_arrays(meta: object, arrays: Mapping[str, NDArray[np.float64]]) -> Tune
         ValueError: one sentence, where they do not form one.
     """
     if not isinstance(meta, dict):
-        raise ValueError("the text beside its arrays is no mapping")
+        raise ValueError("the text beside its arrays is not a mapping")
     labels = sequence("the list of quantities", meta.get("quantities"))
     quantities = [labelled(entry, arrays) for entry in labels]
     mapping("the set of arrays", dict(arrays), [quantity.name for quantity in quantities])

@@ -82,7 +82,7 @@ def nested(lines: Mapping[str, Any]) -> Document:
 def mapping(what: str, given: object, keys: Iterable[str] | None = None) -> Document:
     """The value, if it is a mapping with exactly these keys."""
     if not isinstance(given, dict):
-        raise ValueError(f"{what} is missing or no mapping")
+        raise ValueError(f"{what} is missing or not a mapping")
     known = set(given if keys is None else keys)
     for verb, odd in (("lacks", known - given.keys()), ("should not have", given.keys() - known)):
         if odd:
@@ -93,5 +93,5 @@ def mapping(what: str, given: object, keys: Iterable[str] | None = None) -> Docu
 def sequence(what: str, given: object) -> list[Any]:
     """The value, if it is a list."""
     if not isinstance(given, list):
-        raise ValueError(f"{what} is missing or no list")
+        raise ValueError(f"{what} is missing or not a list")
     return given

@@ -111,7 +111,7 @@ def load(data: bytes, format: str) -> Tuned:
         >>> load(b"{}", "json")
         Traceback (most recent call last):
         tuner.export.error.ExportError: no tuned filter can be read as json (the list of \
-quantities is missing or no list); export it again
+quantities is missing or not a list); export it again
     """
     known = _known(format)
     try:

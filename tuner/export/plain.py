@@ -27,7 +27,7 @@ def from_plain(document: object) -> Tuned:
         ValueError: one sentence, where it is not one.
     """
     if not isinstance(document, dict):
-        raise ValueError("the document is no mapping")
+        raise ValueError("the document is not a mapping")
     quantities = sequence("the list of quantities", document.get("quantities"))
     head = {key: value for key, value in document.items() if key != "quantities"}
     return tuned_from(head, map(_quantity, quantities))
@@ -43,5 +43,5 @@ def _floats(given: Any) -> Any:
     if isinstance(given, list):
         return [_floats(inner) for inner in given]
     if isinstance(given, bool) or not isinstance(given, int | float):
-        raise ValueError(f"{reprlib.repr(given)} is no number")
+        raise ValueError(f"{reprlib.repr(given)} is not a number")
     return float(given)

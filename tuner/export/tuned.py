@@ -106,7 +106,7 @@ class Provenance:
         for pair in self.versions:
             require(
                 isinstance(pair, tuple) and len(pair) == 2,
-                f"{reprlib.repr(pair)} is no version; give pairs of a name and a version",
+                f"{reprlib.repr(pair)} is not a version; give pairs of a name and a version",
             )
             require_text("a name among the versions", pair[0])
             require_text(f"the version of {pair[0]!r}", pair[1])

@@ -24,11 +24,11 @@ def check_facts(cls: type[Any]) -> None:
         _check_declared(cls, part, kind)
     if not is_dataclass(cls):
         raise ValueError(
-            f"{cls.__name__} is no dataclass; write @dataclass(frozen=True) above the class"
+            f"{cls.__name__} is not a dataclass; write @dataclass(frozen=True) above the class"
         )
     if "dt" in vars(cls) and "dt" not in {each.name for each in fields(cls)}:
         raise ValueError(
-            f"{cls.__name__}.dt is no field, so every recording would be taken at that step; "
+            f"{cls.__name__}.dt is not a field, so every recording would be taken at that step; "
             "write dt: float"
         )
     require_name("a filter's class", cls.__name__, LONGEST_NAME)

@@ -108,7 +108,7 @@ def check_operations(name: str, jaxpr: Any) -> None:
         if primitive.startswith(("random_", "threefry")):
             raise ValueError(
                 f"{name}.step draws random numbers, and one key gives the same ones in every step; "
-                "a filter follows from its inputs alone: leave them out, or give them as an input"
+                "leave them out, or give them as an input"
             )
         for made in equation.outvars:
             if getattr(getattr(made.aval, "dtype", None), "name", "") in NARROW:

@@ -91,7 +91,7 @@ def _sorted_out(
         if found is None:
             left.append(told(name, value.kind))
             continue
-        left += [f"{name}.{column!s} is no number, and left out" for column in found.left]
+        left += [f"{name}.{column!s} is not a number, and left out" for column in found.left]
         own = {f"{name}.{key}" if key else name: _squeezed(a) for key, a in found.columns.items()}
         columns |= own
         if found.time is None:
