@@ -97,8 +97,8 @@ def test_documents_that_are_wrong(fields, reason):
     ("value", "reason"),
     [
         ("1.0", "'1.0' is not a number"),
-        ([True], "True is no number"),
-        (None, "None is no number"),
+        ([True], "True is not a number"),
+        (None, "None is not a number"),
         ([[1], [1, 2]], "'R' has rows of different lengths; give a full array"),
         ([], "'R' is empty; give at least one number"),
         (10**400, "int too large to convert to float"),

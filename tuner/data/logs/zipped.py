@@ -52,5 +52,5 @@ def check_sizes(path: Path, members: Sequence[zipfile.ZipInfo], what: str) -> No
     if size > largest():
         raise LogError(
             f"{path.name}: {what} would take {told(size)}, where {told(largest())} is the most; "
-            "cut the log into parts, or name another limit by --memory"
+            "cut the log into parts, or set another limit by --memory"
         )
