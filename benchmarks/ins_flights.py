@@ -34,7 +34,7 @@ from tuner.problem.space import Space
 from tuner.solvers import Gradient
 
 AHEAD = 3
-"""Positions are foretold so many seconds ahead."""
+"""Positions are predicted so many seconds ahead."""
 FINER = 2
 """Ticks of the INS in one of the study's."""
 FREE = ("q_gyr", "q_acc", "q_gyr_bias", "q_acc_bias", "R_gps")
@@ -179,8 +179,8 @@ def by_study(tuned: Flown, others: list[Flown]) -> dict[str, Judged]:
     found = {}
     for each in field.flights:
         outcome = field.outcome(each, "constant", values)
-        foretold = predicted(each, outcome)
-        error = foretold.horizontal[~foretold.glitch, AHEAD - 1].mean()
+        ahead = predicted(each, outcome)
+        error = ahead.horizontal[~ahead.glitch, AHEAD - 1].mean()
         found[each.name] = Judged(float(error), float(by_update(outcome.nis, ~each.glitch).mean()))
     return found
 

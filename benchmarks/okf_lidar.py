@@ -81,7 +81,7 @@ class Tracks:
     ) -> tuple[Estimate, Tracked]:
         """One sample of all targets, and whether time went by before it.
 
-        What is past a target's end, and the measurement that it begins with, foretell nothing: they
+        What is past a target's end, and the measurement that it begins with, predict nothing: they
         do not count.
         """
         z, passed = inputs

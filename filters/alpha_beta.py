@@ -33,7 +33,7 @@ _Z = {"z": Channel("unit", "measured position")}
 _POSITION = Channel("unit", "estimated position; 0 before the first measurement")
 _VELOCITY = Channel("unit/s", "estimated velocity")
 _ACCELERATION = Channel("unit/s^2", "estimated acceleration")
-_INNOVATION = Channel("unit", "measured less foretold; 0 where missing", kind="detail")
+_INNOVATION = Channel("unit", "measured less predicted; 0 where missing", kind="detail")
 _INDEX = Channel("", "tracking index: the ratio q dt^3 / R of like gains, as a square root")
 
 

@@ -117,7 +117,7 @@ class AttitudeOutputs(NamedTuple):
     ]
     detected: Annotated[Array, Channel("", "whether a disturbance was detected", (), "detail")]
     innovation: Annotated[
-        Array, Channel("", "accelerometers over g less what is foretold", XYZ, "detail")
+        Array, Channel("", "accelerometers over g less what is predicted", XYZ, "detail")
     ]
     variance: Annotated[Array, Channel("", "predicted variances of these", XYZ, "detail")]
 

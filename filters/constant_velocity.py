@@ -38,7 +38,7 @@ _NAMES = ("x", "y", "z")
 _POSITION = Channel("unit", "estimated position, of the axes given", axes=_NAMES)
 _VELOCITY = Channel("unit/s", "estimated velocity; 0 before two measurements", axes=_NAMES)
 _ACCELERATION = Channel("unit/s^2", "estimated acceleration; 0 before three", axes=_NAMES)
-_INNOVATION = Channel("unit", "measured less foretold; 0 where missing", _NAMES, "detail")
+_INNOVATION = Channel("unit", "measured less predicted; 0 where missing", _NAMES, "detail")
 _VARIANCE = Channel("unit^2", "of the innovation; 0 where it does not count", _NAMES, "detail")
 
 

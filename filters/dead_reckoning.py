@@ -110,7 +110,7 @@ class DeadReckoningOutputs(NamedTuple):
     position: Annotated[Array, Channel("m", "estimated position", NED)]
     P: Annotated[Array, Channel("m^2", "its covariance", NED, "detail")]
     innovation: Annotated[
-        Array, Channel("m", "measured positions less what is foretold", NED, "detail")
+        Array, Channel("m", "measured positions less what is predicted", NED, "detail")
     ]
     variance: Annotated[Array, Channel("m^2", "predicted variances of these", NED, "detail")]
 

@@ -56,7 +56,7 @@ class ExtendedKalman:
     filter: h is linearised anew at what the update found, and the update done again from the
     prediction, which are Gauss-Newton's steps to the state of greatest density after the
     measurement. The number of steps is fixed, and none is shortened: where they might stray, take
-    fewer. Innovations and their variances are those of the first linearisation, what was foretold
+    fewer. Innovations and their variances are those of the first linearisation, what was predicted
     before the measurement was seen; gains are those of the last, as are x and P. What it estimates
     is its model's to say: it declares neither parameters nor states. Source: Jazwinski 1970, ch. 8;
     Bierman 1977, ch. 5; Bell and Cathey, The iterated Kalman filter update as a Gauss-Newton

@@ -29,7 +29,7 @@ def number_type(state: Any) -> Any:
 
 @dataclass(frozen=True)
 class Gated:
-    """A filter that takes a measurement as missing where it is too far from what was foretold.
+    """A filter that takes a measurement as missing where it is too far from what was predicted.
 
     A number whose innovation y of variance s has y^2 > gate^2 s is refused: the state is that of
     the same step with this number missing (NaN). Where innovations are taken one after another,
@@ -41,7 +41,7 @@ class Gated:
     ``patience`` refusals of an innovation in a row its numbers are taken, whatever they are, until
     one lies within the gate again. Meanwhile a filter with process noise widens its gate by itself.
 
-    The outputs gain four arrays, ``(m,)``: ``offered`` and ``foretold``, the innovation and its
+    The outputs gain four arrays, ``(m,)``: ``offered`` and ``predicted``, the innovation and its
     variance before anything was refused; ``refused``, 1 where it was; and ``outside``, 1 where it
     lay outside the gate. ``innovation`` and ``variance`` are 0 where refused, as where missing.
     Source: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and
@@ -116,7 +116,7 @@ class Gated:
                 tried(refused),
                 refused,
                 jnp.where(fresh, now_y, seen.offered),
-                jnp.where(fresh, now_s, seen.foretold),
+                jnp.where(fresh, now_s, seen.predicted),
             )
 
         begun = _Seen(first, none, jnp.zeros_like(y), jnp.zeros_like(s))
@@ -127,13 +127,13 @@ class Gated:
         inner, output = seen.stepped
         refused = seen.refused
         offered = jnp.where(refused, seen.offered, output.innovation)
-        foretold = jnp.where(refused, seen.foretold, output.variance)
-        outside = self._beyond(offered, foretold)
+        predicted = jnp.where(refused, seen.predicted, output.variance)
+        outside = self._beyond(offered, predicted)
         again_outside = jnp.where(outside, state.outside + 1, 0)
-        counted = jnp.where(foretold != 0, again_outside, state.outside)
-        kind = widened(type(output), ("offered", "foretold", "refused", "outside"))
+        counted = jnp.where(predicted != 0, again_outside, state.outside)
+        kind = widened(type(output), ("offered", "predicted", "refused", "outside"))
         flags = (refused.astype(y.dtype), outside.astype(y.dtype))
-        return GatedState(inner, counted), kind(*output, offered, foretold, *flags)
+        return GatedState(inner, counted), kind(*output, offered, predicted, *flags)
 
     def _beyond(self, y: Array, s: Array) -> Array:
         return (s > 0) & (y**2 > self.gate**2 * s)
@@ -145,7 +145,7 @@ class _Seen(NamedTuple):
     stepped: tuple[Any, Any]
     refused: Array
     offered: Array
-    foretold: Array
+    predicted: Array
 
 
 def _judged(stepped: tuple[Any, Any]) -> tuple[Array, Array]:

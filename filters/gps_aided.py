@@ -158,7 +158,7 @@ class GpsAidedOutputs(NamedTuple):
     """The outputs of the filter after a tick; residual and innovation are 0 without a measurement.
 
     Innovations are one angle after another, each less what the state and the earlier angles
-    foretell; those of phi and psi lie within half a turn.
+    predict; those of phi and psi lie within half a turn.
     """
 
     x: Annotated[Array, Channel("", "quaternion and bias", _STATES, "detail")]
@@ -167,7 +167,7 @@ class GpsAidedOutputs(NamedTuple):
     Q: Annotated[Array, Channel("", "diagonal that the tick was predicted with", _STATES, "detail")]
     residual: Annotated[Array, Channel("", "K nu, the correction of the state", _STATES, "detail")]
     innovation: Annotated[
-        Array, Channel("rad", "measured angles less what is foretold", EULER, "detail")
+        Array, Channel("rad", "measured angles less what is predicted", EULER, "detail")
     ]
     variance: Annotated[Array, Channel("rad^2", "predicted variances of these", EULER, "detail")]
 

@@ -225,8 +225,8 @@ class InsOutputs(NamedTuple):
     position: Annotated[Array, Channel("m", "position in the earth frame", XYZ)]
     gyr_bias: Annotated[Array, Channel("rad/s", "bias of the gyroscopes", XYZ)]
     acc_bias: Annotated[Array, Channel("m/s^2", "bias of the accelerometers", XYZ)]
-    innovation: Annotated[Array, Channel("", "measured less foretold, (12,)", kind="detail")]
-    variance: Annotated[Array, Channel("", "foretold variance of it, (12,)", kind="detail")]
+    innovation: Annotated[Array, Channel("", "measured less predicted, (12,)", kind="detail")]
+    variance: Annotated[Array, Channel("", "predicted variance of it, (12,)", kind="detail")]
     P: Annotated[Array, Channel("", "covariance of the errors, (15, 15)", kind="detail")]
 
 

@@ -103,13 +103,13 @@ def update_large(
     """
     x, P = estimate
     if isinstance(h, int):
-        g, known, foretold = P[h], P[h, h], x[h]
+        g, known, expected = P[h], P[h, h], x[h]
     else:
-        g, foretold = matmul(P, h), matmul(h, x)
+        g, expected = matmul(P, h), matmul(h, x)
         known = matmul(h, g)
     missing, s = jnp.isnan(z), known + r
     k = g * jnp.where(missing, 0.0, 1 / s)
-    y = jnp.where(missing, 0.0, z - foretold)
+    y = jnp.where(missing, 0.0, z - expected)
     # What rounding leaves of A h' - r k in update.
     lost = jax.lax.stop_gradient(jnp.where(missing, 0.0, g - k * known - r * k)) / 2
     P = _less(P, jnp.stack([k, lost, k]), jnp.stack([g, k, lost]))

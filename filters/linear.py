@@ -106,7 +106,7 @@ class LinearOutputs(NamedTuple):
     x: Annotated[Array, Channel("", "state estimate")]
     P: Annotated[Array, Channel("", "its covariance", (), "detail")]
     innovation: Annotated[
-        Array, Channel("unit", "measurements less what is foretold", (), "detail")
+        Array, Channel("unit", "measurements less what is predicted", (), "detail")
     ]
     variance: Annotated[Array, Channel("unit^2", "predicted variances of these", (), "detail")]
     gain: Annotated[Array, Channel("", "gains of the scalar updates", (), "detail")]

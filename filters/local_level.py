@@ -68,7 +68,7 @@ class LocalLevelOutputs(NamedTuple):
 
     level: Annotated[Array, _LEVEL]
     innovation: Annotated[
-        Array, Channel("unit", "measured less foretold; 0 where missing", kind="detail")
+        Array, Channel("unit", "measured less predicted; 0 where missing", kind="detail")
     ]
     variance: Annotated[
         Array, Channel("unit^2", "of the innovation; 0 where it does not count", kind="detail")

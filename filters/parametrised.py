@@ -121,7 +121,9 @@ def parametrised(
         raise ValueError(f"{called!r} is not a name of a class; give it with name=")
     named = cast("Any", NamedTuple)
     details = {
-        "innovation": Channel(_unit(measured), "measured less foretold", _axes(measured), "detail"),
+        "innovation": Channel(
+            _unit(measured), "measured less predicted", _axes(measured), "detail"
+        ),
         "variance": Channel(_square(measured), "of the innovation", _axes(measured), "detail"),
         "P": Channel("", "covariance of the states", tuple(states), "detail"),
     }

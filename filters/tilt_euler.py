@@ -142,7 +142,7 @@ class TiltOutputs(NamedTuple):
     detected: Annotated[Array, Channel("", "whether a disturbance was detected", (), "detail")]
     innovation: Annotated[
         Array,
-        Channel("", "rates, then accelerations over g, less what is foretold", _TAKEN, "detail"),
+        Channel("", "rates, then accelerations over g, less what is predicted", _TAKEN, "detail"),
     ]
     variance: Annotated[Array, Channel("", "predicted variances of these", _TAKEN, "detail")]
 

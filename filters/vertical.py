@@ -101,7 +101,7 @@ class VerticalOutputs(NamedTuple):
     climb: Annotated[Array, _CLIMB]
     bias: Annotated[Array, _BIAS]
     innovation: Annotated[
-        Array, Channel("m", "measured less foretold height; 0 where missing", kind="detail")
+        Array, Channel("m", "measured less predicted height; 0 where missing", kind="detail")
     ]
     variance: Annotated[
         Array, Channel("m^2", "of the innovation; 0 where it does not count", kind="detail")

@@ -15,7 +15,7 @@ from objectives.score import Objective
 
 
 def likelihood(output: str, channel: Channel | None) -> Objective:
-    """How well the filter foretells its measurements; needs no truth."""
+    """How well the filter predicts its measurements; needs no truth."""
     return InnovationLikelihood()
 
 

@@ -1,4 +1,4 @@
-"""How well a Kalman filter foretells its measurements: the likelihood of its innovations."""
+"""How well a Kalman filter predicts its measurements: the likelihood of its innovations."""
 
 import math
 from dataclasses import dataclass
@@ -88,9 +88,9 @@ class InnovationLikelihood:
         return total.nats / total.numbers
 
     def deviation(self, value: Array | float) -> Array:
-        """The deviation within which a number is foretold: exp(L) / sqrt(2 pi e), in its unit.
+        """The deviation within which a number is predicted: exp(L) / sqrt(2 pi e), in its unit.
 
-        It is sqrt(s) for a filter whose s is constant and right, and larger for one that foretells
+        It is sqrt(s) for a filter whose s is constant and right, and larger for one that predicts
         worse, or that is surer or less sure than it may be. Infinite beyond all numbers.
         """
         return jnp.exp(jnp.asarray(value) - math.log(2 * math.pi * math.e) / 2)

@@ -31,7 +31,7 @@ class PartlyWrong:
         share: of the numbers that are wrong, as far as is known beforehand.
 
     >>> from collections import namedtuple
-    >>> far = namedtuple("O", "offered foretold")(jnp.array([1e9]), jnp.ones(1))
+    >>> far = namedtuple("O", "offered predicted")(jnp.array([1e9]), jnp.ones(1))
     >>> law = PartlyWrong(widths=(200.0,))
     >>> round(float(law.added(far, jnp.array([True]))[0][0]), 2)  # ln (200 / 0.001)
     12.21
@@ -42,8 +42,8 @@ class PartlyWrong:
 
     def added(self, output: Any, wanted: Array) -> tuple[Array, Array]:
         """Each number's term, nats, and whether it counts, ``(m,)``."""
-        seen = wanted & (output.foretold != 0)
-        s = jnp.where(seen, output.foretold, 1.0)
+        seen = wanted & (output.predicted != 0)
+        s = jnp.where(seen, output.predicted, 1.0)
         right = log(1 - self.share) - (output.offered**2 / s + jnp.log(s) + log(2 * pi)) / 2
         wrong = jnp.log(self.share / jnp.asarray(self.widths, right.dtype))
         return jnp.where(seen, -jnp.logaddexp(right, wrong), 0.0), seen
@@ -63,7 +63,7 @@ class HeavyTails:
         nu: degrees of freedom, those of the filter.
 
     >>> from collections import namedtuple
-    >>> seen = namedtuple("O", "offered foretold")(jnp.array([100.0]), jnp.ones(1))
+    >>> seen = namedtuple("O", "offered predicted")(jnp.array([100.0]), jnp.ones(1))
     >>> round(float(HeavyTails(nu=4.0).added(seen, jnp.array([True]))[0][0]), 2)  # normal: 5001
     21.28
     """
@@ -72,8 +72,8 @@ class HeavyTails:
 
     def added(self, output: Any, wanted: Array) -> tuple[Array, Array]:
         """Each number's term, nats, and whether it counts, ``(m,)``."""
-        seen = wanted & (output.foretold != 0)
-        s = jnp.where(seen, output.foretold, 1.0)
+        seen = wanted & (output.predicted != 0)
+        s = jnp.where(seen, output.predicted, 1.0)
         k = jnp.cumsum(seen) - seen  # those before it
         size = jnp.where(seen, output.offered**2 / s, 0.0)
         c = self.nu * spreads(self.nu, len(s), s.dtype)[seen.sum()]

@@ -20,7 +20,7 @@ LEVEL = Space.of(q=Positive(1.0, 1e-6, 1e6), R=Positive(1.0, 1e-6, 1e6))
 LOG2PI = np.log(2 * np.pi)
 
 
-class Foretold(NamedTuple):
+class Predicted(NamedTuple):
     """An innovation and its variance, ``(1,)`` each."""
 
     innovation: Array
@@ -29,7 +29,7 @@ class Foretold(NamedTuple):
 
 @dataclass(frozen=True)
 class Constant:
-    """Foretells every number by the same mean and deviation."""
+    """Predicts every number by the same mean and deviation."""
 
     def init(self, params: tuple[Array, Array]) -> tuple[()]:
         """The empty state."""
@@ -37,10 +37,10 @@ class Constant:
 
     def step(
         self, params: tuple[Array, Array], state: tuple[()], inputs: Array
-    ) -> tuple[tuple[()], Foretold]:
+    ) -> tuple[tuple[()], Predicted]:
         """One number."""
         mean, deviation = params
-        return state, Foretold((inputs - mean)[None], (deviation**2)[None])
+        return state, Predicted((inputs - mean)[None], (deviation**2)[None])
 
 
 def mean_and_deviation(values: dict[str, Array]) -> tuple[Array, Array]:

@@ -74,7 +74,7 @@ def _notes(rest: Rest) -> Iterator[str]:
         yield (
             f"{name} has flicker noise (bias instability {B:.3g} {rest.axis.written}): walk and "
             "white noise alone do not make its Allan curve, so both methods differ in K; the "
-            "likelihood's is what foretells the next samples best"
+            "likelihood's is what predicts the next samples best"
         )
     if not rest.walk.known:
         high = rest.walk.high * rest.axis.scale

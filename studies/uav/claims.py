@@ -120,7 +120,7 @@ def _within(quantity: str, where: str, found: Interval, note: str) -> Comparison
 
 
 def fuzzy_or_constant(field: Field, solutions: Solutions) -> Iterator[Comparison]:
-    """Whether fuzzy process noise foretells better than constant, number by number."""
+    """Whether fuzzy process noise predicts better than constant, number by number."""
     for flight in field.flights:
         constant, fuzzy = (field.tuned_outcome(flight, law, solutions) for law in LAWS)
         found = interval(by_update(constant.surprise - fuzzy.surprise, ~flight.glitch))
@@ -141,19 +141,19 @@ def _better(quantity: str, where: str, found: Interval, note: str, unit: str) ->
     return claim(quantity, where, found.mean > 0, ours=found.mean, unit=unit, note=note)
 
 
-def foretold(field: Field, solutions: Solutions) -> Iterator[Comparison]:
-    """Positions foretold, beside a straight line and the autopilot's attitude."""
+def predictions(field: Field, solutions: Solutions) -> Iterator[Comparison]:
+    """Predicted positions, beside a straight line and the autopilot's attitude."""
     for flight in field.flights:
         outcome = field.tuned_outcome(flight, "constant", solutions)
-        yield _foretold(flight.name, predicted(flight, outcome))
+        yield _prediction(flight.name, predicted(flight, outcome))
 
 
-def _foretold(name: str, found: Predicted) -> Comparison:
+def _prediction(name: str, found: Predicted) -> Comparison:
     believed, at = ~found.glitch, HORIZON - 1
     quantity = f"uav.gps_prediction_m.{name}"
     where = f"mean horizontal error {HORIZON} s ahead, less than a straight line's"
     if not believed.any():
-        return undecided(quantity, where, unit="m", note="no positions could be foretold")
+        return undecided(quantity, where, unit="m", note="no positions could be predicted")
     each = ", ".join(f"{v:.1f}" for v in found.horizontal[believed].mean(axis=0))
     down = float(np.abs(found.vertical[believed, at]).mean())
     line = float(found.straight[believed, at].mean())
@@ -264,5 +264,5 @@ CLAIMS = (
     Claim("uav.constructed_*_deg.*", constructed),
     *(said for law in LAWS for said in _of_law(law)),
     Claim("uav.fuzzy_vs_constant_*.*", fuzzy_or_constant, needs=LAWS),
-    Claim("uav.gps_prediction_m.*", foretold, needs=("constant",)),
+    Claim("uav.gps_prediction_m.*", predictions, needs=("constant",)),
 )

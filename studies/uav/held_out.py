@@ -53,7 +53,7 @@ HOWS = {"one": "tuned on {tuned}", "others": "tuned on all other flights without
 
 
 def helps(field: Field, solutions: Solutions, *, how: str) -> Iterator[Comparison]:
-    """Whether tuning foretells the measurements of a flight better that it has not seen."""
+    """Whether tuning predicts the measurements of a flight better that it has not seen."""
     told = HOWS[how].format(tuned=field.tuned.name)
     for flight in _flights(field, how):
         before = untuned(field, flight)
@@ -69,8 +69,8 @@ def helps(field: Field, solutions: Solutions, *, how: str) -> Iterator[Compariso
         )
 
 
-def foretells(field: Field, solutions: Solutions, *, how: str) -> Iterator[Comparison]:
-    """Whether tuning foretells positions better, and whether a filter does."""
+def predicts(field: Field, solutions: Solutions, *, how: str) -> Iterator[Comparison]:
+    """Whether tuning predicts positions better, and whether a filter does."""
     told = HOWS[how].format(tuned=field.tuned.name)
     for flight in _flights(field, how):
         tuned = field.outcome(flight, LAW, _values(field, flight, solutions, how))
@@ -95,7 +95,7 @@ def _nearer(
 ) -> Comparison:
     believed, at = ~found.glitch, AHEAD - 1
     if not believed.any():
-        return undecided(quantity, where, unit="m", note="no positions could be foretold")
+        return undecided(quantity, where, unit="m", note="no positions could be predicted")
     theirs, ours = rival.horizontal[believed, at], found.horizontal[believed, at]
     note = f"{theirs.mean():.3g} m {name}, {ours.mean():.3g} m tuned"
     return _gain(quantity, where, interval(theirs - ours), note, sentence, "m")
@@ -141,7 +141,7 @@ def claims_held_out(field: Field) -> tuple[Claim, ...]:
         if not _flights(field, how):
             continue
         needs: tuple[str, ...] = (LAW,) if how == "one" else (fold_name("*"),)
-        said = {"uav.tuning_gain": helps, "uav.*_gain_m": foretells}
+        said = {"uav.tuning_gain": helps, "uav.*_gain_m": predicts}
         for name, rows in said.items():
             found.append(Claim(f"{name}.{how}.*", partial(rows, how=how), needs))
     if field.left_out:

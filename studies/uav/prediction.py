@@ -1,4 +1,4 @@
-"""Positions foretold from speed and attitude, held against the GPS's."""
+"""Positions predicted from speed and attitude, held against the GPS's."""
 
 from typing import NamedTuple
 

@@ -150,7 +150,7 @@ def test_two_measurements_at_one_time_are_one_of_their_mean(filter):
     once = compiled(Timed(filter), params, TimedSample(jnp.ones(4), mean))[1]
     np.testing.assert_allclose(twice.position[1:], once.position, rtol=1e-12)
     np.testing.assert_allclose(twice.variance[2:], once.variance[1:], rtol=1e-12)
-    assert float(twice.variance[1, 0]) == 4.0  # it counts: the first foretold it
+    assert float(twice.variance[1, 0]) == 4.0  # it counts: the first predicted it
 
 
 @both

@@ -71,7 +71,7 @@ def test_a_huge_gate_changes_nothing(case):
             getattr(outputs, name), getattr(plain, name), rtol=1e-12, atol=1e-12, err_msg=name
         )
     assert not outputs.refused.any()
-    assert outputs.foretold.any()
+    assert outputs.predicted.any()
 
 
 def test_several_signals_of_one_filter_are_refused():
@@ -147,7 +147,7 @@ def test_what_is_refused_is_as_if_missing():
     np.testing.assert_array_equal(outputs.level, without.level)
     np.testing.assert_array_equal(outputs.innovation, without.innovation)
     np.testing.assert_array_equal(outputs.variance, without.variance)
-    assert (outputs.offered[gone] ** 2 > 16 * outputs.foretold[gone]).all()
+    assert (outputs.offered[gone] ** 2 > 16 * outputs.predicted[gone]).all()
 
 
 def test_a_jump_locks_it_for_its_patience_alone():

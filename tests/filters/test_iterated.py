@@ -52,7 +52,7 @@ def within(angle):
 def iterated(q, R, x, P, z, u, times):
     """Bell and Cathey 1993: Gauss-Newton from the prediction, all measurements at once."""
     F = np.eye(4) + 0.5 * np.eye(4, k=2)
-    Q, xs, Ps, foretold = q * np.diag([0.01, 0.01, 0.1, 0.1]), [], [], []
+    Q, xs, Ps, predicted = q * np.diag([0.01, 0.01, 0.1, 0.1]), [], [], []
     for k in range(len(z)):
         ahead, P = F @ x + np.array([u[k], 0, 0, 0]), F @ P @ F.T + Q
         there, x = ~np.isnan(z[k]), ahead
@@ -63,13 +63,13 @@ def iterated(q, R, x, P, z, u, times):
             H, y = H[there], y[there]
             S = H @ P @ H.T + np.diag(R[there])
             if turn == 0:
-                foretold.append(y @ np.linalg.solve(S, y) + np.log(np.linalg.det(S)))
+                predicted.append(y @ np.linalg.solve(S, y) + np.log(np.linalg.det(S)))
             K = P @ H.T @ np.linalg.inv(S)
             x = ahead + K @ (y - H @ (ahead - x))
         P = (np.eye(4) - K @ H) @ P
         xs.append(x)
         Ps.append(P)
-    return np.array(xs), np.array(Ps), np.array(foretold)
+    return np.array(xs), np.array(Ps), np.array(predicted)
 
 
 def drawn(rng):
@@ -94,14 +94,14 @@ def test_is_gauss_newtons_textbook_loop(times, rng):
     inputs = ExtendedSample(jnp.asarray(z), jnp.asarray(u))
     filter = ExtendedKalman(drifted, pushed, sighted, iterations=times, angles=ANGLES)
     out = compiled(filter, model, inputs)[1]
-    x, P, foretold = iterated(q, R, x0, P0, z, u, times)
+    x, P, predicted = iterated(q, R, x0, P0, z, u, times)
     np.testing.assert_allclose(out.x, x, rtol=0, atol=1e-10 * max(1.0, np.abs(x).max()))
     np.testing.assert_allclose(out.P, P, rtol=0, atol=1e-10 * np.abs(P).max())
     # One after another they have the density of all together, of the first linearisation.
     there = ~np.isnan(z)
     variance = np.where(there, out.variance, 1.0)
     density = (np.asarray(out.innovation) ** 2 / variance + np.log(variance)).sum(axis=1)
-    np.testing.assert_allclose(density, foretold, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(density, predicted, rtol=1e-9, atol=1e-9)
     np.testing.assert_array_equal(np.asarray(out.gain)[~there], 0.0)
     np.testing.assert_array_equal(np.asarray(out.variance) == 0, ~there)
 

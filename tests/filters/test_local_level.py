@@ -35,11 +35,11 @@ def test_it_is_least_squares_over_the_record(seed):
     # Least squares by normal equations keep ten digits at these conditions.
     np.testing.assert_allclose(out.level[known], x[known, 0], rtol=1e-10)
     counts = np.append(False, known[:-1]) & ~np.isnan(z)
-    foretold = np.append(np.nan, x[:-1, 0])
+    predicted = np.append(np.nan, x[:-1, 0])
     variance = np.append(np.nan, P[:-1, 0, 0]) + W[:, 0, 0] + R * sigma**2
     assert ((np.asarray(out.variance)[:, 0] > 0) == counts).all()
     np.testing.assert_allclose(out.variance[counts, 0], variance[counts], rtol=1e-9)
-    np.testing.assert_allclose(out.innovation[counts, 0], (z - foretold)[counts], atol=1e-8)
+    np.testing.assert_allclose(out.innovation[counts, 0], (z - predicted)[counts], atol=1e-8)
     assert (np.asarray(out.innovation)[~counts] == 0).all()
 
 

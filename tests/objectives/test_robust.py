@@ -13,7 +13,7 @@ from filters import Gated, LevelSample, LocalLevel, LocalLevelNoise
 from filters.student import spread
 from objectives import Data, HeavyTails, InnovationLikelihood, PartlyWrong, score
 
-Seen = namedtuple("Seen", "offered foretold")
+Seen = namedtuple("Seen", "offered predicted")
 
 
 def amount(y, s, width=100.0, **more):

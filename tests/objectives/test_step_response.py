@@ -37,7 +37,7 @@ SMALL = step_signal(N, ENTERS)
 
 @dataclass(frozen=True)
 class Replay:
-    """A filter that puts out what it is given: the objective alone is left."""
+    """A filter that outputs what it is given: the objective alone is left."""
 
     def init(self, params):
         return ()

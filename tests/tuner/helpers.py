@@ -25,7 +25,7 @@ from tuner.solvers import make_solver
 
 @dataclass(frozen=True)
 class Echo:
-    """A filter that puts out its parameters, whatever goes in."""
+    """A filter that outputs its parameters, whatever goes in."""
 
     def init(self, params):
         return ()

@@ -212,7 +212,7 @@ def likelihood_by_hand(case, data, values, result):
 
 
 def gains_by_hand(case, data, values, result):
-    """The same gains by another search over a textbook loop; nothing foretells the first sample."""
+    """The same gains by another search over a textbook loop; nothing predicts the first sample."""
     count, dt = len(values), cases.TRACK_DT
     scale = np.array([1.0, 1 / dt, 1 / (2 * dt**2)])[:count]
     z = data["x"]

@@ -63,7 +63,7 @@ def test_diagnostics_are_those_of_a_loop(fit, level):
         e = y / np.sqrt(s)
         assert found.numbers == 399
         assert found.nis == pytest.approx(np.mean(e**2), rel=1e-9)
-        # The moments' own correlation, without their means, as of numbers foretold to be 0.
+        # The moments' own correlation, without their means, as of numbers predicted to be 0.
         ends = (np.sum(e[1:] ** 2) + np.sum(e[:-1] ** 2)) / 2
         assert found.lag_one == pytest.approx(np.sum(e[1:] * e[:-1]) / ends, abs=1e-9)
         # Chi-square of 399 degrees over 399, fewer by what correlation takes: r^2 of the lags that

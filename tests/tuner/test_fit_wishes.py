@@ -187,7 +187,7 @@ def test_the_five_lines(run):
     use, good, trust, still, then = lines
     assert re.match(r"use       q = \S+ \[\S+, \S+\] \(95 %\) m\^2/s, R = \S+ \[\S+, \S+\] ", use)
     assert re.search(
-        r"foretold within \S+ m, \S+ m before; on the last 119 samples, .* better", good
+        r"predicted within \S+ m, \S+ m before; on the last 119 samples, .* better", good
     )
     assert trust.startswith("trust     converged; 2 of 2 starts agree; before: NIS ")
     assert "expected: consistent)" in trust

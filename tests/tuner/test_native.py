@@ -27,7 +27,7 @@ N = 300
 
 @dataclass(frozen=True)
 class Weighed:
-    """A weighted sum of all that a filter puts out."""
+    """A weighted sum of all that a filter outputs."""
 
     def init(self):
         return jnp.zeros(())

@@ -38,7 +38,7 @@ class Noise(NamedTuple):
 
 class Outputs(NamedTuple):
     level: Annotated[Array, LEVEL]
-    innovation: Annotated[Array, Channel("unit", "measured less foretold", kind="detail")]
+    innovation: Annotated[Array, Channel("unit", "measured less predicted", kind="detail")]
     variance: Annotated[Array, Channel("unit^2", "of the innovation", kind="detail")]
 
 

@@ -19,7 +19,7 @@ SOLVER = Gradient("l-bfgs-b", seed=0, starts=3)
 
 
 def coloured(samples=300):
-    """A random walk whose measurement noise is coloured: to foretell it is to follow it."""
+    """A random walk whose measurement noise is coloured: to predict it is to follow it."""
     draw = np.random.default_rng(3)
     walk, noise = np.cumsum(0.2 * draw.standard_normal(samples)), np.zeros(samples)
     for k in range(1, samples):
@@ -36,7 +36,7 @@ def posed(unit=1.0):
 
 
 def both(q):
-    """Of a density q: the error of the level, and of what is foretold, by a textbook loop."""
+    """Of a density q: the error of the level, and of what is predicted, by a textbook loop."""
     y, _ = cases.level_loop(Z, q, 1.0, 1.0)
     x, p, levels = Z[0], 1.0, [Z[0]]
     for z in Z[1:]:

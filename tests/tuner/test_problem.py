@@ -123,7 +123,7 @@ def test_hessian_of_the_study_is_symmetric_and_that_of_its_values():
 
 @dataclasses.dataclass(frozen=True)
 class Pass:
-    """A filter that puts out its input."""
+    """A filter that outputs its input."""
 
     def init(self, params):
         return ()

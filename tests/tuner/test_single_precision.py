@@ -72,7 +72,7 @@ class Told(NamedTuple):
 
 @dataclass(frozen=True)
 class Telling:
-    """Puts out what ``made`` makes, which may depend on the precision it meets."""
+    """Outputs what ``made`` makes, which may depend on the precision it meets."""
 
     made: Any
     outputs = Told

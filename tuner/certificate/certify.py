@@ -82,7 +82,7 @@ def predicted_fall(problem: Problem, z: np.ndarray, held: Held, curved: Spectrum
 
     To where the quadratic model is lowest, within a step of 1 along each axis and within the box.
     What pushes against an end of the box is left out. Without curvatures, or where they are not
-    numbers, the slope alone foretells; NaN where that is not a number either.
+    numbers, the slope alone predicts; NaN where that is not a number either.
     """
     slopes = np.where(pushed(problem, z, held.gradient), 0.0, held.gradient)
     known = len(curved.curvatures) > 0 and bool(np.isfinite(curved.curvatures).all())

@@ -82,7 +82,8 @@ def _members(fields: Sequence[Field], precision: Precision) -> Iterator[str]:
         size = f"[{field.size}]" if field.shape else ""
         shape = " x ".join(map(str, field.shape)) if len(field.shape) > 1 else ""
         kept = f"upper half of {shape}, rows first" if field.half else f"{shape}, rows first"
-        words = "; ".join(w for w in (in_comment(field.meaning, 200), kept if shape else "") if w)
+        meaning = in_comment(field.meaning, 200).rstrip(".")
+        words = "; ".join(w for w in (meaning, kept if shape else "") if w)
         note = f" /* {words} */" if words else ""
         yield f"    {type_of(field.kind, precision)} {field.name}{size};{note}"
 

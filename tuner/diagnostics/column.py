@@ -50,7 +50,7 @@ class Column:
         y: innovations.
         times: s.
         recording: the recording of each.
-        levels: what was foretold, in the unit of the measurement; None where nobody knows.
+        levels: what was predicted, in the unit of the measurement; None where nobody knows.
     """
 
     name: str

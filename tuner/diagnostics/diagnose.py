@@ -70,7 +70,7 @@ class Diagnostics:
         if self["size"].verdict == "not tried":
             return "nothing counts"
         if not self.nis > 0:
-            return "nothing that is not foretold: too little noise to judge by"
+            return "nothing that is not predicted: too little noise to judge by"
         if self["size"].verdict == "passed" or self.low <= self.nis <= self.high:
             return "consistent"
         words = "too large" if self.nis < 1 else "too small"
@@ -110,7 +110,7 @@ def diagnose(innovations: Innovations, ways: Ways | None = None, *, fitted: int 
         of_whiteness(columns, lag, fitted, ways.whiteness),
         of_size(innovations),
     )
-    whole = size(innovations.columns) if innovations.foretold else NOTHING
+    whole = size(innovations.columns) if innovations.predicted else NOTHING
     return Diagnostics(*whole, lag, sum(map(len, columns)), findings)
 
 

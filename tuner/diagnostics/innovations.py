@@ -15,14 +15,14 @@ class Innovations:
     """Innovations of a filter over N samples of k recordings with m measurements.
 
     Attributes:
-        value: measured less foretold, ``(N, k, m)``.
+        value: measured less predicted, ``(N, k, m)``.
         variance: of it, as the filter says; 0 where it does not count.
         times: of the samples, s, ``(N, k)``.
-        levels: what was foretold, ``(N, k, m)``, or None.
+        levels: what was predicted, ``(N, k, m)``, or None.
         names: of the measurements.
         unit: of the levels.
         turns: the sizes of a full turn, where the measurements are or may be angles.
-        foretold: whether the variances are the filter's, and not the innovations' own mean square.
+        predicted: whether the variances are the filter's, and not the innovations' own mean square.
 
     Raises:
         ValueError: for shapes that do not match.
@@ -35,7 +35,7 @@ class Innovations:
     names: tuple[str, ...] = ("",)
     unit: str = ""
     turns: tuple[float, ...] = ()
-    foretold: bool = True
+    predicted: bool = True
 
     def __post_init__(self) -> None:
         shape = self.value.shape
@@ -61,7 +61,7 @@ class Innovations:
         names: Sequence[str] = (),
         unit: str = "",
         turns: Sequence[float] = (),
-        foretold: bool = True,
+        predicted: bool = True,
     ) -> "Innovations":
         """Innovations from arrays ``(N,)``, ``(N, m)`` or ``(N, k, m)``; without times, by sample.
 
@@ -73,7 +73,7 @@ class Innovations:
         when = np.broadcast_to(when if when.ndim == 2 else when[:, None], y.shape[:2])
         known = tuple(names) or (("",) if y.shape[2] == 1 else tuple(map(str, range(y.shape[2]))))
         above = None if levels is None else _wide(levels)
-        return cls(y, _wide(variance), when, above, known, unit, tuple(turns), foretold)
+        return cls(y, _wide(variance), when, above, known, unit, tuple(turns), predicted)
 
     @cached_property
     def counted(self) -> np.ndarray:

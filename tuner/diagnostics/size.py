@@ -59,8 +59,8 @@ def of_size(innovations: Innovations) -> Finding:
     if lost.any():
         return _diverged(innovations, lost)
     columns = innovations.columns
-    if not columns or not innovations.foretold:
-        why = "no innovation counts" if not columns else "the filter foretells no variance"
+    if not columns or not innovations.predicted:
+        why = "no innovation counts" if not columns else "the filter predicts no variance"
         return not_tried(NAME, WHAT, why)
     parts = [columns, *((column,) for column in columns)] if len(columns) > 1 else [columns]
     chances = [_chance(part) * len(parts) for part in parts]
@@ -86,7 +86,7 @@ def _sentence(found: Size, part: tuple[Column, ...], columns: tuple[Column, ...]
     where = f" of {part[0].name}" if len(part) < len(columns) else ""
     head = f"NIS{where} is {found.nis:.3g}, and {found.low:.3g} to {found.high:.3g} was expected"
     if not found.nis > 0:
-        return f"{head}: nothing is not foretold, there is too little noise to judge by"
+        return f"{head}: nothing is not predicted, there is too little noise to judge by"
     size_, by = ("large", 1 / found.nis) if found.nis < 1 else ("small", found.nis)
     which = f"the variance of {part[0].name}" if where else "all noise variances"
     verb = "is" if where else "are"

@@ -99,7 +99,7 @@ def over_time(columns: tuple[Column, ...], way: str) -> Finding:
 def over_level(columns: tuple[Column, ...], unit: str, way: str) -> Finding:
     """Test whether the noise grows or falls with the level, or with its size if it has both signs.
 
-    The level is what was foretold, for that knows nothing of the number's own noise.
+    The level is what was predicted, for that knows nothing of the number's own noise.
 
     Args:
         columns: the measurements.

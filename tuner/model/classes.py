@@ -78,7 +78,7 @@ def _outputs(model: Model) -> list[tuple[str, Any]]:
     unit = units.pop() if len(units) == 1 else ""
     square = "" if not unit else f"{unit}^2" if unit.isalpha() else f"({unit})^2"
     details = {
-        "innovation": Channel(unit, "measured less foretold; 0 where missing", symbols, "detail"),
+        "innovation": Channel(unit, "measured less predicted; 0 where missing", symbols, "detail"),
         "variance": Channel(
             square, "of the innovation; 0 where it does not count", symbols, "detail"
         ),

@@ -93,8 +93,8 @@ def taken(
     H = at.matrix(rows)
     offset = at.vector(rest)
     z = z - offset
-    foretold = matmul(H, ahead.x)
+    predicted = matmul(H, ahead.x)
     if any(model.angles):
-        z = foretold + difference(z, foretold, model.angles)
-    found, outputs = linearised(ahead, H, R, z, foretold)
+        z = predicted + difference(z, predicted, model.angles)
+    found, outputs = linearised(ahead, H, R, z, predicted)
     return found, outputs.innovation, outputs.variance

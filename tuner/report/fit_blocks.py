@@ -25,7 +25,7 @@ def signal(result: Result, kept: Kept) -> Iterator[Block]:
 
 
 def innovations(result: Result, kept: Kept) -> Iterator[Block]:
-    """Whether the filter is right about what it does not foretell."""
+    """Whether the filter is right about what it does not predict."""
     fit = result.fit
     if fit is None or len(fit.diagnostics) != 2:
         return
@@ -44,7 +44,7 @@ def innovations(result: Result, kept: Kept) -> Iterator[Block]:
 
 def _nis(now: DiagnosticsRecord, before: DiagnosticsRecord) -> str:
     if now.nis is None:
-        return "The filter foretells no variance, so that nobody can say whether it is right."
+        return "The filter predicts no variance, so that nobody can say whether it is right."
     inside = now.low is not None and now.high is not None and now.low <= now.nis <= now.high
     words = "as large as the filter says" if inside else "not as large as the filter says"
     return (

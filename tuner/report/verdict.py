@@ -176,6 +176,6 @@ def worth(fit: FitRecord) -> str:
     if fit.start is None:
         before = "without bound"
     if fit.objective in ("likelihood", "prediction"):
-        return f"A measurement is foretold within {now}; before it was {before}."
+        return f"A measurement is predicted within {now}; before it was {before}."
     words = {"inclination": "of the inclination ", "heading": "of the heading "}
     return f"The error {words.get(fit.objective, '')}is {now} (rms); before it was {before}."

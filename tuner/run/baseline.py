@@ -12,25 +12,25 @@ from tuner.run.searched import DEVIATION
 LAST, MEAN = "the last measurement", "the constant mean"
 
 
-class Foretold(NamedTuple):
-    """What a filter would return that foretells without filtering, ``(N, ..., m)`` each.
+class Predicted(NamedTuple):
+    """What a filter would return that predicts without filtering, ``(N, ..., m)`` each.
 
     Attributes:
         innovation, variance: as of a Kalman filter.
-        offered, foretold: the same, under the names of a filter that may refuse some.
+        offered, predicted: the same, under the names of a filter that may refuse some.
     """
 
     innovation: np.ndarray
     variance: np.ndarray
     offered: np.ndarray
-    foretold: np.ndarray
+    predicted: np.ndarray
 
 
 def without_filter(posed: Posed, outputs: Any, tuned_on: np.ndarray) -> dict[str, Any]:
     """Outputs, by what stands for the filter; empty where nothing measured is of their kind.
 
-    Against a truth the last measurement is the estimate. Where measurements are foretold, the last
-    one or their mean foretells the next, with a variance that is learnt where it is tuned.
+    Against a truth the last measurement is the estimate. Where measurements are predicted, the last
+    one or their mean predicts the next, with a variance that is learnt where it is tuned.
 
     Args:
         posed: the problem.
@@ -59,7 +59,7 @@ def _counted(posed: Posed, outputs: Any) -> np.ndarray:
     """Which of the filter's innovations count, in their shape."""
     innovation = np.asarray(outputs.innovation)
     seen = np.broadcast_to(~np.isnan(np.asarray(posed.problem.data.truth)), innovation.shape)
-    variance = getattr(outputs, "foretold", getattr(outputs, "variance", np.ones(1)))
+    variance = getattr(outputs, "predicted", getattr(outputs, "variance", np.ones(1)))
     return np.asarray(seen & (np.asarray(variance) != 0))
 
 
@@ -140,11 +140,11 @@ def _mean_of_parts(measured: np.ndarray, where: np.ndarray) -> np.ndarray:
 
 def _foretold(
     errors: np.ndarray, counted: np.ndarray, known: np.ndarray, *, angle: bool
-) -> Foretold:
+) -> Predicted:
     """Errors with the variance that they have where they were tuned on; 0 where none counts."""
     if angle:
         errors = errors - 2 * np.pi * np.round(errors / (2 * np.pi))
     variance = _mean_of_parts(errors**2, known)
     counts = counted & ~np.isnan(errors) & (variance > 0)
     both = np.where(counts, errors, 0.0), np.where(counts, variance, 0.0)
-    return Foretold(*both, *both)
+    return Predicted(*both, *both)

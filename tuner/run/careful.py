@@ -27,7 +27,7 @@ from tuner.problem.space import Space
 NAMES = ("gate", "patience", "student", "noise", "stretches")
 """Options of every fit, beside the fields of the filter's class."""
 
-SAID = ("offered", "foretold", "refused", "weight")
+SAID = ("offered", "predicted", "refused", "weight")
 """What care adds to a filter's outputs, and is written down with them."""
 
 
@@ -215,7 +215,7 @@ def refused_of(outputs: Any) -> Refused | None:
     """
     if not hasattr(outputs, "refused"):
         return None
-    numbers = int((np.asarray(outputs.foretold) != 0).sum())
+    numbers = int((np.asarray(outputs.predicted) != 0).sum())
     weighed = hasattr(outputs, "weight")
     refused, outside = (int(np.asarray(p).sum()) for p in (outputs.refused, outputs.outside))
     if 2 * outside >= numbers:

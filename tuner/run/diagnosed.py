@@ -35,7 +35,7 @@ def diagnosed(posed: Posed, values: Mapping[str, Any], *, fitted: int = 0) -> Di
 def innovations(problem: Problem, values: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
     """Innovations and their variances, ``(N, ..., m)``; variances of 0 where nothing counts.
 
-    Of a filter that foretells no variance it is the mean square of those that are not 0.
+    Of a filter that predicts no variance it is the mean square of those that are not 0.
     """
     if problem.filter is None:
         raise ValueError(f"{problem.name} runs no filter")
@@ -52,7 +52,7 @@ def innovations(problem: Problem, values: Mapping[str, Any]) -> tuple[np.ndarray
 
 
 def innovations_of(posed: Posed, values: Mapping[str, Any]) -> Innovations:
-    """The innovations with their times, and with what was foretold where that is known."""
+    """The innovations with their times, and with what was predicted where that is known."""
     y, s = innovations(posed.problem, values)
     cls, line = type(bare(posed.problem.filter)), posed.timeline
     facts = channel_facts(cls, "outputs")
@@ -70,7 +70,7 @@ def innovations_of(posed: Posed, values: Mapping[str, Any]) -> Innovations:
         names=names,
         unit="" if unit == "unit" else unit,
         turns=TURNS.get(unit, ()),
-        foretold="variance" in facts,
+        predicted="variance" in facts,
     )
 
 

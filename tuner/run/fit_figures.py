@@ -1,4 +1,4 @@
-"""Pictures of a fit: an output before and after beside its truth, and what was not foretold."""
+"""Pictures of a fit: an output before and after beside its truth, and what was not predicted."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any

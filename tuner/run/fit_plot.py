@@ -53,7 +53,7 @@ def _others(posed: Posed, solutions: Solutions, tuned: Mapping[str, Any]) -> Ite
 
 
 def _panels(posed: Posed, tuned: Mapping[str, Any]) -> Iterator[Chart]:
-    """What was measured beside what was foretold and estimated, for each part of it."""
+    """What was measured beside what was predicted and estimated, for each part of it."""
     if "innovation" not in channel_facts(bare(posed.problem.filter), "outputs"):
         return
     found = innovations_of(posed, tuned)
@@ -92,7 +92,7 @@ def _panel(
         there = _few(np.isfinite(columns[:, part]))
         lines.append(Line(told, t[there], columns[there, part]))
     else:
-        lines.append(Line("foretold", t[rows], level[rows]))
+        lines.append(Line("predicted", t[rows], level[rows]))
     called = name or "measurement"
     return Chart(
         name=called,

@@ -51,7 +51,7 @@ def shown_of(posed: Posed, solutions: Solutions, against: Against | None) -> Ite
 def _signals(
     posed: Posed, begun: Mapping[str, Any], tuned: Mapping[str, Any], now: Innovations
 ) -> Iterator[Shown]:
-    """Each part of what was measured, with what was foretold and the estimate before and after."""
+    """Each part of what was measured, with what was predicted and the estimate before and after."""
     if now.levels is None:
         return
     estimates = {
@@ -109,23 +109,23 @@ def _signal(
     t, level = now.times[:, 0], now.levels[:, 0, part]
     y, s = now.value[:, 0, part], now.variance[:, 0, part]
     seen = now.counted[:, 0, part] & np.isfinite(level)
-    t_seen, foretold, spread = t[seen], level[seen], 1.96 * np.sqrt(s[seen])
+    t_seen, predicted, spread = t[seen], level[seen], 1.96 * np.sqrt(s[seen])
     lines = [
-        Line("95 % expected", t_seen, foretold - spread, drawn="band", upper=foretold + spread),
-        Line("measured", t_seen, foretold + y[seen], drawn="points"),
+        Line("95 % expected", t_seen, predicted - spread, drawn="band", upper=predicted + spread),
+        Line("measured", t_seen, predicted + y[seen], drawn="points"),
     ]
     for when, values in estimates.items():
         there = np.isfinite(values) & np.isfinite(t)
         lines.append(Line(when, t[there], values[there]))
     if not estimates:
-        lines.append(Line("foretold", t_seen, foretold))
+        lines.append(Line("predicted", t_seen, predicted))
     wrong = np.isfinite(refused) & np.isfinite(t)
     if wrong.any():
         lines.append(Line("refused", t[wrong], refused[wrong], drawn="points"))
     inside = float(np.mean(np.abs(y[seen]) <= spread)) if seen.any() else 0.0
     called = name or "measurement"
     title = f"{100 * inside:.1f} % of the measurements{f' of {name}' if name else ''} lie in the "
-    note = "The band is what the tuned filter foretells of each measurement, before it is seen."
+    note = "The band is what the tuned filter predicts of each measurement, before it is seen."
     if now.value.shape[1] > 1:
         note += f" The first of {now.value.shape[1]} recordings."
     chart = Chart(

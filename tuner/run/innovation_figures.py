@@ -42,7 +42,7 @@ def drawn_innovations(before: Innovations, now: Innovations) -> Iterator[Shown]:
     yield _over_time(now)
     if int(now.counted.sum()) < FEW:
         return
-    if now.foretold:
+    if now.predicted:
         yield _nis(windows(before) if before.counted.any() else None, windows(now))
     yield _correlation(before, now)
     yield _spread(now)
@@ -67,7 +67,7 @@ def _over_time(now: Innovations) -> Shown:
             y_label="innovation / its deviation",
             lines=tuple(lines),
         ),
-        "What was measured less what the tuned filter foretold, over the deviation that it expects."
+        "Measured less what the tuned filter predicted, over the deviation that it expects."
         + (
             f" The first of {now.value.shape[1]} recordings; the share is of all."
             if several

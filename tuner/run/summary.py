@@ -15,8 +15,8 @@ from tuner.run.posed import Posed
 from tuner.run.rescaled import Rescaled
 
 WORDS = {
-    "likelihood": "a measurement is foretold within",
-    "prediction": "a measurement is foretold within",
+    "likelihood": "a measurement is predicted within",
+    "prediction": "a measurement is predicted within",
     "rmse": "error (rms)",
     "inclination": "error of the inclination (rms)",
     "heading": "error of the heading (rms)",

@@ -112,4 +112,4 @@ FILTERS = {
 }
 """Each with parameters and a record."""
 KEPT = {"linear4": ("x",), "extended5": ("x",)}
-"""What is put out of filters that declare no details."""
+"""Outputs of filters that declare no details."""

@@ -71,7 +71,7 @@ def test_of_studies():
 
 def test_before_and_after_in_words():
     assert worth(made.fit()).replace(HARD, " ") == (
-        "A measurement is foretold within 2.57 Pa; before it was 3.15 Pa."
+        "A measurement is predicted within 2.57 Pa; before it was 3.15 Pa."
     )
     angle = made.fit(objective="inclination", unit="deg", start=None)
     assert worth(angle) == (
