@@ -53,8 +53,8 @@ def steady_kalman(system: LinearSystem) -> SteadyKalman:
     """
     if not (system.discrete or system.noisy):
         raise ValueError(
-            "a measurement has no noise (the matrix of v is singular), so no gain is the best one; "
-            "give its noise, or the sample time of the measurements"
+            "a measurement has no noise (V is singular), so no gain is the best one; give its "
+            "noise, or the sample time of the measurements"
         )
     require_detectable(system)
     noisy, shared = _independent(_with_noise(system))
@@ -102,8 +102,8 @@ def _filtered(system: LinearSystem) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     P = _solved(system)
     if np.isnan(P).any():
         raise ValueError(
-            "the Riccati equation was not solved, although every mode is seen and driven; the "
-            f"model is close to one without a steady filter: its poles are {_listed(system.A)}"
+            "the Riccati equation was not solved; the model is close to one without a steady "
+            f"filter: its poles are {_listed(system.A)}"
         )
     after, gain = map(np.asarray, _measured(P, system.C, system.V, system.discrete))
     return P, after, gain

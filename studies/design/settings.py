@@ -92,8 +92,8 @@ def system_of(settings: Settings) -> LinearSystem:
     G = np.eye(len(A)) if settings.G is None else np.array(settings.G, float)
     if A.shape != (len(A), len(A)) or G.shape != (len(A), len(Q)):
         raise ValueError(
-            f"A {A.shape}, G {G.shape} and Q {Q.shape} do not fit; give (n, n), (n, p) and (p, p), "
-            "where G is the unit matrix if left out"
+            f"A {A.shape}, G {G.shape} and Q {Q.shape} do not fit; give (n, n), (n, p) and (p, p); "
+            "without G it is the unit matrix"
         )
     for name, matrix in (("Q", Q), ("R", R)):
         try:

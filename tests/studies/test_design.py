@@ -292,7 +292,7 @@ REFUSED = {
     "unknown": (NOISY | {"B": [[1.0]]}, "unknown setting 'B'"),
     "noiseless": (
         NOISY | {"R": [[0.0]]},
-        "a measurement has no noise (the matrix of v",
+        "a measurement has no noise (V is singular), so",
     ),
     "names": (NOISY | {"states": ["a b", "c"]}, "setting states: a state is named 'a b'"),
     "twins": (NOISY | {"states": ["Pos", "pos"]}, "setting states: the state 'pos' comes twice"),

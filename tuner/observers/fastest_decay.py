@@ -114,7 +114,7 @@ def _refuse_deadbeat(system: LinearSystem, variance: Variance, bound: float) -> 
         entries = ", ".join(f"{entry:.9g}" for entry in L[:, 0])
         raise ValueError(
             f"even the deadbeat observer, L = [{entries}], meets the bound {bound:g} with variance "
-            f"{found:.6g}, and nothing is faster; use it, or give a bound below its variance"
+            f"{found:.6g}; use it, for nothing is faster, or give a lower bound"
         )
 
 
