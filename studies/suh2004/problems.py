@@ -122,11 +122,6 @@ def _refuse_still(truth: Array) -> None:
     """
     if not float(jnp.abs(truth - truth[0]).max()) > 0:
         raise ValueError(
-<<<<<<< HEAD
-            "the true attitude never moves in these data, so no sensor (q1 = 0) is best; tune on "
-            "records with motion (tune_on = 'mixed')"
-=======
             "the true attitude never moves in these data, so a filter without sensors "
             "(q1 = 0) is best; tune on records with motion (tune_on = 'mixed')"
->>>>>>> words1
         )
