@@ -150,6 +150,9 @@ def test_the_commands_of_how_tos_can_be_planned(page, tmp_path, monkeypatch):
             assert invoke([*line, "--dry-run"]) == 0
         elif line[0] in ("example", "list", "check"):
             assert invoke(line) == 0
+            if line[0] == "example":  # a short part of it is planned as the whole is
+                log = Path(f"{line[1]}.csv")
+                log.write_text("\n".join(log.read_text().splitlines()[:602]) + "\n")
         else:
             assert line[0] in ("export", "compare")
 

@@ -111,7 +111,7 @@ def test_steady_continuous_filter_of_a_random_walk():
     ("C", "V", "sentence"),
     [
         ([[1.0, 0.0]], [[1.0]], "no measurement shows the constant mode along b, which does not"),
-        (np.eye(2), np.diag([1.0, 0.0]), "a measurement has no noise .* the noise that it has"),
+        (np.eye(2), np.diag([1.0, 0.0]), "a measurement has no noise .* give its noise"),
         (np.eye(2), np.ones((2, 2)), "a measurement has no noise"),
     ],
     ids=["unseen", "noiseless", "the same noise"],
