@@ -216,7 +216,8 @@ def test_without_a_compiler_nothing_changes(monkeypatch):
 )
 def test_a_broken_compiler_changes_nothing(script, reason, monkeypatch, tmp_path):
     broken = tmp_path / "mycc"
-    broken.write_text(f"#!/bin/sh\n{script}\ntouch loop.so\n")
+    made = 'case "$*" in *-shared*) touch loop.so;; esac'
+    broken.write_text(f"#!/bin/sh\n{script}\n{made}\n")
     broken.chmod(0o700)
     monkeypatch.setenv("TUNER_NATIVE", "on")
     monkeypatch.setenv("CC", str(broken))
