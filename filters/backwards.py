@@ -7,7 +7,7 @@ import jax
 from jax import Array
 
 from filters.invariant import invariant
-from filters.protocol import AnyFilter
+from filters.protocol import AnyFilter, over_time
 
 KEPT = 4
 """About how many times a state's size a step keeps for the way back."""
@@ -49,13 +49,8 @@ def run_kept(
     step = invariant(filter.step, params, start, sample)
     each = KEPT * sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(start))
     if length < LEAST or (length * each <= most and not parts):
-        return _scan(step, start, inputs)
+        return over_time(step, start, inputs)
     return _in_parts(step, start, inputs, length)
-
-
-def _scan(step: Any, start: Any, inputs: Any) -> tuple[Any, Any]:
-    found: tuple[Any, Any] = jax.lax.scan(step, start, inputs)
-    return found
 
 
 def _in_parts(step: Any, start: Any, inputs: Any, length: int) -> tuple[Any, Any]:
@@ -69,10 +64,10 @@ def _in_parts(step: Any, start: Any, inputs: Any, length: int) -> tuple[Any, Any
     def flat(leaf: Array) -> Array:
         return leaf.reshape(whole, *leaf.shape[2:])
 
-    again = jax.checkpoint(lambda state, part: _scan(step, state, part))
-    state, outputs = _scan(again, start, jax.tree.map(folded, inputs))
+    again = jax.checkpoint(lambda state, part: over_time(step, state, part))
+    state, outputs = over_time(again, start, jax.tree.map(folded, inputs))
     outputs = jax.tree.map(flat, outputs)
     if whole == length:
         return state, outputs
-    state, rest = _scan(step, state, jax.tree.map(lambda leaf: leaf[whole:], inputs))
+    state, rest = over_time(step, state, jax.tree.map(lambda leaf: leaf[whole:], inputs))
     return state, jax.tree.map(lambda a, b: jax.numpy.concatenate([a, b]), outputs, rest)

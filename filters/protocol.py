@@ -1,5 +1,6 @@
 """The protocol of a filter, and the one time loop that runs every filter."""
 
+from collections.abc import Callable
 from typing import Any, Protocol, TypeAlias, TypeVar, cast
 
 import jax
@@ -51,5 +52,23 @@ def run(
     (500,)
     """
     start = filter.init(params)
-    ran = jax.lax.scan(lambda s, u: filter.step(params, s, u), start, inputs, unroll=unroll)
-    return cast("tuple[S, Any]", ran)
+    return over_time(lambda s, u: filter.step(params, s, u), start, inputs, unroll=unroll)
+
+
+def over_time(
+    step: Callable[[S, Any], tuple[S, Any]], start: S, inputs: Any, *, unroll: int = 1
+) -> tuple[S, Any]:
+    """The last state and the stacked outputs of a step along the first axis of its inputs.
+
+    Args:
+        step: the step, from a state and one sample to the next state and the outputs.
+        start: the state before the first sample.
+        inputs: a pytree whose leaves have time as their first axis, ``(N, ...)``.
+        unroll: steps per iteration of the compiled loop.
+
+    >>> import jax.numpy as jnp
+    >>> end, sums = over_time(lambda total, u: (total + u, total + u), 0.0, jnp.arange(4.0))
+    >>> float(end), sums.tolist()
+    (6.0, [0.0, 1.0, 3.0, 6.0])
+    """
+    return cast("tuple[S, Any]", jax.lax.scan(step, start, inputs, unroll=unroll))
