@@ -52,9 +52,10 @@ def _sweeps(bench: Bench) -> Figure:
     }
     figure = "fig5_acc" if bench.sensor is ACC else "fig6_gyro"
     chart = _chart(bench, figure, "", sweeps)
-    lines = merged(chart.lines)
-    title = f"{len(sweeps)} settings of R, Q and P0, {len(lines)} different answers"
-    return replace(chart, title=f"{title} ({bench.sensor.name})", lines=lines)
+    *answers, step = chart.lines
+    told = merged(answers)
+    title = f"{len(answers)} settings of R, Q and P0, {len(told)} different answers"
+    return replace(chart, title=f"{title} ({bench.sensor.name})", lines=(*told, step))
 
 
 def _responses(bench: Bench, ratio: float, *, published: bool = True) -> Figure:

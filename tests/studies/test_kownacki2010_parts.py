@@ -290,6 +290,8 @@ def test_figures_of_both_sensors():
     chart = drawn["fig6_gyro"]
     assert isinstance(chart, Chart)
     lines = {line.label: line.y for line in chart.lines}
+    assert list(lines)[-1] == "step"
+    assert chart.title == f"6 settings of R, Q and P0, {len(lines) - 1} different answers (gyro)"
     # R = 0 is no filter at all; R = 1 and Q = 0 are both the line fit that P0 and R leave.
     bench = short()[0]
     shown = np.unique(np.linspace(0, 2000, 1000).astype(int))
