@@ -19,7 +19,7 @@ Move: TypeAlias = Callable[[Any, Array, Any], Array]
 
 
 class ExtendedModel(NamedTuple):
-    """What an extended Kalman filter is run with.
+    """The parameters of an extended Kalman filter.
 
     Attributes:
         model: parameters of the model's functions, any pytree.

@@ -1,4 +1,4 @@
-"""What a step works out from the parameters alone, worked out once, before the time loop."""
+"""The part of a step that depends on the parameters alone, evaluated once before the time loop."""
 
 from collections.abc import Callable, Iterable
 from typing import Any, TypeAlias
@@ -63,7 +63,7 @@ def invariant(
 
 
 def _parted(jaxpr: Jaxpr, known: list[Var]) -> tuple[Jaxpr, list[JaxprEqn]]:
-    """What is done before the loop and what in it: moves in both, where both need them."""
+    """The operations before the loop and those in it; both hold moves of data that both need."""
     fixed = set(known)
     early: list[JaxprEqn] = []
     late: list[JaxprEqn] = []

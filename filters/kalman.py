@@ -16,7 +16,7 @@ from filters.small_linalg import matmul, turned
 
 
 class Estimate(NamedTuple):
-    """What a Kalman filter knows.
+    """The state of a Kalman filter.
 
     Attributes:
         x: state estimate, ``(n,)``; ``(n, s)`` where s signals pass through the same gains.
@@ -28,7 +28,7 @@ class Estimate(NamedTuple):
 
 
 class Innovation(NamedTuple):
-    """What one scalar measurement brought.
+    """The result of an update with one scalar measurement.
 
     Attributes:
         value: measured minus predicted, 0 where the sample is missing; ``()`` or ``(s,)``.

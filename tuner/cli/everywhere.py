@@ -10,7 +10,7 @@ from tuner.limits import VARIABLE, bound_process, parse_size
 
 @dataclass(frozen=True)
 class Everywhere:
-    """What a command line says to every command.
+    """The options that every command takes.
 
     Attributes:
         rest: its other words.

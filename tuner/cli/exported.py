@@ -1,4 +1,4 @@
-"""What tuner export takes of a run: its tuned filters, one of them, at another rate."""
+"""The part of a run that tuner export writes: all filters or one, also at another rate."""
 
 import json
 import sys

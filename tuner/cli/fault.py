@@ -1,4 +1,4 @@
-"""What is said of an error: a sentence and an exit code."""
+"""The sentence and the exit code of an error."""
 
 import json
 import traceback
@@ -20,7 +20,7 @@ _WAY_OUT = "--traceback shows where"
 
 @dataclass(frozen=True)
 class Fault:
-    """What an error comes to.
+    """The outcome of an error.
 
     Attributes:
         sentence: what was wrong, and the way out.
@@ -50,7 +50,7 @@ def fault_of(error: BaseException) -> Fault:
 
 
 def _words(error: BaseException) -> str:
-    """What an error says, of many lines the first one."""
+    """The message of an error, of many lines the first one."""
     lines = [line for line in str(error).splitlines() if line.strip()]
     words = " ".join(lines[0].split()) if lines else type(error).__name__
     return words if len(words) <= _LONGEST else f"{words[:_LONGEST]} ..."
@@ -86,7 +86,7 @@ def _at(error: BaseException) -> str:
 
 
 def _of_system(error: Any) -> str:
-    """What the system says, with the file's name before it."""
+    """The system's message, with the file's name before it."""
     if error.strerror is None:
         return f"{_words(error)}; {_WAY_OUT}"
     name = "" if error.filename is None else f"{error.filename}: "
@@ -127,4 +127,4 @@ _KINDS: tuple[tuple[Callable[[BaseException], bool], Callable[[BaseException], s
     (lambda error: isinstance(error, OSError), _of_system),
     (lambda error: isinstance(error, ValueError), _value),
 )
-"""What is said of each kind of error; the first that fits."""
+"""The sentence for each kind of error; the first that fits."""

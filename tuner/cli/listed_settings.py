@@ -1,4 +1,4 @@
-"""What a study can be told: tuner list settings STUDY, and tuner run STUDY --help."""
+"""The settings of a study as a list: tuner list settings STUDY, and tuner run STUDY --help."""
 
 import json as json_
 from collections.abc import Iterator
@@ -38,7 +38,7 @@ def show_settings(name: str | None, *, json: bool = False, md: bool = False) -> 
 
 
 def facts(study: Study) -> Iterator[str]:
-    """What a study needs, and how long it takes."""
+    """The data and the time that a study needs."""
     yield f"needs {study.needs}" if study.needs else "needs nothing: it makes its own data"
     if study.takes:
         yield f"takes about {study.takes} on two processors"

@@ -1,4 +1,4 @@
-"""What was asked for on the command line, and the recordings that it names."""
+"""The request on the command line, and the recordings that it names."""
 
 import os
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Request:
-    """What was asked for on the command line; None where nothing was said.
+    """The request on the command line; None where nothing was said.
 
     Attributes:
         study: a study's name, or a study.toml.

@@ -151,7 +151,7 @@ def _chosen(plan: Plan, request: Request) -> Plan:
 
 
 def _finished(folder: RunFolder, recipe: Recipe, run: Run) -> Solutions:
-    """What an interrupted run of this very recipe had finished.
+    """The finished parts of an interrupted run of this very recipe.
 
     Raises:
         ValueError: where the folder holds another run, or data or code have changed.

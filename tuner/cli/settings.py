@@ -42,7 +42,7 @@ def told(pairs: Sequence[str]) -> dict[str, Any]:
 
 
 def settings_faults(model: type[BaseModel], values: Mapping[str, Any]) -> Iterator[str]:
-    """What is wrong with settings: unknown ones with the near ones, values that do not fit."""
+    """The mistakes in settings: unknown ones with the near ones, values that do not fit."""
     names = model.model_fields
     yield from (str(unknown("setting", key, names)) for key in values if key not in names)
     try:

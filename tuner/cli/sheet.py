@@ -1,4 +1,4 @@
-"""What a filter declares, as tables for people, as JSON and as a page."""
+"""The declarations of a filter, as tables for people, as JSON and as a page."""
 
 import inspect
 from collections.abc import Iterable, Mapping

@@ -36,7 +36,7 @@ _COLOURS = {
 
 @dataclass(frozen=True)
 class _Safe:
-    """What is drawn without control characters of its texts."""
+    """A drawing without the control characters of its texts."""
 
     drawn: ConsoleRenderable
 
@@ -158,7 +158,7 @@ _SOLUTIONS = [
 
 
 def _in_c(codes: list[CodeRecord]) -> Iterator[str]:
-    """What each filter is in C, a line each."""
+    """The size of each filter in C, a line each."""
     for problem in dict.fromkeys(code.problem for code in codes):
         own = [code for code in codes if code.problem == problem]
         good = [code for code in own if not code.refused]
@@ -207,7 +207,7 @@ def _noises(findings: list[Finding]) -> dict[str, list[str]]:
 
 
 def _sheet(parts: dict[str, Finding]) -> str:
-    """What is not side by side, each with its name where the unit does not say it."""
+    """The findings that are not side by side, each with its name where the unit does not say it."""
     more = {part: found for part, found in parts.items() if part not in COLUMNS}
     lines = [_told(f) if part == f.unit else f"{part} {_told(f)}" for part, f in more.items()]
     return "\n".join(lines)
@@ -251,7 +251,7 @@ _EXISTENCE = (Status.INFEASIBLE, Status.UNBOUNDED, Status.UNATTAINED)
 
 
 def _meaning(solution: SolutionRecord) -> list[str]:
-    """What is not determined, what was proved, and why there is no optimum where there is none."""
+    """The parameters that are not determined, proofs, and why there is no optimum."""
     certificate = solution.certificate
     words = [solution.message] if solution.status in _EXISTENCE else []
     words += certificate["flat_directions"]

@@ -1,4 +1,4 @@
-"""What a command line asks of an export."""
+"""The request for an export on the command line."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,7 +10,7 @@ from tuner.export import Tuned
 
 @dataclass(frozen=True)
 class Wanted:
-    """What a command line asks of an export.
+    """The request for an export on the command line.
 
     Attributes:
         to: the format; None: no file.

@@ -35,7 +35,7 @@ def read_whole(path: Path, document: Mapping[str, Any], more: Mapping[str, Any])
 
 
 def _of_settings(document: Mapping[str, Any], more: Mapping[str, Any]) -> Iterator[str]:
-    """What is wrong with the study's name, its settings, and the columns that are mapped."""
+    """The mistakes in the study's name, its settings and the columns that are mapped."""
     name, settings = document.get("study"), document.get("settings", {})
     if not isinstance(name, str) or not isinstance(settings, dict):
         return

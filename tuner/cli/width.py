@@ -9,7 +9,7 @@ PLAIN = 150
 
 
 def piped_width() -> int:
-    """What COLUMNS says; or the terminal's width that messages go to, as with a pager; or 150.
+    """The width in COLUMNS; or that of the terminal of stderr, as with a pager; or 150.
 
     >>> import os
     >>> os.environ["COLUMNS"] = "72"

@@ -22,7 +22,7 @@ from tuner.run.together import Together, facts_of, workers
 
 @dataclass(frozen=True)
 class Worker:
-    """What a worker was asked for.
+    """The request to a worker.
 
     Attributes:
         storage: URL of the database.

@@ -57,7 +57,7 @@ def best(result: Result, problem: str) -> SolutionRecord | None:
 
 
 def searched(solution: SolutionRecord | None) -> dict[str, ParameterRecord]:
-    """What was searched, by name."""
+    """The parameters that were searched, by name."""
     if solution is None:
         return {}
     free = _free(solution)

@@ -1,4 +1,4 @@
-"""What a report is made of: sections with tables, pictures, words and commands."""
+"""The parts of a report: sections with tables, pictures, sentences and commands."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

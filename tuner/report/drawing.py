@@ -92,7 +92,7 @@ class Drawing:
 
     @property
     def legend(self) -> list[Shape]:
-        """What its legend names: nothing where there is one thing alone."""
+        """The entries of its legend; none where there is one thing alone."""
         named = [shape for shape in self.shapes if shape.label]
         return named if len(named) > 1 or self.keys else []
 
@@ -187,7 +187,7 @@ def dots(x: np.ndarray, y: np.ndarray) -> str:
 
 
 def band(x: np.ndarray, low: np.ndarray, high: np.ndarray) -> str:
-    """What lies between two lines."""
+    """The area between two lines."""
     there = np.isfinite(x) & np.isfinite(low) & np.isfinite(high)
     if not there.any():
         return ""
@@ -255,7 +255,7 @@ def _named(x: Axis, numbers: list[float]) -> list[Tick]:
 
 
 def _told(chart: KeptChart) -> str:
-    """What is drawn, in words."""
+    """A description of the drawing in words."""
     x = _all(chart.lines, "x")
     there = x[np.isfinite(x)]
     over = f" from {number(there.min())} to {number(there.max())}" if len(there) else ""

@@ -1,4 +1,4 @@
-"""What a report says of a fit: the signal, the innovations, what is determined."""
+"""The blocks of a fit's report: signal, innovations, identifiability."""
 
 from collections.abc import Iterator, Sequence
 
@@ -17,7 +17,7 @@ FEW = 6
 
 
 def signal(result: Result, kept: Kept) -> Iterator[Block]:
-    """What was measured, and what the filter makes of it."""
+    """The measurements and the filter's estimates."""
     shown = [*pictures(kept, "signal")]
     if shown and result.fit is not None:
         yield Words([worth(result.fit)])
@@ -66,7 +66,7 @@ def _tests(before: DiagnosticsRecord, now: DiagnosticsRecord) -> Table:
 
 
 def determined(result: Result, kept: Kept) -> Iterator[Block]:
-    """What the data determine, and what follows from it."""
+    """The parameters that the data determine, and the consequences."""
     solution = main_solution(result)
     if result.fit is not None and solution is not None:
         flat = [*solution.certificate["flat_directions"]]

@@ -1,4 +1,4 @@
-"""What a run keeps for its report, ``report.json``: pictures as few points, and what was said."""
+"""The file ``report.json`` of a run: its pictures as few points, and its sentences."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final, Literal
@@ -89,7 +89,7 @@ class KeptRecord(Recorded):
 
 
 class Kept(Recorded):
-    """What a report shows beside the result.
+    """The contents of a report beside the result.
 
     Attributes:
         title, paper: of the study.
@@ -123,7 +123,7 @@ def nothing_kept() -> Kept:
 
 
 def kept_facts(title: str, paper: str, notes: Iterable[str], records: Sequence[Record]) -> Kept:
-    """What a report tells of a study and its recordings, without pictures yet."""
+    """The facts of a study and its recordings, still without pictures."""
     return Kept(
         schema=SCHEMA,
         title=title,

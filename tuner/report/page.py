@@ -38,5 +38,5 @@ def _text(name: str) -> str:
 
 
 def _digest(script: str) -> str:
-    """What tells the browser that this script, and no other, is ours."""
+    """The policy by which the browser runs this script and no other."""
     return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()

@@ -1,4 +1,4 @@
-"""What a report says of any run: the comparison, the searches, the data, files and commands."""
+"""The blocks of any run's report: comparison, searches, data, files and commands."""
 
 import shlex
 from collections.abc import Iterator, Mapping
@@ -32,7 +32,7 @@ def rows(result: Result) -> Iterator[Block]:
 
 
 def _row(row: Comparison, some: bool) -> list[str]:
-    """What it is and where it stands, one below the other; and both numbers."""
+    """A quantity and its place in the paper, one below the other; and both numbers."""
     about = "\n".join(part for part in (row.quantity, label(row.where), label(row.note)) if part)
     paper, ours = ("" if v is None else amount(v, row.unit, 5) for v in (row.paper, row.ours))
     return [about, row.verdict.value, *([paper] if some else []), ours]
@@ -103,7 +103,7 @@ def _recordings(result: Result) -> Iterator[Block]:
 
 
 def data(result: Result, kept: Kept) -> Iterator[Block]:
-    """What was read."""
+    """The data that were read."""
     log = result.log
     digest = f"SHA-256 {log.sha256[:SHORT]}…"
     if log.samples and not kept.records:
@@ -126,7 +126,7 @@ def data(result: Result, kept: Kept) -> Iterator[Block]:
 
 
 def files(result: Result, folder: Path) -> Iterator[Block]:
-    """What was written, and how far it is from what was tuned."""
+    """The exports, and their deviation from the tuned filter."""
     if result.exports:
         rows = [
             [

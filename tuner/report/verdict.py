@@ -27,7 +27,7 @@ TOLD = {
 
 
 class Verdict(NamedTuple):
-    """What a run comes to.
+    """The verdict on a run.
 
     Attributes:
         grade: of three.
@@ -79,7 +79,7 @@ def _agree(solution: SolutionRecord) -> bool:
 
 
 def _against(solution: SolutionRecord | None, fit: FitRecord) -> Iterator[str]:
-    """What speaks against using the numbers at all."""
+    """The reasons not to use the numbers at all."""
     if solution is not None and not solution.status.trusted:
         yield f"the search ended {solution.status.value!r}: {solution.status.sentence}"
     held = fit.held_out
@@ -99,7 +99,7 @@ def _sign(gain: GainRecord | None) -> int:
 
 
 def _doubts(result: Result, fit: FitRecord) -> Iterator[str]:
-    """What one should know before using the numbers."""
+    """The reasons for care with the numbers."""
     if fit.in_doubt:
         verb = "is" if len(fit.in_doubt) == 1 else "are"
         yield f"{listed(fit.in_doubt)} {verb} not determined by this recording"
@@ -115,7 +115,7 @@ def _doubts(result: Result, fit: FitRecord) -> Iterator[str]:
 
 
 def _good(fit: FitRecord) -> Iterator[str]:
-    """What speaks for the numbers."""
+    """The reasons to trust the numbers."""
     held = fit.held_out
     if held is not None and _sign(held.gain) > 0 and held.gain is not None:
         share = between(held.gain.low or 0.0, held.gain.high or 0.0)

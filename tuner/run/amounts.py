@@ -1,4 +1,4 @@
-"""What an objective adds up sample by sample, so that two filters can be paired."""
+"""The terms of an objective sample by sample, so that two filters can be paired."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from tuner.run.blocks import block_mean
 
 @dataclass(frozen=True, eq=False)
 class Amounts:
-    """What an objective adds up in each of N samples of k recordings, and how much counts there.
+    """The terms of an objective in each of N samples of k recordings, and their weights.
 
     Attributes:
         added: sums over what counts, ``(N, k)``.
@@ -69,14 +69,14 @@ class Gain:
 
 
 def amounts(problem: Problem, values: Mapping[str, Any]) -> Amounts | None:
-    """What the objective adds up with some parameters; None where it is no sum over samples."""
+    """The objective's terms for some parameters; None where it is no sum over samples."""
     if problem.filter is None or not adds_up(problem):
         return None
     return amounts_of(problem, run_with(problem, values))
 
 
 def run_with(problem: Problem, values: Mapping[str, Any]) -> Any:
-    """What the filter returns with some parameters, time first."""
+    """The filter's outputs for some parameters, time first."""
     if problem.filter is None:
         raise ValueError(f"{problem.name} runs no filter")
     params = problem.static.build({n: jnp.asarray(v, float) for n, v in values.items()})

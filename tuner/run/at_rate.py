@@ -148,7 +148,7 @@ def _averaged(
 def _renewed(
     told: tuple[Quantity, ...], values: Mapping[str, Any], new: Mapping[str, Any]
 ) -> Iterator[Quantity]:
-    """What was told, with the numbers of the new rate; what has none there is left out."""
+    """The findings with the numbers of the new rate, without those that have none there."""
     for quantity in told:
         name = quantity.name.removesuffix("_derived")
         if name in new and quantity.name not in values:
@@ -165,7 +165,7 @@ def _notes(
     before: float,
     now: float,
 ) -> Iterator[str]:
-    """What a measurement's variance was taken for, and what it would be otherwise."""
+    """The assumption about a measurement's variance, and its value under the other one."""
     for each in noises(filter, values, units):
         if each.kind != "variance" or np.isclose(before, now):
             continue

@@ -1,4 +1,4 @@
-"""What is to be had without a filter: the last measurement, or a constant, in its place."""
+"""The estimate without a filter: the last measurement, or a constant."""
 
 from collections import namedtuple
 from typing import Any, NamedTuple
@@ -13,7 +13,7 @@ LAST, MEAN = "the last measurement", "the constant mean"
 
 
 class Predicted(NamedTuple):
-    """What a filter would return that predicts without filtering, ``(N, ..., m)`` each.
+    """The outputs of a predictor without filtering, ``(N, ..., m)`` each.
 
     Attributes:
         innovation, variance: as of a Kalman filter.
@@ -74,7 +74,7 @@ def _judged(posed: Posed) -> Channel:
 
 
 def _measured(posed: Posed) -> np.ndarray | None:
-    """What was measured of the kind that is judged, ``(N, ..., m)``; None where nothing was."""
+    """The measurements of the kind that is judged, ``(N, ..., m)``; None where there are none."""
     lead, parts = np.ndim(posed.timeline.dt), _parts(posed)
     like = {
         name: (values := np.asarray(posed.timeline.channels[name], float)).reshape(

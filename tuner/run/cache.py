@@ -29,7 +29,7 @@ def use_cache() -> bool:
 
 
 def _processor() -> str:
-    """What compiled code is for: JAX keys it by program and version, not by what a processor can.
+    """The processor that compiled code is for: JAX keys code by program and version alone.
 
     Home folders are shared by machines, and code for one may end a process on another.
     """

@@ -1,4 +1,4 @@
-"""What a fit may add to any filter: a gate, and what its likelihood then is."""
+"""The gate that a fit may add to any filter, and the likelihood that goes with it."""
 
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, fields, replace
@@ -28,11 +28,11 @@ NAMES = ("gate", "patience", "student", "noise", "stretches")
 """Options of every fit, beside the fields of the filter's class."""
 
 SAID = ("offered", "predicted", "refused", "weight")
-"""What care adds to a filter's outputs, and is written down with them."""
+"""The outputs that a gate adds to a filter's own, and that are written with them."""
 
 
 NOISES = ("coloured", "sigma", "level")
-"""What the measurement noise may be, in the order in which one part goes around another."""
+"""The kinds of measurement noise, in the order in which one wraps another."""
 
 
 @dataclass(frozen=True)
@@ -181,7 +181,7 @@ def _widths(filter: Any, params: Any, inputs: Any) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class Refused:
-    """What a gate left out, or what was taken at less than half of its weight.
+    """The samples that a gate left out, or that counted for less than half.
 
     Attributes:
         refused: how many numbers that were.
@@ -208,7 +208,7 @@ class Refused:
 
 
 def refused_of(outputs: Any) -> Refused | None:
-    """What was refused in a run; None for a filter without care.
+    """The samples refused in a run; None for a filter without a gate.
 
     Raises:
         ValueError: where more is refused than taken.

@@ -20,7 +20,7 @@ from tuner.run.searched import Wishes
 
 @dataclass(frozen=True, eq=False)
 class Check:
-    """What a recording says about values in use.
+    """The verdict of a recording on values in use.
 
     Attributes:
         posed: the problem and its data.

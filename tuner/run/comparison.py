@@ -6,7 +6,7 @@ from enum import Enum
 
 
 class Verdict(Enum):
-    """What a comparison came to."""
+    """The verdict of a comparison."""
 
     MATCH = "match"
     DIFFERS = "differs"

@@ -18,7 +18,7 @@ TURNS = {"rad": (2 * np.pi,), "unit": (2 * np.pi, 360.0)}
 
 
 def diagnosed(posed: Posed, values: Mapping[str, Any], *, fitted: int = 0) -> Diagnostics | None:
-    """What the innovations of some parameters say; None for a filter without innovations.
+    """The diagnosis of some parameters' innovations; None for a filter without innovations.
 
     Args:
         posed: the problem and its data.
@@ -77,7 +77,7 @@ def innovations_of(posed: Posed, values: Mapping[str, Any]) -> Innovations:
 def _measured(
     inputs: Mapping[str, Channel], fact: Channel, line: Timeline, shape: tuple[int, ...]
 ) -> np.ndarray | None:
-    """What was measured, as the innovations lie; None where their channel is not plain to see."""
+    """The measurements in the order of the innovations; None where their channel is not clear."""
     given = {n: f for n, f in inputs.items() if n in line.channels and n != DEVIATION}
     alike = {n: f for n, f in given.items() if f.unit == fact.unit}
     axes, columns = fact.axes[: shape[-1]], None

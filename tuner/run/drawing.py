@@ -135,7 +135,7 @@ def _explain(canvas: "Canvas", axes: "Axes") -> float:
 
 
 def _renderer(canvas: "Canvas") -> Any:
-    """What measures texts."""
+    """The renderer that measures texts."""
     return canvas.canvas.get_renderer()  # type: ignore[attr-defined]
 
 

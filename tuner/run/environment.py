@@ -1,4 +1,4 @@
-"""What a run ran on: versions and settings that its numbers depend on, and no path."""
+"""The environment of a run: versions and settings that its numbers depend on, and no path."""
 
 import os
 import platform

@@ -1,4 +1,4 @@
-"""What a filter estimates, before and after, where no measurement stands beside it."""
+"""The estimates before and after tuning that no measurement stands beside."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any

@@ -60,7 +60,7 @@ class Request:
 
 @dataclass(frozen=True, eq=False)
 class Fitting:
-    """What a fit's plan is about.
+    """The subject of a fit's plan.
 
     Attributes:
         posed: the problem and its data.
@@ -74,14 +74,14 @@ class Fitting:
 
 
 class Found(NamedTuple):
-    """What the solutions of a fit's plan amount to: the one on all data, and what it is worth."""
+    """The outcome of a fit's plan: the solution on all data, and its worth."""
 
     solution: Solution
     judged: Judged
 
 
 def asked_for(hold_out: bool, held_out: HeldOutBy | None) -> HeldOutBy | None:
-    """What is held out, from whether anything is and from what it is to be.
+    """The held-out data, from whether there are any and which they are to be.
 
     Raises:
         ValueError: for a part that is to be held out where nothing is.
@@ -125,7 +125,7 @@ def _source(parts: list[Source]) -> Source:
 
 
 def plan_fit(posed: Posed, request: Request, other: Posed | None = None) -> Plan:
-    """What is solved, exported and drawn; against another objective the front of both."""
+    """The tasks, exports and figures; against another objective the front of both."""
     solver = _solver(request)
     parted = parting(posed.problem, request.held_out)
     posed = replace(posed, problem=screened(posed.problem, request))
@@ -182,7 +182,7 @@ def findings(case: Fitting, solutions: Solutions) -> Iterator[Finding]:
 
 
 def report(case: Fitting, solutions: Solutions) -> FitRecord:
-    """What a fit is worth, for its result."""
+    """The worth of a fit, for its result."""
     found = concluded(case, solutions)
     lines = five_lines(case.posed, found.solution, found.judged)
     doubt = in_doubt(case.posed, found.solution, found.judged)
@@ -190,7 +190,7 @@ def report(case: Fitting, solutions: Solutions) -> FitRecord:
 
 
 def concluded(case: Fitting, solutions: Solutions) -> Found:
-    """What solutions of its plan amount to."""
+    """The outcome of its plan's solutions."""
     posed, parted = case.posed, case.parted
     solved = {name: best(name, solutions) for name, _ in solutions}
     held_out = None if parted is None else judge_held_out(posed, parted, solved)
@@ -217,7 +217,7 @@ def screened(problem: Problem, request: Request) -> Problem:
 
 
 def known_of(problem: Problem) -> Determined | None:
-    """What differences of measurements say of the noise; None where they say nothing."""
+    """The noise estimated from differences of measurements; None where there is no estimate."""
     try:
         return determined(problem)
     except NoModelError:

@@ -111,7 +111,7 @@ def _line(
 
 
 def _axes(posed: Posed, name: str, columns: np.ndarray) -> tuple[str, ...]:
-    """What the parts of an output are called; nothing where it is one number."""
+    """The names of an output's parts; none where it is one number."""
     known = channel_facts(bare(posed.problem.filter), "outputs")[name].axes
     count = columns.shape[1]
     if count == 1:

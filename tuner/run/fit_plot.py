@@ -53,7 +53,7 @@ def _others(posed: Posed, solutions: Solutions, tuned: Mapping[str, Any]) -> Ite
 
 
 def _panels(posed: Posed, tuned: Mapping[str, Any]) -> Iterator[Chart]:
-    """What was measured beside what was predicted and estimated, for each part of it."""
+    """The measurements beside the predictions and estimates, part by part."""
     if "innovation" not in channel_facts(bare(posed.problem.filter), "outputs"):
         return
     found = innovations_of(posed, tuned)
@@ -151,7 +151,7 @@ def _draw_held_out(held: HeldOut, unit: str, axes: "Axes") -> None:
 
 
 def _outcome(held: HeldOut) -> str:
-    """What the bars show, in a sentence."""
+    """The finding of the bars, in a sentence."""
     share = held.gain.share if held.gain is not None else np.nan
     if not np.isfinite(share):
         return f"On {held.what}, tuned on the rest"

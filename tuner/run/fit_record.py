@@ -1,4 +1,4 @@
-"""What a fit is worth, as result.json has it."""
+"""The worth of a fit, as in result.json."""
 
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
@@ -132,7 +132,7 @@ class LeftOutRecord(Recorded):
 
 
 class FitRecord(Recorded):
-    """What a fit is worth; see :class:`tuner.run.judged.Judged`.
+    """The worth of a fit; see :class:`tuner.run.judged.Judged`.
 
     Attributes:
         filter: name of the filter's class.

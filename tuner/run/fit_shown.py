@@ -1,4 +1,4 @@
-"""What the report of a fit shows: the signal, the innovations, and what the data determine."""
+"""The figures of a fit's report: the signal, the innovations, and the cost around the optimum."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any

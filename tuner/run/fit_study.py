@@ -28,7 +28,7 @@ INFINITE = float("inf")
 
 
 class FitSettings(StudySettings):
-    """What ``tuner fit`` can be told; ``tuner list filters NAME`` says what a filter knows."""
+    """The settings of ``tuner fit``; ``tuner list filters NAME`` lists a filter's facts."""
 
     filter: str | None = Field(None, description="name of the filter, or FILE.py:CLASS")
     filter_sha256: str | None = Field(None, description="checksum of that file")
@@ -83,7 +83,7 @@ class FitSettings(StudySettings):
 
     @property
     def wishes(self) -> Wishes:
-        """What the user decides of the problem."""
+        """The user's choices for the problem."""
         objective, _ = in_order(self.objective, self.against)
         return Wishes(self.start, self.fix, self.bound, self.options, objective)
 
@@ -98,12 +98,12 @@ def _replaced(value: Any, words: Mapping[Any, Any]) -> Any:
 
 
 def channels(settings: FitSettings) -> Mapping[str, Channel]:
-    """What ``--map`` may name: the filter's inputs."""
+    """The names for ``--map``: the filter's inputs."""
     return channel_facts(settings.which.cls, "inputs")
 
 
 def truths(settings: FitSettings) -> Mapping[str, Channel]:
-    """What ``--truth`` may name: the filter's outputs that can be compared."""
+    """The names for ``--truth``: the filter's outputs that can be compared."""
     return _compared(settings.which.cls)
 
 

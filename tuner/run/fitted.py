@@ -52,7 +52,7 @@ class Fit:
 
     @cached_property
     def outputs(self) -> Any:
-        """What the tuned filter returns over the recording, time first."""
+        """The tuned filter's outputs over the recording, time first."""
         return self.posed.problem.outputs(self.solution)
 
     def summary(self) -> str:

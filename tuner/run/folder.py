@@ -22,7 +22,7 @@ OWN = (
     "trials.sqlite3-wal",
     "trials.sqlite3-shm",
 )
-"""What runs write under the same names."""
+"""The names of files that every run writes."""
 _BELOW = re.compile(r"(exports|figures)/[^/\\\0]+")
 
 

@@ -66,7 +66,7 @@ class Traded:
 
 @dataclass(frozen=True)
 class Trade:
-    """What a fit's objective and another one cost each other.
+    """The trade-off between a fit's objective and another one.
 
     Attributes:
         objective: the second one's name.

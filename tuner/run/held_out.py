@@ -1,4 +1,4 @@
-"""What tuning is worth on data that was not tuned on: beside the start, no filter, and the best."""
+"""The worth of tuning on held-out data: beside the start, no filter, and the best."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""What a run is: digests of all that its numbers depend on."""
+"""The identity of a run: digests of all that its numbers depend on."""
 
 import hashlib
 from collections.abc import Callable, Mapping
@@ -13,7 +13,7 @@ WHAT = {
     "data": "other data",
     "code": "another version of the code",
 }
-"""What it means where a part of two identities differs."""
+"""The meaning of a difference in each part of an identity."""
 
 
 def identity_of_run(study: Study, recipe: Recipe, plan: Plan) -> dict[str, str]:
@@ -27,7 +27,7 @@ def identity_of_run(study: Study, recipe: Recipe, plan: Plan) -> dict[str, str]:
 
 
 def differences(one: Mapping[str, str], other: Mapping[str, str]) -> list[str]:
-    """What one run has other than another, in words; nothing where they are the same."""
+    """The differences between two runs in words; none where they are the same."""
     return [words for part, words in WHAT.items() if one.get(part) != other.get(part)]
 
 

@@ -20,7 +20,7 @@ from tuner.run.rescaled import Rescaled
 
 @dataclass(frozen=True)
 class Judged:
-    """What a fit came to.
+    """The judgement of a fit.
 
     Attributes:
         objective: its name.

@@ -1,4 +1,4 @@
-"""What of a record a fit leaves out because it contradicts the rest."""
+"""The stretches of a record that a fit leaves out because they contradict the rest."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -17,7 +17,7 @@ from tuner.run.result import CodeRecord
 
 
 class Code(NamedTuple):
-    """What was written.
+    """The files that were written.
 
     Attributes:
         files: the text.

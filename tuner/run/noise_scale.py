@@ -22,7 +22,7 @@ SAMPLES = 5000
 
 
 class Seen(NamedTuple):
-    """What a filter returned: its estimates, each over its own size, and ln of its variances."""
+    """The outputs of a filter: its estimates, each over its own size, and ln of its variances."""
 
     estimates: np.ndarray
     variances: np.ndarray
@@ -100,7 +100,7 @@ def _slope(static: Static, values: dict[str, Array], along: dict[str, Array], in
 
 
 def _flat(problem: Problem, outputs: Any, moved: Any, rows: np.ndarray) -> Seen:
-    """What moves: the estimates over their own size, and the logarithms of the variances."""
+    """The quantities that move: estimates over their own size, and logarithms of variances."""
     pairs = zip(_kept(problem, outputs), _kept(problem, moved), strict=True)
     estimates = [(np.asarray(d)[rows] / _size(y)).ravel() for y, d in pairs]
     s = np.asarray(outputs.variance)[rows]
@@ -118,7 +118,7 @@ def _size(array: np.ndarray) -> float:
 
 
 def _estimates(problem: Problem, outputs: Any) -> list[Any]:
-    """What has to stay: what is declared as an output and no detail; without facts, all but P."""
+    """The quantities that have to stay: outputs that are no detail; without facts, all but P."""
     own = bare(problem.filter)
     if hasattr(own, "outputs") and hasattr(own, "params"):
         facts = channel_facts(own, "outputs")

@@ -12,7 +12,7 @@ from tuner.run.finding import Finding
 from tuner.run.noises import Noise, noises
 
 COLUMNS = ("variance", "density", "deviation")
-"""What stands side by side: the ends of the findings' names."""
+"""The quantities that stand side by side: the ends of the findings' names."""
 _MODEL = ("F", "C")  # exported beside the gains, and known to who made the model
 _SHOWN = 3  # a matrix of more states has too many numbers to be read
 

@@ -11,7 +11,7 @@ from tuner.problem.problem import Problem
 from tuner.run.amounts import amounts
 
 HeldOutBy: TypeAlias = Literal["time", "recording", "leave-one-out", "none"]
-"""What is held out: the last part of the time, some of the recordings, each in turn, or nothing."""
+"""The held-out data: the last part of the time, some recordings, each in turn, or nothing."""
 SHARE = 0.7
 """Share of the samples, or of the recordings, that a second fit is tuned on; the rest judges it."""
 FEW = 3
@@ -22,7 +22,7 @@ LEAST = 50
 
 @dataclass(frozen=True, eq=False)
 class Parting:
-    """What is held out, in one part or, of recordings that are left out in turn, in several.
+    """The held-out data, in one part or, of recordings that are left out in turn, in several.
 
     Attributes:
         way: what is held out.
@@ -38,7 +38,7 @@ class Parting:
 
     @property
     def words(self) -> str:
-        """What judges, in words."""
+        """The judging data, in words."""
         if self.way == "leave-one-out":
             return f"each of {len(self.judges)} recordings in turn"
         count = int(self.judges[0].sum())
@@ -48,7 +48,7 @@ class Parting:
 
 
 def parting(problem: Problem, way: HeldOutBy | None) -> Parting | None:
-    """What is held out; None for nothing.
+    """The held-out data; None for nothing.
 
     Args:
         problem: on all of the data.

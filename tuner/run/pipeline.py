@@ -238,7 +238,7 @@ class Run:
         return own, more, records
 
     def _outputs(self, problem: Problem, solution: Solution) -> str:
-        """What the tuned filter returns over the recording, in full."""
+        """The tuned filter's outputs over the recording, in full."""
         from filters.declared import bare, channel_facts, output
         from tuner.run.careful import SAID
 
@@ -252,13 +252,13 @@ class Run:
         return self.folder.write("outputs.npz", stream.getvalue())
 
     def _report(self, solutions: Solutions) -> FitRecord | None:
-        """What a fit is worth; nothing for a published study."""
+        """The worth of a fit; None for a published study."""
         if self.plan.report is None:
             return None
         return self.plan.report(self.plan.case, solutions)
 
     def tuned(self, problem: Problem, solution: Solution) -> Tuned:
-        """What is exported for a problem: its parameters, and what follows from them."""
+        """The exports of a problem: its parameters, and what follows from them."""
         return tuned_of(
             problem, solution, self.study, self.seed, problem.source or self.plan.source
         )
@@ -278,7 +278,7 @@ class Run:
 
 
 def tuned_of(problem: Problem, solution: Solution, study: str, seed: int, source: Source) -> Tuned:
-    """What is exported of a solution: its parameters, what follows from them, and their origin."""
+    """The exports of a solution: its parameters, what follows from them, and their origin."""
     what = problem.what_is_exported()
     return Tuned(
         name=solution.problem,

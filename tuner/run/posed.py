@@ -55,7 +55,7 @@ class Posed:
     left_out: LeftOut | None = None
 
     def run(self, values: Mapping[str, Any]) -> Any:
-        """What the filter returns with some parameters, given by name, over all data."""
+        """The filter's outputs for parameters given by name, over all data."""
         params = self.problem.static.build({n: jnp.asarray(v, float) for n, v in values.items()})
         assert self.problem.filter is not None
         return run_filter(self.problem.filter, params, self.problem.data.inputs)
@@ -255,7 +255,7 @@ def _by_what_there_is(name: str, cls: type[Any], truth: Channel | None, timeline
 
 
 def truth_of(timeline: Timeline, fact: Channel | None, output: str) -> np.ndarray:
-    """What outputs are held against: the truth, or zeros where any channel was measured.
+    """The reference of the outputs: the truth, or zeros where any channel was measured.
 
     The truth of an output with axes has them last, also where it is one alone.
     """

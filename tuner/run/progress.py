@@ -1,4 +1,4 @@
-"""What is finished of a run: ``progress.json``, written at every solution."""
+"""The finished part of a run: ``progress.json``, written at every solution."""
 
 import contextlib
 from collections.abc import Iterator, Mapping
@@ -29,7 +29,7 @@ class Finished(Recorded):
 
 
 class Progress(Recorded):
-    """What is finished of a run.
+    """The finished part of a run.
 
     Attributes:
         schema_: of this file.
@@ -47,7 +47,7 @@ class Progress(Recorded):
 
 
 def read_progress(data: bytes) -> Progress:
-    """What is finished of a run.
+    """The finished part of a run.
 
     Raises:
         ValueError: where it is no progress.json.

@@ -127,7 +127,7 @@ def read_recipe(path: Path) -> Recipe:
 
 
 def read_document(path: Path) -> dict[str, Any]:
-    """What a study.toml holds, not looked at yet.
+    """The contents of a study.toml, not yet checked.
 
     Raises:
         ValueError: for a file that is not there, is too large, or is no TOML.
@@ -143,7 +143,7 @@ def read_document(path: Path) -> dict[str, Any]:
 
 
 def faults_of(error: ValidationError) -> Iterator[str]:
-    """What is wrong with a recipe, one by one."""
+    """The mistakes in a recipe, one by one."""
     return map(_fault, error.errors())
 
 

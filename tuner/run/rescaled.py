@@ -21,7 +21,7 @@ FACTOR = "variances_scaled_by"
 
 @dataclass(frozen=True)
 class Rescaled:
-    """What a rescaling came to.
+    """The result of a rescaling.
 
     Attributes:
         factor: by which every variance was multiplied; 1 where none was.
@@ -108,7 +108,7 @@ def may_be_rescaled(posed: Posed) -> bool:
 
 
 def as_found(problem: Problem, solution: Solution) -> Rescaled:
-    """What :func:`rescaled` did to a solution of :class:`ThenRescaled`, or why it did nothing."""
+    """The effect of :func:`rescaled` on a solution of :class:`ThenRescaled`, or why it had none."""
     if FACTOR not in solution.derived:
         return rescaled(problem, solution)[1]
     values = {name: parameter.value for name, parameter in solution.parameters.items()}

@@ -1,4 +1,4 @@
-"""What a fit tunes: as facts suggest in the data's own scale, and as a user decides."""
+"""The parameters that a fit tunes: scaled to the data by the facts, or as a user decides."""
 
 import re
 from collections.abc import Mapping
@@ -39,7 +39,7 @@ squares of it."""
 
 @dataclass(frozen=True)
 class Wishes:
-    """What a user decides of a fit; the filter's facts and the data decide the rest.
+    """The choices of a user for a fit; the filter's facts and the data decide the rest.
 
     Attributes:
         start: where the search begins, by parameter.
@@ -116,13 +116,13 @@ def space_of(
 
 @dataclass(frozen=True)
 class Scale:
-    """What is large in data of any unit: the noise of its steps, and a step of its clock, s."""
+    """The scale of data in any unit: the noise of its steps, and a step of its clock, s."""
 
     size: float
     step: float
 
     def of(self, unit: str) -> float:
-        """What 1 in a declared unit stands for; 1 for a unit in SI.
+        """The value of 1 in a declared unit; 1 for a unit in SI.
 
         >>> Scale(size=10.0, step=0.5).of("unit^2/s"), Scale(10.0, 0.5).of("rad/s")
         (200.0, 1.0)

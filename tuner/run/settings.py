@@ -1,4 +1,4 @@
-"""What the settings of all studies have in common."""
+"""The settings that all studies share."""
 
 from pydantic import BaseModel, ConfigDict, ValidationInfo, field_validator
 

@@ -1,4 +1,4 @@
-"""What a report shows of a run: figures in their parts, each with what is to be seen in it."""
+"""The figures of a run in its report, each with its finding."""
 
 from dataclasses import dataclass
 from typing import Literal, TypeAlias

@@ -1,4 +1,4 @@
-"""What a filter lets through: the spectra of a measurement and of its estimate."""
+"""The spectra of a measurement and of its estimate."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""What a study is, and how studies are found."""
+"""The protocol of a study, and how studies are found."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
@@ -92,7 +92,7 @@ class Claim:
 
 @dataclass(frozen=True)
 class Plan:
-    """What a study does with given settings, data and seed.
+    """The plan of a study for given settings, data and seed.
 
     Attributes:
         source: the data.
@@ -128,7 +128,7 @@ class Plan:
                 raise unknown("problem", name, solved)
 
     def only(self, names: Iterable[str]) -> "Plan":
-        """What trying some claims alone takes; nothing is exported or drawn.
+        """The plan that tries some claims alone; nothing is exported or drawn.
 
         Args:
             names: of claims or of their rows, with * and ?.

@@ -98,7 +98,7 @@ def _worth(posed: Posed, judged: Judged) -> Iterator[str]:
 
 
 def _rescaled(found: Rescaled) -> str:
-    """What became of the common factor of all variances, which accuracy leaves open."""
+    """The common factor of all variances, which accuracy leaves open."""
     if found.reason:
         return f"NIS {found.nis[0]:.3g}, and the variances are as they were found: {found.reason}"
     return (

@@ -20,12 +20,12 @@ SOLVERS = {
     "cma-es": "covariance matrix adaptation (Optuna), trials kept in a database",
     "tpe": "tree-structured Parzen estimator (Optuna), trials kept in a database",
 }
-"""What each solver of a :class:`Problem` is, by name."""
+"""The class of each solver of a :class:`Problem`, by name."""
 CONVEX = {
     "lp": "linear programs (CVXPY, Clarabel), proved by their dual",
     "sdp": "convex programs with matrix inequalities (CVXPY, Clarabel), proved by their dual",
 }
-"""What each solver of a convex program is, by name."""
+"""The class of each solver of a convex program, by name."""
 
 
 def make_solver(name: str, *, seed: int, starts: int, storage: str) -> Solver:

@@ -75,7 +75,7 @@ def _status(problem: Problem, best: Minimum, view: View, starts: Starts) -> Stat
 
 
 def _status_of_point(problem: Problem, best: Minimum, view: View) -> Status:
-    """What a point is by itself."""
+    """The status of a point by itself."""
     fall = predicted_fall(problem, best.z, view.held, view.curved)
     still = fall <= view.yard.negligible
     if view.near.lower is not None:

@@ -14,15 +14,15 @@ KINDS = {
     "lp": "linear objective and constraints",
     "sdp": "every convex program, matrix inequalities included",
 }
-"""What each of these solvers takes, by name; both are Clarabel."""
+"""The options of each of these solvers, by name; both are Clarabel."""
 
 
 class ConvexTask(Protocol):
-    """What a convex solver can be given: a :class:`tuner.convex.ConvexProgram`, or its like."""
+    """A program that a convex solver takes: :class:`tuner.convex.ConvexProgram`, or its like."""
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """Its name."""
 
     @property
     def kind(self) -> str:

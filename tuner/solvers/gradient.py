@@ -74,7 +74,7 @@ class Gradient:
 
 
 _TOLERANCE = {"l-bfgs-b": {"ftol": 1e-15}, "trust-constr": {"xtol": 1e-9}}
-"""What each method calls the least progress worth going on for."""
+"""Each method's name for the least progress worth another iteration."""
 
 
 SCALES = 8

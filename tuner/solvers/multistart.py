@@ -1,4 +1,4 @@
-"""What all solvers share: several starts, the best end, its certificate and its status."""
+"""Several starts, the best end, its certificate and its status, for all solvers."""
 
 import time
 from dataclasses import replace

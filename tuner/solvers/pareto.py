@@ -120,7 +120,7 @@ class _Search:
         return self.point(rise / (rise + fall), (left.solution.z, right.solution.z))
 
     def point(self, weight: float, known: tuple[np.ndarray, ...]) -> FrontPoint:
-        """What is best with a weight."""
+        """The best point for a weight."""
         problem = self.problem
         rows = len(np.asarray(problem.data.truth))
         both = Both(problem.data.truth, self.truth, np.full(rows, weight))

@@ -1,4 +1,4 @@
-"""What a solver is."""
+"""The protocol of a solver."""
 
 from typing import Any, Protocol
 
@@ -10,7 +10,7 @@ class Solver(Protocol):
 
     @property
     def name(self) -> str:
-        """What it is called in results."""
+        """Its name in results."""
         ...
 
     def __call__(self, problem: Any, /) -> Solution:

@@ -21,7 +21,7 @@ GRACE = 30
 PATIENCE = 60
 """A process waits so long for others that write to the same file, s."""
 _RACES = ("already exists", "no such table", "is locked", "duplicate key", 'relation "', "UNIQUE")
-"""What is told where two processes make the tables of one new database."""
+"""The drivers' messages where two processes create the tables of one new database."""
 _QUIET = Lock()
 """Python's filters of warnings are those of all threads."""
 
@@ -174,7 +174,7 @@ def one_at_a_time(engine: "Engine") -> None:
 
 
 def _why(url: str, error: BaseException) -> str:
-    """What went wrong: the first line of the driver's own words, without the password."""
+    """The reason of a failure: the first line of the driver's message, without the password."""
     cause = error.__cause__ or error
     if isinstance(cause, ImportError) and "psycopg" in str(cause):
         return "PostgreSQL needs psycopg; pip install 'filter-tuner[postgres]'"
