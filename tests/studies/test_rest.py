@@ -96,7 +96,7 @@ def test_the_closed_form_and_the_search_agree_and_hold_the_demand(found):
     assert known.certificate.multipliers["settles_s"] > 0.5
 
 
-def test_the_output_is_as_noisy_as_foretold(found):
+def test_the_output_is_as_noisy_as_predicted(found):
     rows, _ = found
     assert rows["z.output"].value == pytest.approx(rows["z.output_seen"].value, rel=0.1)
 

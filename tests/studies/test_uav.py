@@ -458,7 +458,7 @@ def perfect(flown, offset=0.0):
     return Outcome(x, angles, innovation, np.full(flown.z.shape, 0.01))
 
 
-def test_positions_are_foretold_from_speed_and_attitude(flown, monkeypatch):
+def test_positions_are_predicted_from_speed_and_attitude(flown, monkeypatch):
     monkeypatch.setattr(prediction, "MOST", 64)
     level = replace(flown, reference=attitude(flown.t) * [0, 0, 1])
     found = predicted(level, perfect(flown))

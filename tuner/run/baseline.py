@@ -52,7 +52,7 @@ def without_filter(posed: Posed, outputs: Any, tuned_on: np.ndarray) -> dict[str
         LAST: measured - _before(measured),
         MEAN: measured - _mean_of_parts(measured, known),
     }
-    return {name: _foretold(each, counted, known, angle=angle) for name, each in errors.items()}
+    return {name: _predicted(each, counted, known, angle=angle) for name, each in errors.items()}
 
 
 def _counted(posed: Posed, outputs: Any) -> np.ndarray:
@@ -138,7 +138,7 @@ def _mean_of_parts(measured: np.ndarray, where: np.ndarray) -> np.ndarray:
     return np.asarray(total / np.maximum(known.sum(axis=axes), 1))
 
 
-def _foretold(
+def _predicted(
     errors: np.ndarray, counted: np.ndarray, known: np.ndarray, *, angle: bool
 ) -> Predicted:
     """Errors with the variance that they have where they were tuned on; 0 where none counts."""
