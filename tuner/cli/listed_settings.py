@@ -13,7 +13,7 @@ _SIGNS = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
 
 
 def show_settings(name: str | None, *, json: bool = False, md: bool = False) -> None:
-    """Print the settings of a study: what each may be, what it is unless told, and its meaning.
+    """Print the settings of a study: its values, its default and its meaning.
 
     Raises:
         ValueError: without a study, and for one that there is none of.
@@ -21,7 +21,7 @@ def show_settings(name: str | None, *, json: bool = False, md: bool = False) -> 
     if name is None:
         raise ValueError(f"settings are of a study; name one: {', '.join(study_names())}")
     study = find_study(name)
-    head, *rows = lines = [["setting", "what it may be", "unless told", "meaning"], *_rows(study)]
+    head, *rows = lines = [["setting", "values", "default", "meaning"], *_rows(study)]
     if json:
         told = {row[0]: dict(zip(head[1:], row[1:], strict=True)) for row in rows}
         print(json_.dumps({"schema": "tuner.list/1", "settings": {study.name: told}}, indent=1))
@@ -54,22 +54,26 @@ def _kind(annotation: Any) -> str:
     """A type in words.
 
     >>> from typing import Literal
-    >>> _kind(float | None), _kind(tuple[int, ...]), _kind(Literal["a", "b"]), _kind(bool)
-    ('number', 'list of integers', 'a or b', 'true or false')
+    >>> _kind(float | None), _kind(tuple[int, ...]), _kind(bool)
+    ('number', 'list of integers', 'true or false')
+    >>> _kind(Literal["a", "b", "c"]), _kind(list[Literal["a", "b"]])
+    ('a, b or c', 'list of any of a or b')
     """
     if annotation in _PLAIN:
         return _PLAIN[annotation]
     name, parts = getattr(get_origin(annotation), "__name__", ""), get_args(annotation)
     words = "table"
     if name == "Literal":
-        words = " or ".join(map(str, parts))
+        *others, last = map(str, parts)
+        words = f"{', '.join(others)} or {last}" if others else last
     elif name == "Annotated":
         words = _kind(parts[0])
     elif name in ("Union", "UnionType"):
         words = " or ".join(dict.fromkeys(_kind(p) for p in parts if p is not type(None)))
     elif name in ("tuple", "list"):
         inner = _kind(parts[0])
-        words = f"list of {inner}{'s' if inner in ('number', 'integer', 'text') else ''}"
+        plain = inner in ("number", "integer", "text")
+        words = f"list of {inner}s" if plain else f"list of any of {inner}"
     return words
 
 
@@ -82,7 +86,7 @@ def _limits(field: FieldInfo) -> Iterator[str]:
 
 def _default(field: FieldInfo) -> str:
     if field.is_required():
-        return "has to be told"
+        return "required"
     default = field.get_default(call_default_factory=True)
     if default is None or default == "":
         return "-"

@@ -9,7 +9,7 @@ from filters import Channel, Param, channel_facts, optional, parameter_facts
 
 
 class Option(NamedTuple):
-    """A choice that is made as the filter is: one of some words, and which it is unless told."""
+    """A choice that is made as the filter is: one of some words, and its default."""
 
     words: tuple[Any, ...]
     default: Any

@@ -88,7 +88,8 @@ def show_grid(title: str, lines: list[list[str]]) -> None:
     for i in columns:
         head, cells = lines[0][i], [line[i] for line in lines[1:]]
         numbers = all(_NUMBER.fullmatch(cell) for cell in cells)
-        fixed = numbers or (wide and head not in _FOLDED)
+        folded = head in _FOLDED or max(map(len, cells), default=0) > out.width // 3
+        fixed = numbers or (wide and not folded)
         least = max(map(len, [head, *cells])) if numbers else None
         table.add_column(head, overflow="fold", no_wrap=fixed, min_width=least)
     for line in lines[1:]:
