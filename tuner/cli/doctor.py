@@ -1,24 +1,31 @@
-"""tuner doctor: is everything there, and does it do what it should?"""
+"""tuner doctor: checks that the installation is complete and computes as it should."""
 
 import json as json_
 import shutil
 import sys
+from collections.abc import Iterator
 from importlib.util import find_spec
-from typing import Any
+from typing import Any, NamedTuple
 
 from tuner.run.environment import environment
 
+
+class Optional(NamedTuple):
+    """Something that only some tasks need."""
+
+    use: str
+    install: str
+
+
 _OPTIONAL = {
-    "h5py": "MAT v7.3 logs: pip install 'filter-tuner[mat73]'",
-    "psycopg": "many machines by PostgreSQL: pip install 'filter-tuner[postgres]'",
-    "pyarrow": "Parquet and Feather: pip install 'filter-tuner[arrow]'",
-    "pyulog": "PX4 logs: pip install 'filter-tuner[ulog]'",
-    "rosbags": "ROS bags and MCAP: pip install 'filter-tuner[ros]'",
-    "cc": "a C compiler: gradients over long recordings, the benchmark's speed limit",
-    "octave": "Octave, for the comparison with its fminsearch",
+    "h5py": Optional("MAT v7.3 logs", "pip install 'filter-tuner[mat73]'"),
+    "psycopg": Optional("many machines by PostgreSQL", "pip install 'filter-tuner[postgres]'"),
+    "pyarrow": Optional("Parquet and Feather logs", "pip install 'filter-tuner[arrow]'"),
+    "pyulog": Optional("PX4 logs", "pip install 'filter-tuner[ulog]'"),
+    "rosbags": Optional("ROS bags and MCAP", "pip install 'filter-tuner[ros]'"),
+    "cc": Optional("fast gradients over long recordings", "a C compiler of the system's packages"),
+    "octave": Optional("the benchmark's comparison with fminsearch", "the system's package octave"),
 }
-
-
 OF_PYTHON = ("h5py", "psycopg", "pyarrow", "pyulog", "rosbags")
 """Those of them that are packages."""
 
@@ -31,27 +38,35 @@ def show(json: bool) -> int:
     if json:
         print(json_.dumps({"schema": "tuner.doctor/1", **report}, indent=1))
         return 1 if problems else 0
-    print(f"Python {report['python']} on {report['system']} {report['machine']}")
-    for name, version in report["packages"].items():
-        print(f"  {name:14}{version or 'missing'}")
-    print(f"float64: {'on' if report['float64'] else 'OFF'}")
-    print(f"loop option: {_loop_sentence()}")
-    print(f"compiled code is kept: {'yes' if _cache() else 'no, its folder cannot be written'}")
-    for name, there in report["optional"].items():
-        print(f"optional {name}: {'found' if there else 'not found'} ({_OPTIONAL[name]})")
+    print("\n".join(_lines(report)))
     for problem in problems:
-        print(f"PROBLEM: {problem}", file=sys.stderr)
-    print("all well" if not problems else f"{len(problems)} problems")
+        print(f"problem: {problem}", file=sys.stderr)
+    print(f"{len(problems)} problems" if problems[1:] else "1 problem" if problems else "all well")
     return 1 if problems else 0
+
+
+def _lines(report: dict[str, Any]) -> Iterator[str]:
+    yield f"Python {report['python']} on {report['system']} {report['machine']}"
+    yield "packages"
+    needed = {name: version for name, version in report["packages"].items() if name != "h5py"}
+    yield from (f"  {name:14}{version or 'missing'}" for name, version in needed.items())
+    yield "computing"
+    yield f"  {'precision':14}{'double' if report['float64'] else 'single'}"
+    yield f"  {'time loops':14}option {_loop_sentence()}"
+    yield f"  {'compiled code':14}{'kept' if _cache() else 'not kept: its folder is read-only'}"
+    yield "optional"
+    for name, there in report["optional"].items():
+        use, install = _OPTIONAL[name]
+        yield f"  {name:14}{f'found: {use}' if there else f'missing: {use}; {install}'}"
 
 
 def _problems(report: dict[str, Any]) -> list[str]:
     missing = [n for n, v in report["packages"].items() if v is None and n not in _OPTIONAL]
     found = [f"{name} is missing: pip install filter-tuner" for name in missing]
     if not report["float64"]:
-        found.append("float64 is off: something switched jax_enable_x64 back")
+        found.append("precision is single: leave jax_enable_x64 on")
     if report["loop_option"] == "late":
-        found.append(_loop_sentence())
+        found.append(f"the option of time loops is {_loop_sentence()}")
     return found
 
 
