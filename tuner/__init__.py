@@ -62,9 +62,8 @@ def _check_siblings() -> None:
         found = None if spec is None or spec.origin is None else os.path.realpath(spec.origin)
         if found != os.path.join(root, name, "__init__.py"):
             raise ImportError(
-                f"tuner needs its own package {name!r} in {os.path.join(root, name)}, but Python "
-                f"finds {found or 'none'}; rename yours, or start Python with -P so that the "
-                "current folder does not come first"
+                f"tuner needs its package {name!r} in {os.path.join(root, name)}, but Python "
+                f"finds {found or 'none'}; rename that one, or start Python with -P"
             )
 
 

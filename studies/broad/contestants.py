@@ -65,8 +65,8 @@ LEAD = Limited(
     0.02,
     scale=2e-3,
     limited=False,
-    meaning="how far ahead of the last sample the attitude is wanted: what this sensor's "
-    "gyroscopes are late against this truth, less half a sample; 0 for another sensor",
+    meaning="lead of the wanted attitude over the last sample: the delay of this sensor's "
+    "gyroscopes against this truth, less half a sample; 0 for another sensor",
 )
 ROOM: dict[str, Parameter | float | tuple[float, ...]] = {
     "speed": SPEED,

@@ -219,8 +219,8 @@ def _check_axes(name: str, acc: np.ndarray, truth: np.ndarray) -> None:
     angle = float(np.degrees(np.arctan2(np.hypot(up[0], up[1]), up[2])))
     if angle > APART:
         raise ValueError(
-            f"at rest the accelerometers of {name} point {angle:.0f} deg away from the truth's "
-            "vertical; give opt_quat from sensor to earth, (w, x, y, z), earth z up"
+            f"the accelerometers of {name} at rest are {angle:.0f} deg off the truth's vertical; "
+            "opt_quat has to be (w, x, y, z) from sensor to earth, z up"
         )
 
 

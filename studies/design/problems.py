@@ -54,8 +54,8 @@ def _minimum_variance(
     undriven = tuple(mode.words(full.states) for mode in modes)
     if not (error @ T).any():
         raise ValueError(
-            f"nothing drives {' and '.join(undriven)}, so the error that counts falls to zero as "
-            "1/t without a gain; let Q drive it, name another error, or give a bound"
+            f"nothing drives {' and '.join(undriven)}, so this error falls to zero as 1/t without "
+            "a gain; let Q drive it, name another error, or give a bound"
         )
     designed = Designed(full, error, driven, T, settings.unit, seed)
     posed = observers.minimum_variance("minimum_variance", driven, error @ T)

@@ -60,8 +60,7 @@ def _notes(rest: Rest) -> Iterator[str]:
     elif noise.from_s > 1.5 * dt:
         yield (
             f"{name} is not white below {noise.from_s:.3g} s: N is read from there to "
-            f"{noise.to_s:.4g} s, and R = N^2 rate is that of white noise, not the variance of a "
-            "sample"
+            f"{noise.to_s:.4g} s, and R = N^2 rate is not the variance of a sample"
         )
     step = resolution(rest.axis.values)
     if step is not None and step > 0.5 * rest.axis.values.std():
@@ -72,9 +71,8 @@ def _notes(rest: Rest) -> Iterator[str]:
     if noise.flicker.value > 0:
         B = noise.instability.value * rest.axis.scale
         yield (
-            f"{name} has flicker noise (bias instability {B:.3g} {rest.axis.written}): walk and "
-            "white noise alone do not make its Allan curve, so both methods differ in K; the "
-            "likelihood's is what predicts the next samples best"
+            f"{name} has flicker noise as well (bias instability {B:.3g} {rest.axis.written}), so "
+            "both methods differ in K; the likelihood's predicts the next samples best"
         )
     if not rest.walk.known:
         high = rest.walk.high * rest.axis.scale

@@ -122,6 +122,6 @@ def _refuse_still(truth: Array) -> None:
     """
     if not float(jnp.abs(truth - truth[0]).max()) > 0:
         raise ValueError(
-            "the true attitude never moves in these data, so a filter without sensors "
-            "(q1 = 0) is best; tune on records with motion (tune_on = 'mixed')"
+            "the attitude in these data never moves, so a filter without sensors (q1 = 0) is "
+            "best; tune on records with motion: tune_on = 'mixed'"
         )

@@ -128,8 +128,8 @@ def _delays(name: str, data: bytes) -> Delays:
     timing = table(name, "timing.txt", data, 1).ravel()
     if len(timing) < 5 or not ((timing[3:5] >= 0) & (timing[3:5] < 5000)).all():
         raise ValueError(
-            f"timing.txt of {name} has to hold start, alignment, end, and the delays of GPS speed "
-            "and position, 0 to 5000 ms; correct it, or leave it out"
+            f"timing.txt of {name} has to hold start, alignment, end and two GPS delays of 0 to "
+            "5000 ms; correct it, or leave it out"
         )
     return Delays(*convert(timing[3:5], "ms", "s").tolist())
 

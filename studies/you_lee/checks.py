@@ -61,8 +61,8 @@ def _attitude(settings: Settings, name: Trajectory, flight: Flown) -> None:
         if not both.max() < 1:
             t = settings.dt * (int(np.argmax(both >= 1)) + 0.5)
             raise ValueError(
-                f"on {name} {equation} would take the arc sine of {both.max():.3g} from t = "
-                f"{t:.4g} s on; give a smaller bank, tilt or speed, or a longer ramp"
+                f"on {name} {equation} needs the arc sine of {both.max():.3g} from {t:.4g} s on; "
+                "give a smaller bank, tilt or speed, or a longer ramp"
             )
 
 

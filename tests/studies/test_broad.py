@@ -269,11 +269,11 @@ REFUSED = {
     "thrice": (scaled("imu_gyr", 3.0), "times the rate of the truth; check their unit"),
     "axes": (
         {"imu_acc": made(1)["imu_acc"][:, ::-1]},
-        "at rest the accelerometers of 01_undisturbed_swing point 90 deg away from the truth's",
+        "the accelerometers of 01_undisturbed_swing at rest are 90 deg off the truth's vertical",
     ),
     "inverted truth": (
         {"opt_quat": np.roll(made(1)["opt_quat"], 1, axis=1)},
-        "point 180 deg away from the truth's",
+        "are 180 deg off the truth's",
     ),
 }
 

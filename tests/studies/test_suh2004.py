@@ -176,7 +176,7 @@ def test_what_cannot_be_tuned_on_is_refused(tmp_path, monkeypatch, capfd):
     assert invoke(["run", "suh2004", *sets, "--out", "run"]) == 2
     said = capfd.readouterr()
     assert said.out == ""
-    assert said.err.startswith("tuner: the true attitude never moves in these data")
+    assert said.err.startswith("tuner: the attitude in these data never moves")
     assert "q1" in said.err
     assert said.err.count("\n") == 1
     assert list(tmp_path.iterdir()) == []

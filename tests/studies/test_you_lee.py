@@ -407,7 +407,7 @@ def test_a_start_may_be_true_on_the_command_line(capfd):
     [
         (
             {"bank": 80.0},
-            r"on T1 \(10\) would take the arc sine of .* give a smaller bank, tilt or",
+            r"on T1 \(10\) needs the arc sine of .* give a smaller bank, tilt or",
         ),
         ({"acc_bias": 1e7}, "in .* % of a run's samples .* smaller errors of the sensors"),
         ({"airspeed_noise": 1e9}, "in .* % of a run's samples .* arc sine of a number above 1"),

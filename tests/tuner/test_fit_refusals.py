@@ -200,7 +200,7 @@ def test_channels_that_never_overlap_in_time(cli, here):
     cases.write(here / "baro.csv", {"t": 100 + np.arange(50) / 10, "baro": np.arange(50.0)})
     words = ("--filter", "vertical", "--map", "acc=acc:m/s^2", "--map", "baro=baro:m")
     outcome = cli("fit", "acc.csv", "baro.csv", *words, "--out", "out")
-    refused(outcome, here, "never overlap in time")
+    refused(outcome, here, "do not overlap")
 
 
 def test_a_class_that_declares_nothing(cli, here, recordings, monkeypatch):

@@ -293,7 +293,7 @@ MISTAKES = {
     "an unhashable field": (
         "    dt: float\n",
         "    dt: float\n    H: tuple = ([1.0, 0.0],)\n",
-        ("the field H of Robot holds a tuple, which cannot be the key of a compilation",),
+        ("the field H of Robot is a tuple, which cannot be hashed",),
     ),
     "a field without a default": (
         "    dt: float\n",
@@ -437,7 +437,7 @@ def test_a_matrix_that_is_no_matrix_of_an_extended_filter():
 def test_samples_that_are_no_samples():
     with pytest.raises(ValueError) as caught:  # noqa: PT011
         posed(linear(), jnp.zeros((9, 1)))
-    assert "one Array of shape (1,) is no tuple with a field" in str(caught.value)
+    assert "an Array of shape (1,) has no field" in str(caught.value)
     assert "Data(Sample(...), truth)" in str(caught.value)
     with pytest.raises(ValueError, match="hold a single number, and time is their first axis"):
         posed(linear(), Measurement(jnp.zeros((9, 1)), u=jnp.array(1.0)))

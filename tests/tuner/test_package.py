@@ -120,9 +120,8 @@ def test_a_foreign_sibling_is_refused_with_both_paths(tmp_path, name, package):
     assert ran.returncode == 1
     (last,) = ran.stderr.splitlines()[-1:]
     assert last == (
-        f"ImportError: tuner needs its own package {name!r} in {Path(own).parents[1] / name}, "
-        f"but Python finds {foreign}; rename yours, or start Python with -P so that the current "
-        "folder does not come first"
+        f"ImportError: tuner needs its package {name!r} in {Path(own).parents[1] / name}, "
+        f"but Python finds {foreign}; rename that one, or start Python with -P"
     )
 
 
@@ -141,7 +140,7 @@ def test_the_command_line_refuses_a_foreign_sibling_as_well(tmp_path):
     (tmp_path / "filters.py").write_text("")
     ran = python("-m", "tuner.cli", "--help", cwd=tmp_path)
     assert ran.returncode == 1
-    assert "tuner needs its own package 'filters'" in ran.stderr
+    assert "tuner needs its package 'filters'" in ran.stderr
 
 
 def test_all_packages_are_typed():

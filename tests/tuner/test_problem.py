@@ -142,8 +142,8 @@ def with_data(inputs, truth):
 
 
 SINGLE = (
-    "is float32; a filter is tuned in float64, for in single precision slow gains are wrong by up "
-    "to their size: convert it with np.asarray(x, float)"
+    "is float32, in which slow gains may be wrong by their own size; convert it to float64 with "
+    "np.asarray(x, float)"
 )
 
 
@@ -160,7 +160,7 @@ def test_single_precision_is_refused(make):
 
 
 def test_half_precision_is_refused():
-    with pytest.raises(ValueError, match="is float16; a filter is tuned in float64"):
+    with pytest.raises(ValueError, match="is float16, in which slow gains"):
         with_data(np.ones(5, np.float16), np.ones(5))
 
 

@@ -285,7 +285,7 @@ def test_covariance_refuses_bounds(low, high):
     ],
 )
 def test_covariance_must_start_in_its_box(init):
-    with pytest.raises(ValueError, match="^a covariance needs an init whose Cholesky factor"):
+    with pytest.raises(ValueError, match="^the Cholesky factor of a covariance's init needs"):
         Covariance(init, low=1e-3, high=1e3)
 
 

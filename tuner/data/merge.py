@@ -165,9 +165,9 @@ def _check_overlap(
         times = signal.times[signal.present]
         if not ((times >= low) & (times <= high)).any():
             raise LogError(
-                f"{label} runs from {base.times[0]:.6g} to {base.times[-1]:.6g} s and "
-                f"{''.join(key)} from {times[0]:.6g} to {times[-1]:.6g} s, so they never overlap "
-                "in time; give recordings of the same time, on one clock"
+                f"{label} ({base.times[0]:.6g} to {base.times[-1]:.6g} s) and {''.join(key)} "
+                f"({times[0]:.6g} to {times[-1]:.6g} s) do not overlap; give recordings of the "
+                "same time, on one clock"
             )
 
 

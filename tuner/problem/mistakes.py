@@ -70,8 +70,8 @@ def _reason(error: Exception, code: str) -> str:
 
 def _bool(error: Exception, code: str) -> str:
     return (
-        "if, while, and, or, not and min or max of Python cannot look at a traced value; write "
-        "jnp.where(condition, a, b), and &, | and ~"
+        "Python's if, while, and, or, not, min and max cannot branch on a traced value; write "
+        "jnp.where(condition, a, b), &, | and ~"
     )
 
 
@@ -134,8 +134,8 @@ def _attribute(error: Exception, code: str) -> str:
         return ""
     if isinstance(thing, jax.core.Tracer | jax.Array):
         return (
-            f"one Array of shape {thing.shape} is no tuple with a field {name!r}; give the tuple "
-            "that is declared, as in Data(Sample(...), truth), or leave the field out"
+            f"an Array of shape {thing.shape} has no field {name!r}; give the declared tuple, as "
+            "in Data(Sample(...), truth), or leave the field out"
         )
     if isinstance(thing, tuple):
         return str(unknown(f"field of {type(thing).__name__}", name, getattr(thing, "_fields", ())))

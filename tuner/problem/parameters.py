@@ -231,9 +231,9 @@ class Covariance:
         (low, high), start = self.box(), self.start()
         if not ((low <= start) & (start <= high)).all():
             raise ValueError(
-                "a covariance needs an init whose Cholesky factor has its diagonal between low and "
-                f"high and no entry above high, got low {self.low:g}, high {self.high:g} and "
-                f"the factor {np.linalg.cholesky(np.asarray(self.init)).tolist()}"
+                "the Cholesky factor of a covariance's init needs a diagonal from low "
+                f"{self.low:g} to high {self.high:g} and no entry above high, got "
+                f"{np.linalg.cholesky(np.asarray(self.init)).tolist()}"
             )
 
     @property

@@ -39,8 +39,8 @@ def check_leaf(where: str, leaf: np.ndarray) -> None:
         return
     if leaf.dtype != np.float64:
         raise ValueError(
-            f"{where} is {leaf.dtype}; a filter is tuned in float64, for in single precision "
-            "slow gains are wrong by up to their size: convert it with np.asarray(x, float)"
+            f"{where} is {leaf.dtype}, in which slow gains may be wrong by their own size; "
+            "convert it to float64 with np.asarray(x, float)"
         )
     if np.isinf(leaf).any():
         first = np.argwhere(np.isinf(leaf))[0]

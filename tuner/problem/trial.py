@@ -106,8 +106,8 @@ def _unhashable(filter: Any) -> str:
             hash(value)
         except TypeError:
             return (
-                f"the field {field} of {cls} holds a {type(value).__name__}, which cannot be "
-                "the key of a compilation; make it a tuple, or a parameter if it is an array"
+                f"the field {field} of {cls} is a {type(value).__name__}, which cannot be hashed; "
+                "make it a tuple, or a parameter if it is an array"
             )
     return f"{cls} cannot be hashed, so no compilation can be kept for it; leave out its __eq__"
 

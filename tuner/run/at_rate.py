@@ -94,8 +94,8 @@ def _trials(filter: Any, params: Any) -> dict[str, Trial]:
 def _made(cls: type[Any], name: str, options: Mapping[str, Any], dt: float) -> Any:
     if "dt" not in {each.name for each in fields(cls)}:
         raise ValueError(
-            f"{name} knows no sample time, so its numbers are those of one sample and say nothing "
-            "of another rate; give the model a dt, or tune it on a record of that rate"
+            f"{name} has no sample time, so its numbers hold at their own rate alone; give the "
+            "model a dt, or tune it on a record of that rate"
         )
     return cls(dt=dt, **options)
 
@@ -116,8 +116,8 @@ def _check(which: Chosen, cls: type[Any], values: Mapping[str, Any], filter: Any
         _check_density(name, at, values, filter)
     elif name not in names("tuner.filters"):
         raise ValueError(
-            f"{name} has no method linear, so nothing says what its numbers are at another rate "
-            f"than that of {at}; those that are densities or time constants hold as they are"
+            f"{name} has no method linear, so its numbers hold for {at} alone; densities and time "
+            "constants among them hold at every rate"
         )
 
 
@@ -129,9 +129,8 @@ def _check_density(name: str, at: str, values: Mapping[str, Any], filter: Any) -
     )
     if W.any() and np.allclose(W, longer, rtol=_SAME, atol=0):
         raise ValueError(
-            f"the process noise of {name} is a covariance of {at} that does not depend on dt, so "
-            "nothing says what it is at another rate; give it as a density times dt, or in a "
-            "continuous model"
+            f"the process noise of {name} does not depend on dt, so it holds for {at} alone; give "
+            "it as a density times dt, or in a continuous model"
         )
 
 

@@ -184,8 +184,8 @@ def _log_beside(path: Path, name: str, digest: str) -> Path:
     there = [folder / name for folder in folders]
     if any(leads_out(folder / name, folder) for folder in folders):
         raise ValueError(
-            f"the log {name} of {path} is a link that leads out of its folder, where no study.toml "
-            f"looks; if you mean it, name it with --log {name}"
+            f"the log {name} of {path} is a link that leads out of its folder; if you mean it, "
+            f"name it with --log {name}"
         )
     for file in there:
         if not digest or file_digest(file) == digest:

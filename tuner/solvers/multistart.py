@@ -95,6 +95,6 @@ def refuse(
         names = np.array(problem.space.coordinates)[steps]
         raise ValueError(
             f"{solver} follows gradients, and {problem.name} is piecewise constant in "
-            f"{', '.join(name.removeprefix('ln ') for name in names)}, whose gradient is 0 and "
-            "says nothing; fix it, or solve by alternating, nelder-mead, cma-es or tpe"
+            f"{', '.join(name.removeprefix('ln ') for name in names)}; fix it, or solve by "
+            "alternating, nelder-mead, cma-es or tpe"
         )

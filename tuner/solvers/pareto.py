@@ -139,9 +139,8 @@ class _Search:
         logs = [float(logarithm(objective, value)) for objective, value in pairs]
         if not np.isfinite(logs).all():
             raise ValueError(
-                f"a front is drawn in logarithms, and where the weight of the second objective is "
-                f"{weight:.3g} the two are {values[0]:.3g} and {values[1]:.3g}; give objectives "
-                "that stay above 0"
+                f"a front needs objectives above 0, and with a weight of {weight:.3g} they are "
+                f"{values[0]:.3g} and {values[1]:.3g}; give others"
             )
         return FrontPoint(*values, weight, (logs[0], logs[1]), solution)
 

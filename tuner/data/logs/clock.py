@@ -154,9 +154,8 @@ def _spread(columns: Columns, mapping: Mapping, seconds: Floats) -> tuple[Floats
         row = int(np.argmin(new))
         raise columns.error(
             mapping,
-            f"stands still at {columns.table.place(row)}, and no pause makes up for it; say "
-            "--drop-repeats where rows are there twice, --by COLUMN where it holds several "
-            "recordings, or --rate HZ",
+            f"stands still at {columns.table.place(row)} without a pause after it; give "
+            "--drop-repeats for doubled rows, --by COLUMN for several recordings, or --rate HZ",
         )
     return spread, int((~new).sum())
 
