@@ -118,7 +118,7 @@ class Kept(Recorded):
 
 
 def nothing_kept() -> Kept:
-    """Of a run that nobody told of."""
+    """A report without contents beside the result."""
     return Kept(schema=SCHEMA)
 
 

@@ -19,7 +19,7 @@ def page_of(result: Result, kept: Kept, folder: Path) -> bytes:
 
 
 def read_kept(folder: Path) -> Kept:
-    """The contents that a run kept for its report; None where an earlier version wrote it.
+    """The contents that a run kept for its report; empty where an earlier version wrote it.
 
     Raises:
         ValueError: where it is not what a run writes.
