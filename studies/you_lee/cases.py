@@ -23,7 +23,7 @@ KEPT = 300_000_000
 """Memory for drawn errors, bytes: 100 runs, and those of the sweeps."""
 SETTLED = 0.2
 """Share of level flight left out of its root mean square, 50 s of 250."""
-SHOWN = 301
+SHOWN = 1501
 """Number of times of each run that are kept for figures."""
 
 

@@ -57,8 +57,10 @@ def _flights(bench: Bench) -> Iterator[Chart]:
         if name == "T1":  # v and w begin at 0 on the others
             cases["velocity filter, true v, w"] = Case(name, "velocity", "true")
         lines = tuple(_rms(bench.spread(case), label, level) for label, case in cases.items())
-        title = f"Roll error of {runs} runs on {name}, with and without the velocity filter"
-        yield Chart(f"flight_{name}", title, "t, s", "root mean square roll error, deg", lines)
+        plain, filtered = (float(line.y.max()) for line in lines[:2])
+        title = f"{name}: {filtered:.2g} deg at most with the velocity filter, {plain:.2g} without"
+        label = f"root mean square roll error of {runs} runs, deg"
+        yield Chart(f"flight_{name}", title, "t, s", label, lines)
 
 
 def _rms(found: Spread, label: str, level: float) -> Line:
@@ -76,11 +78,14 @@ def _by_tau(bench: Bench, solutions: Solutions) -> Chart:
     turn, whole = ([getattr(each, key) for each in spreads] for key in ("turn_rms", "whole_rms"))
     value = float(found.parameters["tau"].value)
     there = bench.spread(_damped(bench, value), CHUNK).whole_rms
+    alone = [tau[np.argmin(each)] for each in (level, turn)]
+    title = f"{settings.trajectory}: level flight alone is best with tau = {alone[0]:.2g} s, "
+    title += f"the turn with {alone[1]:.2g} s"
     return Chart(
         name="sweep_tau",
-        title=f"Roll and pitch together with (10) on {settings.trajectory}, {_runs(bench)} runs",
+        title=title,
         x_label="tau of (15), s",
-        y_label="root mean square error, deg",
+        y_label=f"root mean square error of {_runs(bench)} runs, deg",
         lines=(
             Line("whole flight", tau, np.array(whole)),
             Line("level flight", tau, np.array(level)),
@@ -98,9 +103,7 @@ def _damped(bench: Bench, tau: float) -> Case:
 
 def _by_process_noise(bench: Bench) -> Chart:
     Q_k = np.geomspace(1e-11, 1e3, bench.settings.grid)
-    title = f"Q_k of the velocity filter from v = w = 0 on T1, {_runs(bench)} runs"
-    chart = _sweep(bench, "Q_k", Q_k, title)
-    return Chart("sweep_Q_k", title, "Q_k, (ft/s)^2", chart.y_label, chart.lines, log="x")
+    return _sweep(bench, "Q_k", Q_k, "(ft/s)^2")
 
 
 def _by_threshold(bench: Bench) -> Chart:
@@ -108,9 +111,7 @@ def _by_threshold(bench: Bench) -> Chart:
     peak = float(np.linalg.norm(np.asarray(bench.flights["T1"].sensed.rate), axis=1).max())
     low = min(2e-4, bench.settings.threshold)
     thresholds = np.geomspace(low, 0.95 * peak, bench.settings.grid)
-    title = f"The switch of the velocity filter from v = w = 0 on T1, {_runs(bench)} runs"
-    chart = _sweep(bench, "threshold", thresholds, title)
-    return Chart("sweep_threshold", title, "threshold, rad/s", chart.y_label, chart.lines, log="x")
+    return _sweep(bench, "threshold", thresholds, "rad/s")
 
 
 def _runs(bench: Bench) -> int:
@@ -118,7 +119,8 @@ def _runs(bench: Bench) -> int:
     return min(CHUNK, bench.settings.runs)
 
 
-def _sweep(bench: Bench, name: str, x: np.ndarray, title: str) -> Chart:
+def _sweep(bench: Bench, name: str, x: np.ndarray, unit: str) -> Chart:
+    """The velocity filter's errors from v = w = 0 on T1 over one of its constants."""
     published = PUBLISHED[name]
     cases = [Case("T1", "velocity", values=((name, float(value)),)) for value in x]
     there = Case("T1", "velocity", values=((name, published),))
@@ -128,7 +130,11 @@ def _sweep(bench: Bench, name: str, x: np.ndarray, title: str) -> Chart:
     whole = np.array([each.whole_rms for each in spreads])
     lines.append(Line("root mean square of both, whole flight", x, whole[:-1]))
     lines.append(Line(f"published {name}", np.array([published]), peaks[-1:, 0]))
-    return Chart(name, title, name, "error, mean over runs, deg", tuple(lines))
+    best = float(peaks[:-1, 0].min())
+    title = f"T1: {name} = {published:g} has a largest roll error of {peaks[-1, 0]:.3g} deg, "
+    title += f"the best of all {best:.3g}"
+    label = f"error, mean over {_runs(bench)} runs, deg"
+    return Chart(f"sweep_{name}", title, f"{name}, {unit}", label, tuple(lines), log="x")
 
 
 def _surface(bench: Bench, solutions: Solutions) -> Map:
@@ -142,16 +148,17 @@ def _surface(bench: Bench, solutions: Solutions) -> Map:
     inside = (damped >= K2[0]) & (damped <= K2[-1])
     return Map(
         name="surface_gains",
-        title=f"Roll and pitch together with (10) on {settings.trajectory}: the score over gains",
-        x_label="log10 K1, 1/s",
-        y_label="log10 K2, 1/s",
-        z_label="log10 of the root mean square error, deg",
-        x=np.log10(K1),
-        y=np.log10(K2),
-        z=np.log10(z),
+        title=f"{settings.trajectory}: tuned K2 = {case['K2'] / case['K1']:.2g} K1, (15) has K1/4",
+        x_label="K1, 1/s",
+        y_label="K2, 1/s",
+        z_label="root mean square error, deg",
+        x=K1,
+        y=K2,
+        z=z,
         marks=(
-            Line("(15): K2 = K1/4", np.log10(K1[inside]), np.log10(damped[inside])),
-            Line("published", np.log10([PUBLISHED["K1"]]), np.log10([PUBLISHED["K2"]])),
-            Line("tuned", np.log10([case["K1"]]), np.log10([case["K2"]])),
+            Line("(15): K2 = K1/4", K1[inside], damped[inside]),
+            Line("published", np.array([PUBLISHED["K1"]]), np.array([PUBLISHED["K2"]])),
+            Line("tuned", np.array([case["K1"]]), np.array([case["K2"]])),
         ),
+        log="xyz",
     )
