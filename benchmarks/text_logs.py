@@ -1,8 +1,8 @@
 """Time for a text log of 10^6 rows x 10 columns: python -m benchmarks.text_logs [own].
 
 Compared with pandas and pyarrow where they are installed; they are not dependencies. ``own`` uses
-our reader in NumPy for all blocks, which otherwise reads only blocks with more than plain numbers.
-Memory is the growth of a separate process.
+our reader in NumPy for all blocks, which otherwise reads only blocks with more than plain numbers;
+with ``TUNER_NATIVE=off`` those are read by SciPy in place of C. Memory is the growth of a separate process.
 """
 
 import importlib
