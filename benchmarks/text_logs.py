@@ -2,7 +2,8 @@
 
 Compared with pandas and pyarrow where they are installed; they are not dependencies. ``own`` uses
 our reader in NumPy for all blocks, which otherwise reads only blocks with more than plain numbers;
-with ``TUNER_NATIVE=off`` those are read by SciPy in place of C. Memory is the growth of a separate process.
+with ``TUNER_NATIVE=off`` those are read by SciPy in place of C. Memory is the growth of a separate
+process.
 """
 
 import importlib
