@@ -1,8 +1,9 @@
 """Time for a text log of 10^6 rows x 10 columns: python -m benchmarks.text_logs [own].
 
 Compared with pandas and pyarrow where they are installed; they are not dependencies. ``own`` uses
-our reader in NumPy for all blocks, which otherwise reads only blocks with more than plain numbers.
-Memory is the growth of a separate process.
+our reader in NumPy for all blocks, which otherwise reads only blocks with more than plain numbers;
+with ``TUNER_NATIVE=off`` those are read by SciPy in place of C. Memory is the growth of a separate
+process.
 """
 
 import importlib
@@ -18,6 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from tuner.data.logs import parts
+from tuner.data.logs.compiled import PAYS, plain_reader
 from tuner.data.logs.csv import open_csv
 
 ROWS, COLUMNS, TIMES = 1_000_000, 10, 9
@@ -38,7 +40,7 @@ def ours(path: Path) -> object:
 
 def grown(path: Path) -> float:
     """Memory growth of a process that reads the log, in arrays, including the returned one."""
-    parts.read_regular(b"1\n", b",", 1)  # with what it imports
+    plain_reader(PAYS)(b"1\n", b",", 1)  # with what it imports
     before = most_held()
     ours(path)
     return (most_held() - before) / (8 * ROWS * COLUMNS)

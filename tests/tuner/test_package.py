@@ -161,6 +161,7 @@ def test_a_wheel_holds_types_and_names(tmp_path):
     assert {*(f"{name}/py.typed" for name in packages), "tuner/__init__.pyi"} <= held
     parts = {file.name for file in (tmp_path / "site/tuner/report").iterdir()}
     assert {"page.html.jinja", "page.css", "page.js"} <= parts
+    assert (tmp_path / "site/tuner/data/logs/plain.c").is_file()
     code = (
         "import sys; sys.path.insert(0, 'site'); import tuner; print(tuner.__file__, tuner.Record)"
     )

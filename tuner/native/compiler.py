@@ -12,7 +12,7 @@ import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import Literal, NamedTuple, TypeAlias, cast
 
 FLAGS = ("-std=gnu11", "-fno-math-errno", "-ffp-contract=fast", "-w", "-fPIC")
 """Compiler options, with strict arithmetic: NaN is a missing sample."""
@@ -22,6 +22,21 @@ LONG = 4000
 """Lines beyond which code is optimised less: in two thirds of the time, with equal speed."""
 SECONDS = 30
 """Time limit of a compiler."""
+
+Use: TypeAlias = Literal["auto", "on", "off"]
+"""C where it pays, wherever it is possible, or never."""
+
+
+def use() -> Use:
+    """The value of ``TUNER_NATIVE``; ``auto`` where it is not set.
+
+    Raises:
+        ValueError: for another word.
+    """
+    word = os.environ.get("TUNER_NATIVE") or "auto"
+    if word not in ("auto", "on", "off"):
+        raise ValueError(f"TUNER_NATIVE is {word!r}; set it to auto, on or off")
+    return cast("Use", word)
 
 
 class NoCodeError(Exception):

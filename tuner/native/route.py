@@ -1,11 +1,10 @@
 """The choice between compiled C and XLA for a problem's gradient, with its reason."""
 
-import os
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, cast
 
 import jax
 import numpy as np
@@ -14,13 +13,11 @@ from jax import Array
 from filters import AnyFilter
 from objectives import Data, Objective, is_fold
 from tuner.cached import code_folder
-from tuner.native.compiler import NoCodeError, compiler
+from tuner.native.compiler import NoCodeError, compiler, use
 
 if TYPE_CHECKING:
     from tuner.native.compiled import Native
 
-Use: TypeAlias = Literal["auto", "on", "off"]
-"""C where it pays, wherever it is possible, or never."""
 PAYS, COMPILED = 8e6, 2e4
 """Operations of a gradient from which compiling pays over a search, and the same for
 each operation of a step."""
@@ -32,18 +29,6 @@ _MOST = 4000
 """Most operations of a step in C."""
 _FAILURES = (ValueError, TypeError, LookupError, AttributeError, OSError, MemoryError, NoCodeError)
 """Errors that prevent C code of a loop: none of them may end a search."""
-
-
-def use() -> Use:
-    """The value of ``TUNER_NATIVE``; ``auto`` where it is not set.
-
-    Raises:
-        ValueError: for another word.
-    """
-    word = os.environ.get("TUNER_NATIVE") or "auto"
-    if word not in ("auto", "on", "off"):
-        raise ValueError(f"TUNER_NATIVE is {word!r}; set it to auto, on or off")
-    return cast("Use", word)
 
 
 class Static(Hashable, Protocol):

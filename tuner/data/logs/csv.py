@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from tuner.data.logs.block import Block, read_rows, tidied
+from tuner.data.logs.compiled import plain_reader
 from tuner.data.logs.error import LogError, counted
 from tuner.data.logs.kinds import Chosen
 from tuner.data.logs.layout import Layout, read_layouts
@@ -142,11 +143,11 @@ def _together(cells: list[Raw]) -> Raw:
 
 def _in_turn(layout: Layout, dates: list[int], others: list[int]) -> Iterator[Part]:
     """The blocks one after another, of which a few are worked on at a time."""
-
+    read = plain_reader(layout.path.stat().st_size)
     with ThreadPoolExecutor(_AT_ONCE) as pool:
         waiting: deque[Future[Part]] = deque()
         for block in _blocks(layout):
-            waiting.append(pool.submit(read_part, layout, block, dates, others))
+            waiting.append(pool.submit(read_part, layout, block, dates, others, read))
             if len(waiting) > _AT_ONCE:
                 yield waiting.popleft().result()
         while waiting:

@@ -8,9 +8,10 @@ import numpy as np
 
 from tuner.data.logs.block import INSIDE, Block, read_rows
 from tuner.data.logs.cells import read_cell
+from tuner.data.logs.compiled import Reader
 from tuner.data.logs.error import LogError
 from tuner.data.logs.layout import Layout
-from tuner.data.logs.regular import may_be_regular, read_regular
+from tuner.data.logs.regular import may_be_regular
 from tuner.data.logs.scaling import Floats
 from tuner.data.logs.table import Raw
 
@@ -42,13 +43,15 @@ class Part:
     size: int
 
 
-def read_part(layout: Layout, block: Block, dates: list[int], columns: list[int]) -> Part:
-    """Some columns of a block, and those of its dates."""
-    part = None if dates else _plain(layout, block, columns)
+def read_part(
+    layout: Layout, block: Block, dates: list[int], columns: list[int], read: Reader
+) -> Part:
+    """Some columns of a block, and those of its dates; ``read`` is for plain numbers."""
+    part = None if dates else _plain(layout, block, columns, read)
     return part or _from_cells(layout, block, dates, columns)
 
 
-def _plain(layout: Layout, block: Block, columns: list[int]) -> Part | None:
+def _plain(layout: Layout, block: Block, columns: list[int], read: Reader) -> Part | None:
     """A block of plain numbers alone, most columns of which are wanted; None for any other."""
     text, width, delimiter = block.text, len(layout.names), (layout.delimiter or " ").encode()
     if layout.point != "." or layout.chosen or 2 * len(columns) < width:
@@ -57,7 +60,7 @@ def _plain(layout: Layout, block: Block, columns: list[int]) -> Part | None:
         return None
     if any(may_be_regular(head, delimiter) for head in layout.heads):
         return None  # a repetition of it is not a row
-    values = read_regular(text, delimiter, width)
+    values = read(text, delimiter, width)
     if values is None:
         return None
     lines = range(block.line, block.line + values.shape[1])
