@@ -16,7 +16,7 @@ _PATIENCE = 300  # s
 def loop_flags(flags: str, *, whole: bool) -> str:
     """``XLA_FLAGS`` with the loop option on, or at XLA's own default.
 
-    >>> loop_flags("", whole=False)
+    >>> loop_flags("", whole=False).split()[-1]
     '--xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=1024'
     """
     given = flags if LOOP_OPTION in flags else with_loop_option(flags)

@@ -4,6 +4,7 @@ from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
+from threading import Lock
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, cast
 
 import jax
@@ -72,13 +73,20 @@ class Route:
     _single: "Native | None" = None
     _many: bool | None = None
     _rows: np.ndarray = field(default_factory=lambda: np.empty((0, 0)))
+    _lock: Lock = field(default_factory=Lock)
 
     def value_and_gradient(self, z: np.ndarray) -> Both | None:
         """Both at z ``(n,)`` by C; None where XLA has to compute them."""
-        if self._single is not None:
-            return self._single.value_and_gradient(z, self._rows, self.data)
-        if self.told:
+        if not self.told:
+            with self._lock:  # of several threads one decides
+                if not self.told:
+                    return self._decided(z)
+        if self._single is None:
             return None
+        return self._single.value_and_gradient(z, self._rows, self.data)
+
+    def _decided(self, z: np.ndarray) -> Both | None:
+        """Both at z by C where that is possible and pays; otherwise the reason is kept."""
         try:
             native = self._native(1)
             found = native.value_and_gradient(z, self._rows, self.data)

@@ -11,7 +11,7 @@ import numpy as np
 from jax import Array
 
 from filters import AnyFilter, Lanes, assembled, bare, run
-from objectives import Data, Objective, Way, score, score_and_gradient
+from objectives import Data, Objective, Way, kept_bytes, score, score_and_gradient
 from tuner.certificate.single_precision import SinglePrecision, single_precision
 from tuner.certificate.solution import Solution
 from tuner.data.source import Source
@@ -164,6 +164,12 @@ class Problem:
             traced = _value.trace(self.static, start, self.data).jaxpr
             return way if turns_round(traced.jaxpr) else "forwards"
         return way
+
+    @cached_property
+    def kept_bytes(self) -> int:
+        """Memory in bytes that a run keeps for what follows its time loop."""
+        params = jax.eval_shape(self.static.built, jnp.asarray(self.space.start()))
+        return kept_bytes(self.filter, self.objective, params, self.data)
 
     def hessian(self, z: np.ndarray, step: float = 1e-3) -> np.ndarray:
         """The Hessian in z, ``(n, n)``: central differences of the exact gradient, of XLA.

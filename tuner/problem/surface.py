@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from objectives import Data, kept_bytes, scores_and_gradients
+from objectives import Data, scores_and_gradients
 from tuner.problem.problem import Problem, Static
 
 T = TypeVar("T")
@@ -81,8 +81,7 @@ def _batches(problem: Problem, Z: np.ndarray, evaluate: Callable[..., T]) -> lis
 
 
 def _lanes(problem: Problem, threads: int, points: int) -> int:
-    params = jax.eval_shape(problem.static.built, jnp.asarray(problem.space.start()))
-    kept = kept_bytes(problem.filter, problem.objective, params, problem.data)
+    kept = problem.kept_bytes
     affordable = int(MEMORY / threads / _TRANSFORMS / kept) if kept else _LANES
     return max(1, min(_LANES, affordable, -(-points // threads)))
 

@@ -75,6 +75,7 @@ class Ipopt:
             seed=self.seed,
             constrained=True,
             smooth=True,
+            threads=1,  # it holds the interpreter's lock, and its linear solver is for one thread
         )
 
 

@@ -1,15 +1,23 @@
 """Several starts, the best end, its certificate and its status, for all solvers."""
 
+import os
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from tuner.certificate.solution import Solution
+from tuner.limits import memory
 from tuner.problem.problem import Problem
+from tuner.solvers.blas import blas_on_one_thread
 from tuner.solvers.conclude import conclude
 from tuner.solvers.minimum import Descent, Minimum
+from tuner.solvers.side_by_side import descents
 from tuner.solvers.starts import REDRAWN, SharedStarts
+
+TRANSFORMED = 12
+"""About how many copies of what a run keeps exist while its objective is computed."""
 
 
 def from_several(
@@ -23,8 +31,11 @@ def from_several(
     smooth: bool = False,
     curvature: bool = True,
     shared: SharedStarts | None = None,
+    threads: int | None = None,
 ) -> Solution:
     """Descend from the initial point and from the problem's others; certify the best end.
+
+    The descents run side by side in threads, where one takes long enough and memory allows.
 
     Args:
         problem: what is minimised.
@@ -36,6 +47,7 @@ def from_several(
         smooth: whether the method follows gradients alone.
         curvature: whether the certificate looks at second derivatives.
         shared: where other processes make some of the descents; None: all are made here.
+        threads: how many descents run at the same time; None: as many as there are processors.
 
     Raises:
         ValueError: for fewer than one start, where nothing is free, where there are constraints
@@ -43,20 +55,34 @@ def from_several(
     """
     refuse(problem, solver, starts, "start", constrained=constrained, smooth=smooth)
     begun = time.perf_counter()
-    ends = _descents(problem, descend, starts, seed, shared)
-    return conclude(
-        problem, solver, ends, begun, curvature=curvature, descend=descend, smooth=smooth
-    )
+    with blas_on_one_thread():
+        if shared is None:
+            points = problem.starts(starts + REDRAWN, seed)
+            made = descents(problem, descend, points, starts, threads or _threads(problem))
+        else:
+            made = shared.ends(problem, descend, starts, seed)
+        return conclude(
+            problem,
+            solver,
+            _finite(made, starts),
+            begun,
+            curvature=curvature,
+            descend=descend,
+            smooth=smooth,
+        )
 
 
-def _descents(
-    problem: Problem, descend: Descent, count: int, seed: int, shared: SharedStarts | None
-) -> list[Minimum]:
+def _threads(problem: Problem) -> int:
+    """One for each processor, where memory allows."""
+    held = TRANSFORMED * problem.kept_bytes
+    return min(os.cpu_count() or 1, max(1, memory() // 4 // max(held, 1)))
+
+
+def _finite(made: Iterator[Minimum], count: int) -> list[Minimum]:
     """So many ends; those that are not a number are lost, and others are drawn in their place."""
     ends: list[Minimum] = []
     lost: list[Minimum] = []
-    made = (descend(problem, z) for z in problem.starts(count + REDRAWN, seed))
-    for end in made if shared is None else shared.ends(problem, descend, count, seed):
+    for end in made:
         (ends if np.isfinite(end.value) else lost).append(end)
         if len(ends) == count:
             break
