@@ -51,7 +51,9 @@ time loop is traced to a graph of scalars with its derivatives, what never chang
 derivatives by up to eight parameters lie in one vector of the processor. What comes before the
 loop (from a point to the filter's parameters) and after it (spectra, means) stays JAX. In
 `tuner.values_and_gradients` eight points share a vector, where the objective keeps no samples for
-after the loop.
+after the loop. The first division of a sample, for which all that follows has to wait, is begun
+while the derivatives of the sample before are worked out, and factors of a derivative are
+multiplied with one another first, once for all directions.
 
 - **XLA is the judge.** At the first point both work out value and gradient; where they differ by
   more than 1e-9 of the largest of these numbers, XLA goes on alone. Values without gradient,

@@ -17,9 +17,11 @@ from jax import Array
 from filters import AnyFilter
 from objectives import Data, Objective, is_fold, judged
 from tuner.code.refused import NoCounterpartError
+from tuner.native.ahead import ahead
 from tuner.native.compiler import library
 from tuner.native.loop import Loop, loop
 from tuner.native.runner import runner_of
+from tuner.native.scaled import scaled
 from tuner.native.text import source
 from tuner.native.turn import turn
 
@@ -57,7 +59,7 @@ class Native:
     ) -> None:
         self.objective, self.build, self.size, self.folder = objective, build, size, folder
         runner = runner_of(filter, objective, build, jnp.zeros(size), data)
-        self._turn = turn(runner)
+        self._turn = scaled(turn(runner))
         moving = [leaf.any(-1) for leaf in runner.moved]
         self._places = [np.flatnonzero(leaf) for leaf in moving]
         self._moves = np.vstack([x[m] for x, m in zip(runner.moved, moving, strict=True)])
@@ -147,7 +149,7 @@ class Native:
 
     @cached_property
     def _loop(self) -> Loop:
-        return loop(self._turn, [np.ones(len(self._moves), bool)])
+        return ahead(loop(self._turn, [np.ones(len(self._moves), bool)]))
 
     @cached_property
     def _directions(self) -> Any:
@@ -155,7 +157,8 @@ class Native:
 
     @cached_property
     def _points(self) -> Any:
-        return self._loaded(source(loop(self._turn, list(self._moves.T)), LANES, points=True))
+        by_point = ahead(loop(self._turn, list(self._moves.T)))
+        return self._loaded(source(by_point, LANES, points=True))
 
     def _loaded(self, text: str) -> Any:
         function = library(text, self.folder).run

@@ -81,7 +81,7 @@ class _Attempt:
         starts = [k for cell in turn.cells for k in cell.start if k is not None]
         ends = [pair for cell in turn.cells for pair in (cell.input, cell.after)]
         then = [k for pair in (*ends, *turn.kept) for k in pair if k is not None]
-        self._tangent_nodes = _tangent_nodes(self.old)
+        self._tangent_nodes = tangent_nodes(self.old)
         self._rebuilt = Rebuilt(self.old, self.new)
         self._moves = moves
         known: list[dict[int, int]] = [{} for _ in range(1 + len(moves))]
@@ -154,7 +154,7 @@ class _Attempt:
         return Loop(self.new, carried, self.total, self.kept, len(rows[0]) - 1 if rows else 0)
 
 
-def _tangent_nodes(graph: Graph) -> set[int]:
+def tangent_nodes(graph: Graph) -> set[int]:
     """Nodes that depend on a derivative."""
     found: set[int] = set()
     for k, node in enumerate(graph.nodes):
