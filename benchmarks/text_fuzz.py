@@ -6,7 +6,6 @@ those of Python to the bit, and what is no number, by a regular expression, is n
 is compared where a block is left to another reader; how many of those hold numbers is printed.
 """
 
-import os
 import random
 import re
 import struct
@@ -24,8 +23,9 @@ import numpy as np
 
 from tuner.data.logs import compiled
 from tuner.data.logs.compiled import Form
+from tuner.native.compiler import compiler
 
-OPTIONS = ("-std=gnu11", "-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+OPTIONS = ("-O2", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 LETTERS = b"0123456789" * 3 + b'....---++eE,,\n\n  \t\0\xff/:nan#%"'
 AT_ONCE, MOST = 400, 2**53
 FOUND, NOT_PLAIN, IN_DOUBT = range(3)
@@ -219,8 +219,9 @@ def main() -> None:
         program = Path(folder, "text_fuzz")
         where = f"-I{Path(compiled.__file__).parent}"
         source = Path(__file__).with_suffix(".c")
-        compiler = os.environ.get("CC", "cc")
-        subprocess.run([compiler, *OPTIONS, where, str(source), "-o", str(program)], check=True)
+        subprocess.run(
+            [*compiler().command, *OPTIONS, where, str(source), "-o", str(program)], check=True
+        )
         while time.monotonic() < end:
             blocks = [block(draw) for _ in range(AT_ONCE)]
             size += sum(len(one.text) for one in blocks)

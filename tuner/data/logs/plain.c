@@ -143,7 +143,8 @@ static inline enum status number(const letter **at, const letter *end, int mark,
     const letter *first = p += minus || *p == '+';
     uint64_t digits = 0;
     int64_t power = 0;
-    p = digits_of(p, end, &digits);
+    for (; is_digit(*p); p++)
+        digits = digits * 10 + (*p - '0');
     ptrdiff_t count = p - first;
     if (*p == mark) {
         const letter *point = ++p;
@@ -168,7 +169,7 @@ static inline enum status number(const letter **at, const letter *end, int mark,
 
 static inline const letter *after_blanks(const letter *p, int delimiter)
 {
-    while (*p == ' ' || (*p == '\t' && delimiter != '\t'))
+    while (*p <= ' ' && (*p == ' ' || (*p == '\t' && delimiter != '\t')))
         p++;
     return p;
 }
