@@ -2,8 +2,8 @@
 
 The reader is compiled with the sanitizers of addresses and of undefined behaviour, which end it
 at the first byte out of bounds, and gets each block in memory of exactly its size. Numbers are
-those of Python to the bit, and what is no plain number, by a regular expression, is none. Nothing
-is compared where a block is left to another reader; how many of those are plain is printed.
+those of Python to the bit, and what is no number, by a regular expression, is none. Nothing
+is compared where a block is left to another reader; how many of those hold numbers is printed.
 """
 
 import random
@@ -22,22 +22,59 @@ from pathlib import Path
 import numpy as np
 
 from tuner.data.logs import compiled
+from tuner.data.logs.compiled import Form
+from tuner.native.compiler import compiler
 
-NUMBER = re.compile(rb"-?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
-OPTIONS = ("-std=gnu11", "-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
-LETTERS = b"0123456789" * 3 + b"....---++eE,,\n\n \t\0\xff/:"
+OPTIONS = ("-O2", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+LETTERS = b"0123456789" * 3 + b'....---++eE,,\n\n  \t\0\xff/:nan#%"'
 AT_ONCE, MOST = 400, 2**53
 FOUND, NOT_PLAIN, IN_DOUBT = range(3)
 
 
 @dataclass(frozen=True)
 class Block:
-    """A text, with the rows and the width that are asked for."""
+    """A text, how it is written, and the rows that are asked for."""
 
     text: bytes
-    delimiter: bytes
+    form: Form
     rows: int
-    width: int
+
+
+def right(text: bytes, form: Form) -> np.ndarray | None:
+    """The wanted columns by Python, ``(columns, rows)``; None where a reader has to refuse."""
+    lines = text.split(b"\n")
+    if lines.pop() or not text or form.delimiter == form.point:
+        return None
+    rows = [_cells(line, form.delimiter) for line in lines]
+    if any(len(row) != form.width or row[0][:1] in (b"#", b"%") for row in rows):
+        return None
+    if form.width == 1 and [b""] in rows:
+        return None
+    others = set(range(form.width)) - set(form.columns)
+    if any(b'"' in row[k] for row in rows for k in others):
+        return None
+    values = [[_number(row[k], form.point) for row in rows] for k in form.columns]
+    if any(value is None for column in values for value in column):
+        return None
+    return np.array(values, float).reshape(len(form.columns), len(rows))
+
+
+def _cells(line: bytes, delimiter: bytes) -> list[bytes]:
+    if delimiter == b" ":
+        return re.split(rb"[ \t]+", line.strip(b" \t"))
+    blanks = b" " if delimiter == b"\t" else b" \t"
+    return [cell.strip(blanks) for cell in line.split(delimiter)]
+
+
+def _number(cell: bytes, point: bytes) -> float | None:
+    """A number, NaN for a missing one, and None for anything else and what is too large."""
+    mark = re.escape(point)
+    if cell.lower() in (b"", b"nan"):
+        return float("nan")
+    if not re.fullmatch(rb"[-+]?(\d+%b?\d*|%b\d+)([eE][-+]?\d+)?" % (mark, mark), cell):
+        return None
+    value = float(cell.replace(point, b"."))
+    return value if abs(value) < MOST else None
 
 
 def any_double(draw: random.Random) -> float:
@@ -81,24 +118,31 @@ KINDS: tuple[Callable[[random.Random], str], ...] = (
     lambda draw: f"0.{'0' * draw.randint(0, 30)}{draw.getrandbits(draw.randint(1, 63))}",
     lambda draw: f"{draw.randint(2**50, 2**53) / 2 ** draw.randint(1, 3):.2f}5",
     lambda draw: draw.choice(ODD),
+    lambda draw: draw.choice(["", "nan", "NaN", "+1.5"]),
+    lambda draw: draw.choice(["", "a", "a b", "on", "1"]),
 )
 """Ways to write plain numbers, many of which are hard to round."""
 
 
 def block(draw: random.Random) -> Block:
-    """A block of plain numbers, of which half are damaged."""
-    delimiter = draw.choice(",;\t| ")
+    """A block of numbers, of which half are damaged."""
+    delimiter, point = draw.choice([",.", ";.", "\t.", "|.", " .", ";,", "\t,", " ,"])
     width, rows = draw.choice([1, 1, 2, 3, 10, 40]), draw.choice([0, 1, 2, 5, 30])
     kinds = draw.sample(KINDS, draw.choice([1, 2, 3]))
-    lines = [delimiter.join(draw.choice(kinds)(draw) for _ in range(width)) for _ in range(rows)]
-    text = bytearray("".join(f"{line}\n" for line in lines).encode())
+    blanks = draw.choice(["", "", "", " ", "\t", "  "])
+    lines = [
+        f"{delimiter}{blanks}".join(draw.choice(kinds)(draw) for _ in range(width))
+        for _ in range(rows)
+    ]
+    text = bytearray("".join(f"{line}\n" for line in lines).replace(".", point).encode())
     if draw.randrange(2):
         for _ in range(draw.choice([1, 1, 2, 8])):
             damage(draw, text)
     asked = text.count(b"\n")
     if not draw.randrange(20):
         asked, width = draw.randint(0, 60), draw.randint(0, 60)
-    return Block(bytes(text), delimiter.encode(), asked, width)
+    wanted = draw.sample(range(width), draw.choice([width, width, draw.randint(0, width)]))
+    return Block(bytes(text), Form(delimiter.encode(), point.encode(), width, wanted), asked)
 
 
 def damage(draw: random.Random, text: bytearray) -> None:
@@ -118,28 +162,13 @@ def damage(draw: random.Random, text: bytearray) -> None:
         del text[at:]
 
 
-def right(one: Block) -> np.ndarray | None:
-    """The numbers by Python, ``(width, rows)``; None where they are not plain."""
-    lines = one.text.split(b"\n")
-    if lines.pop() or not one.text or len(lines) != one.rows:
-        return None
-    rows = [line.split(one.delimiter) for line in lines]
-    if any(len(row) != one.width for row in rows):
-        return None
-    if not all(NUMBER.fullmatch(cell) for row in rows for cell in row):
-        return None
-    values = np.array([[float(cell) for cell in row] for row in rows]).T
-    return None if (np.abs(values) >= MOST).any() else np.ascontiguousarray(values)
-
-
 def answers(program: Path, blocks: list[Block]) -> list[tuple[int, bytes]]:
     """Status and numbers of each block.
 
     Raises:
         RuntimeError: with what a sanitizer says.
     """
-    heads = (struct.pack("4Q", len(b.text), b.delimiter[0], b.rows, b.width) for b in blocks)
-    asked = b"".join(head + b.text for head, b in zip(heads, blocks, strict=True))
+    asked = b"".join(_asked(one) for one in blocks)
     ran = subprocess.run(
         [program],
         input=compiled.powers_of_ten().tobytes() + asked,
@@ -151,10 +180,17 @@ def answers(program: Path, blocks: list[Block]) -> list[tuple[int, bytes]]:
     found, at = [], 0
     for one in blocks:
         status = ran.stdout[at]
-        size = 8 * one.rows * one.width if status == FOUND else 0
+        size = 8 * one.rows * len(one.form.columns) if status == FOUND else 0
         found.append((status, ran.stdout[at + 1 : at + 1 + size]))
         at += 1 + size
     return found
+
+
+def _asked(one: Block) -> bytes:
+    form = one.form
+    marks = form.delimiter[0], form.point[0]
+    head = struct.pack("6Q", len(one.text), *marks, one.rows, form.width, len(form.columns))
+    return head + compiled.places(form).tobytes() + one.text
 
 
 def judge(one: Block, status: int, values: bytes) -> str:
@@ -163,12 +199,12 @@ def judge(one: Block, status: int, values: bytes) -> str:
     Raises:
         AssertionError: where it was wrong.
     """
-    wanted = right(one)
+    wanted = right(one.text, one.form) if one.rows == one.text.count(b"\n") else None
     if status == IN_DOUBT:
-        return "left to another reader" if wanted is None else "plain, left to another reader"
+        return "left to another reader" if wanted is None else "numbers, left to another reader"
     if status == NOT_PLAIN:
         assert wanted is None, one
-        return "not plain"
+        return "refused"
     assert wanted is not None, one
     assert values == wanted.tobytes(), one
     return "equal to the bit"
@@ -183,7 +219,9 @@ def main() -> None:
         program = Path(folder, "text_fuzz")
         where = f"-I{Path(compiled.__file__).parent}"
         source = Path(__file__).with_suffix(".c")
-        subprocess.run(["cc", *OPTIONS, where, str(source), "-o", str(program)], check=True)
+        subprocess.run(
+            [*compiler().command, *OPTIONS, where, str(source), "-o", str(program)], check=True
+        )
         while time.monotonic() < end:
             blocks = [block(draw) for _ in range(AT_ONCE)]
             size += sum(len(one.text) for one in blocks)

@@ -14,11 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from tuner.data.logs.block import Block, read_rows, tidied
-from tuner.data.logs.compiled import plain_reader
 from tuner.data.logs.error import LogError, counted
 from tuner.data.logs.kinds import Chosen
 from tuner.data.logs.layout import Layout, read_layouts
-from tuner.data.logs.parts import Part, mend, read_part, text_of
+from tuner.data.logs.parts import Part, mend, read_part, reader_of, text_of
 from tuner.data.logs.store import Store
 from tuner.data.logs.stream import lines
 from tuner.data.logs.table import Loaded, Raw, Table, together
@@ -143,7 +142,7 @@ def _together(cells: list[Raw]) -> Raw:
 
 def _in_turn(layout: Layout, dates: list[int], others: list[int]) -> Iterator[Part]:
     """The blocks one after another, of which a few are worked on at a time."""
-    read = plain_reader(layout.path.stat().st_size)
+    read = reader_of(layout, dates, others)
     with ThreadPoolExecutor(_AT_ONCE) as pool:
         waiting: deque[Future[Part]] = deque()
         for block in _blocks(layout):

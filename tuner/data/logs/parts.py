@@ -1,17 +1,17 @@
 """Blocks of a text log as columns of numbers."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
 from tuner.data.logs.block import INSIDE, Block, read_rows
 from tuner.data.logs.cells import read_cell
-from tuner.data.logs.compiled import Reader
+from tuner.data.logs.compiled import Form, reader
 from tuner.data.logs.error import LogError
 from tuner.data.logs.layout import Layout
-from tuner.data.logs.regular import may_be_regular
 from tuner.data.logs.scaling import Floats
 from tuner.data.logs.table import Raw
 
@@ -43,28 +43,35 @@ class Part:
     size: int
 
 
+Read: TypeAlias = Callable[[bytes], Sequence[Floats] | None]
+"""From the lines of a block to its wanted columns; None for lines that are not all rows."""
+
+
+def reader_of(layout: Layout, dates: list[int], columns: list[int]) -> Read:
+    """The reader of the blocks in which each line is a row, and the wanted cells are numbers."""
+    if layout.chosen or dates or not columns:
+        return _nothing
+    delimiter, point = (layout.delimiter or " ").encode(), layout.point.encode()
+    form = Form(delimiter, point, len(layout.names), columns)
+    read = reader(layout.path.stat().st_size)
+    if any(read(head + b"\n", form) is not None for head in layout.heads):
+        return _nothing  # a repetition of it is not a row
+    return lambda text: read(text, form)
+
+
+def _nothing(text: bytes) -> None:
+    return None
+
+
 def read_part(
-    layout: Layout, block: Block, dates: list[int], columns: list[int], read: Reader
+    layout: Layout, block: Block, dates: list[int], columns: list[int], read: Read
 ) -> Part:
-    """Some columns of a block, and those of its dates; ``read`` is for plain numbers."""
-    part = None if dates else _plain(layout, block, columns, read)
-    return part or _from_cells(layout, block, dates, columns)
-
-
-def _plain(layout: Layout, block: Block, columns: list[int], read: Reader) -> Part | None:
-    """A block of plain numbers alone, most columns of which are wanted; None for any other."""
-    text, width, delimiter = block.text, len(layout.names), (layout.delimiter or " ").encode()
-    if layout.point != "." or layout.chosen or 2 * len(columns) < width:
-        return None
-    if len(text) < _FEW or text[-1:] != b"\n" or not may_be_regular(text, delimiter):
-        return None
-    if any(may_be_regular(head, delimiter) for head in layout.heads):
-        return None  # a repetition of it is not a row
-    values = read(text, delimiter, width)
+    """Some columns of a block, and those of its dates, by a reader where it can read them."""
+    values = read(block.text) if len(block.text) >= _FEW and block.text.endswith(b"\n") else None
     if values is None:
-        return None
-    lines = range(block.line, block.line + values.shape[1])
-    return Part([values[k] for k in columns], {}, [], {}, lines, {}, len(text))
+        return _from_cells(layout, block, dates, columns)
+    lines = range(block.line, block.line + len(values[0]))
+    return Part(values, {}, [], {}, lines, {}, len(block.text))
 
 
 def _from_cells(layout: Layout, block: Block, dates: list[int], columns: list[int]) -> Part:

@@ -1,9 +1,10 @@
-/* Lines of plain numbers as the nearest doubles.
+/* Columns of numbers in lines of text, as the nearest doubles.
 
-   A number is -?(d+.?d*|.d+)([eE][-+]?d+)? with digits d. Up to 2^53 and 10^22 one rounding of an
-   exact quotient is right (Clinger 1990); beyond, the product with 128 bits of a power of ten is
-   known to lie between two numbers, and is left to others where both do not round alike (Lemire
-   2021 shows how seldom that is). No library, and so no locale, is asked. */
+   A number is [-+]?(d+.?d*|.d+)([eE][-+]?d+)? with digits d and the decimal mark as its point; an
+   empty cell and the word nan are missing ones. Blanks may stand around cells. Up to 2^53 and
+   10^22 one rounding of an exact quotient is right (Clinger 1990); beyond, the product with 128
+   bits of a power of ten is known to lie between two numbers, and is left to others where both do
+   not round alike (Lemire 2021 shows how seldom that is). No library, and so no locale, is asked. */
 
 #include <float.h>
 #include <stddef.h>
@@ -27,6 +28,13 @@ typedef struct {
     uint64_t high, low;
     int64_t exponent;
 } ten;
+
+/* How a text is written: place is that of each column among the wanted ones, below zero for none. */
+typedef struct {
+    size_t rows, width;
+    const int64_t *place;
+    int delimiter, point;
+} form;
 
 static const double tens_once[ONCE + 1] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                            1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
@@ -117,26 +125,37 @@ static enum status nearest(uint64_t digits, int64_t power, const ten *tens, doub
     return *value >= (double)EXACT ? NOT_PLAIN : status;
 }
 
-static inline enum status number(const letter **at, const letter *end, const ten *tens,
+static enum status missing(const letter **at, const letter *end, double *value)
+{
+    const letter *p = *at;
+    if (end - p < 3 || (p[0] | 0x20) != 'n' || (p[1] | 0x20) != 'a' || (p[2] | 0x20) != 'n')
+        return NOT_PLAIN;
+    *value = __builtin_nan("");
+    *at = p + 3;
+    return FOUND;
+}
+
+static inline enum status number(const letter **at, const letter *end, int mark, const ten *tens,
                                  double *value)
 {
     const letter *p = *at;
     const int minus = *p == '-';
-    const letter *first = p += minus;
+    const letter *first = p += minus || *p == '+';
     uint64_t digits = 0;
     int64_t power = 0;
-    p = digits_of(p, end, &digits);
+    for (; is_digit(*p); p++)
+        digits = digits * 10 + (*p - '0');
     ptrdiff_t count = p - first;
-    if (*p == '.') {
+    if (*p == mark) {
         const letter *point = ++p;
         p = digits_of(p, end, &digits);
         power = point - p;
         count += p - point;
     }
     if (count == 0)
-        return NOT_PLAIN;
+        return missing(at, end, value);
     if (count > MOST_DIGITS)
-        for (const letter *zero = first; zero < p && (*zero == '0' || *zero == '.'); zero++)
+        for (const letter *zero = first; zero < p && (*zero == '0' || *zero == mark); zero++)
             count -= *zero == '0';
     if (count > MOST_DIGITS)
         return IN_DOUBT;
@@ -148,22 +167,64 @@ static inline enum status number(const letter **at, const letter *end, const ten
     return status;
 }
 
-/* rows lines of width numbers, which are the whole text; a column after another in values. */
-int read_numbers(const letter *text, size_t length, int delimiter, size_t rows, size_t width,
-                 const ten *tens, double *values)
+static inline const letter *after_blanks(const letter *p, int delimiter)
+{
+    while (*p <= ' ' && (*p == ' ' || (*p == '\t' && delimiter != '\t')))
+        p++;
+    return p;
+}
+
+/* The end of a cell that is not wanted; its quotes would hide delimiters. */
+static const letter *passed(const letter *p, int delimiter)
+{
+    while (*p != delimiter && *p != '\n' && *p != '"' && !(delimiter == ' ' && *p == '\t'))
+        p++;
+    return p;
+}
+
+/* One cell, up to the blanks behind it. Where blanks are delimiters, none is empty; nor is a line,
+   which would be no row. */
+static inline enum status cell(const letter **at, const letter *end, const form *f, int64_t place,
+                               const ten *tens, double *value)
+{
+    if (**at == f->delimiter || **at == '\n') {
+        if (f->delimiter == ' ' || f->width == 1)
+            return NOT_PLAIN;
+        *value = __builtin_nan("");
+        return FOUND;
+    }
+    if (place >= 0)
+        return number(at, end, f->point, tens, value);
+    *at = passed(*at, f->delimiter);
+    return **at == '"' ? NOT_PLAIN : FOUND;
+}
+
+/* The lines of a whole text; the wanted columns one after another in values. */
+int read_numbers(const letter *text, size_t length, const form *f, const ten *tens, double *values)
 {
     const letter *p = text, *end = text + length;
-    if (length == 0 || end[-1] != '\n')
+    const int delimiter = f->delimiter;
+    double none;
+    if (length == 0 || end[-1] != '\n' || delimiter == '\n' || delimiter == f->point)
         return NOT_PLAIN;
-    for (size_t i = 0; i < rows; i++)
-        for (size_t k = 0; k < width; k++) {
-            if (p == end)
+    for (size_t i = 0; i < f->rows; i++) {
+        if (p == end)
+            return NOT_PLAIN;
+        for (size_t k = 0; k < f->width; k++) {
+            const int last = k + 1 == f->width;
+            const int64_t place = f->place[k];
+            double *value = place < 0 ? &none : &values[(size_t)place * f->rows + i];
+            p = after_blanks(p, delimiter);
+            if (k == 0 && (*p == '#' || *p == '%'))
                 return NOT_PLAIN;
-            const enum status status = number(&p, end, tens, &values[k * rows + i]);
+            const enum status status = cell(&p, end, f, place, tens, value);
             if (status != FOUND)
                 return status;
-            if (*p++ != (k + 1 < width ? delimiter : '\n'))
+            const letter *behind = after_blanks(p, delimiter);
+            if (last ? *behind != '\n' : delimiter == ' ' ? behind == p : *behind != delimiter)
                 return NOT_PLAIN;
+            p = behind + (last || delimiter != ' ');
         }
+    }
     return p == end ? FOUND : NOT_PLAIN;
 }

@@ -29,7 +29,7 @@ def read_regular(text: bytes, delimiter: bytes, width: int) -> Floats | None:
            [  -2.5, 1000. ]])
     >>> read_regular(b"1,-2.5\\n3,1-3\\n", b",", 2)
     """
-    rows = count_rows(text, delimiter, width)
+    rows = count_rows(text, delimiter, width) if _may_be_regular(text, delimiter) else 0
     if not rows:
         return None
     try:
@@ -44,7 +44,7 @@ def read_regular(text: bytes, delimiter: bytes, width: int) -> Floats | None:
     return values
 
 
-def may_be_regular(text: bytes, delimiter: bytes) -> bool:
+def _may_be_regular(text: bytes, delimiter: bytes) -> bool:
     """Whether lines may be plain numbers, by their first characters."""
     beginning = text[:_BEGINNING]
     odd = beginning.translate(None, _USUAL + delimiter)
