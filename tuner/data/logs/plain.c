@@ -80,7 +80,7 @@ static inline enum status raised(const letter **at, int64_t *power)
     for (; is_digit(*p); p++)
         if (found < ENDLESS)
             found = found * 10 + (*p - '0');
-    *power += down ? -found : found;
+    *power = down ? -found : found;
     *at = p;
     return FOUND;
 }
@@ -125,6 +125,34 @@ static enum status nearest(uint64_t digits, int64_t power, const ten *tens, doub
     return *value >= (double)EXACT ? NOT_PLAIN : status;
 }
 
+/* More digits than 64 bits hold: no number is rounded below what a smaller one is rounded to, so
+   that rounding is certain where the first digits, and one more at the last of them, round alike. */
+static enum status longer(const letter *p, const letter *end, int mark, int64_t power,
+                          const ten *tens, double *value)
+{
+    uint64_t digits = 0;
+    int taken = 0, behind = 0, more = 0;
+    for (; p < end; p++) {
+        if (*p == mark) {
+            behind = 1;
+        } else if (taken == MOST_DIGITS) {
+            power += !behind;
+            more |= *p != '0';
+        } else {
+            digits = digits * 10 + (*p - '0');
+            taken += digits > 0;
+            power -= behind;
+        }
+    }
+    double above;
+    const enum status status = nearest(digits, power, tens, value);
+    if (!more || status != FOUND)
+        return status;
+    if (nearest(digits + 1, power, tens, &above) != FOUND)
+        return IN_DOUBT;
+    return above == *value ? FOUND : IN_DOUBT;
+}
+
 static enum status missing(const letter **at, const letter *end, double *value)
 {
     const letter *p = *at;
@@ -154,14 +182,13 @@ static inline enum status number(const letter **at, const letter *end, int mark,
     }
     if (count == 0)
         return missing(at, end, value);
-    if (count > MOST_DIGITS)
-        for (const letter *zero = first; zero < p && (*zero == '0' || *zero == mark); zero++)
-            count -= *zero == '0';
-    if (count > MOST_DIGITS)
-        return IN_DOUBT;
-    if ((*p == 'e' || *p == 'E') && raised(&p, &power) != FOUND)
+    const letter *behind = p;
+    int64_t exponent = 0;
+    if ((*p == 'e' || *p == 'E') && raised(&p, &exponent) != FOUND)
         return NOT_PLAIN;
-    const enum status status = nearest(digits, power, tens, value);
+    const enum status status =
+        count > MOST_DIGITS ? longer(first, behind, mark, exponent, tens, value)
+                            : nearest(digits, power + exponent, tens, value);
     *value = minus ? -*value : *value;
     *at = p;
     return status;
