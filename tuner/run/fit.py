@@ -131,7 +131,7 @@ def plan_fit(posed: Posed, request: Request, other: Posed | None = None) -> Plan
     posed = replace(posed, problem=screened(posed.problem, request))
     main = ThenRescaled(solver) if may_be_rescaled(posed) else solver
     tasks = [Task(posed.problem, main), *_second_fits(parted, request, _quick(solver))]
-    against = None if other is None else Against(other, solver, posed.problem)
+    against = None if other is None else Against.by(other, solver, posed.problem)
     case = Fitting(posed, parted, against)
     return Plan(
         source=posed.source,
@@ -144,7 +144,20 @@ def plan_fit(posed: Posed, request: Request, other: Posed | None = None) -> Plan
         notes=posed.notes,
         findings=findings,
         shown=_shown,
+        share=_share,
+        last=_last,
     )
+
+
+def _share(case: Fitting, url: str) -> Fitting:
+    """With a front that other processes help with."""
+    return case if case.against is None else replace(case, against=case.against.shared(url))
+
+
+def _last(case: Fitting) -> None:
+    """The front, which :attr:`Against.front` keeps."""
+    if case.against is not None:
+        _ = case.against.front
 
 
 def _second_fits(parted: Parting | None, request: Request, solver: Solver) -> Iterator[Task]:

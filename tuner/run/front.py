@@ -13,6 +13,7 @@ from tuner.problem.problem import Problem
 from tuner.run.figure import Chart, Line
 from tuner.run.posed import NO_TRUTH, Posed, pose
 from tuner.run.searched import Wishes
+from tuner.run.sharing import OneForAll, shared
 from tuner.solvers.pareto import Front, pareto
 from tuner.solvers.solver import Solver
 
@@ -37,11 +38,18 @@ class Against:
     @cached_property
     def front(self) -> Front:
         """The front, searched once."""
-        known: Any = self.solver
-        # From the initial values and from both neighbours.
-        solver = replace(known, starts=3) if hasattr(known, "starts") else known
-        other = self.posed.problem
-        return pareto(self.first, other.objective, other.data.truth, solver=solver, points=POINTS)
+        other, truth = self.posed.problem.objective, self.posed.problem.data.truth
+        return pareto(self.first, other, truth, solver=self.solver, points=POINTS)
+
+    @classmethod
+    def by(cls, posed: Posed, solver: Any, first: Problem) -> "Against":
+        """The front by the solver of a fit, from the initial values and from both neighbours."""
+        few = replace(solver, starts=3) if hasattr(solver, "starts") else solver
+        return cls(posed, few, first)
+
+    def shared(self, url: str) -> "Against":
+        """The same, whose points are found together with other processes by a database."""
+        return replace(self, solver=OneForAll(shared(self.solver, url), url))
 
 
 @dataclass(frozen=True)
