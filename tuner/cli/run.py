@@ -28,7 +28,7 @@ from tuner.run.result import Result
 from tuner.run.sharing import shared_plan
 from tuner.run.study import Plan, Solutions, Study, find_study
 from tuner.run.together import Together, workers
-from tuner.stop import INTERRUPTED
+from tuner.stop import code_of
 from tuner.trials.database import DatabaseError, use_database, without_password
 
 SHOWN = 3
@@ -84,9 +84,9 @@ def execute(request: Request) -> int:
                 write_down(folder, recipe, plan)
                 solutions = _solve(run, request, recipe, finished)
                 result = run.finish(solutions, FORMATS, begun)
-        except KeyboardInterrupt:
+        except KeyboardInterrupt as stopped:
             print(f"tuner: {_how_to_go_on(request, folder)}", file=sys.stderr)
-            return 130
+            return code_of(stopped)
         except DatabaseError as error:
             raise ValueError(f"{error}; {_how_to_go_on(request, folder)}") from None
     with _all_is_saved(folder):
@@ -123,9 +123,9 @@ def _all_is_saved(folder: RunFolder) -> Iterator[None]:
     """Say so where someone interrupts what is only shown."""
     try:
         yield
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stopped:
         print(f"tuner: interrupted; all is saved in {folder.path}", file=sys.stderr)
-        raise typer.Exit(INTERRUPTED) from None
+        raise typer.Exit(code_of(stopped)) from None
 
 
 def _show(result: Result, folder: RunFolder, request: Request) -> None:

@@ -19,6 +19,7 @@ from tuner.run.recipe import LogEntries, Recipe, logs_beside
 from tuner.run.sharing import shared_plan
 from tuner.run.study import find_study
 from tuner.run.together import Together, facts_of, workers
+from tuner.stop import code_of
 
 
 @dataclass(frozen=True)
@@ -58,10 +59,10 @@ def execute(worker: Worker) -> int:
                 print(f"working on {run.name}, {len(run.tasks)} problems", file=sys.stderr)
             stack.enter_context(workers(worker.jobs - 1, run.url, run.name, words))
             run.work(lambda _: check())
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stopped:
         if not worker.leashed:
             print("tuner: interrupted; others may go on with what was begun here", file=sys.stderr)
-        return 130
+        return code_of(stopped)
     except ValueError:
         if not worker.leashed:
             raise

@@ -30,6 +30,7 @@ from tuner.run.parting import HeldOutBy, Parting, parting
 from tuner.run.posed import Posed, check_channels, pose
 from tuner.run.rescaled import ThenRescaled, as_found, may_be_rescaled
 from tuner.run.searched import Wishes
+from tuner.run.sharing import OneForAll, shared
 from tuner.run.shown import Shown
 from tuner.run.study import Plan, Solutions, Task, best
 from tuner.run.summary import five_lines, in_doubt
@@ -150,8 +151,11 @@ def plan_fit(posed: Posed, request: Request, other: Posed | None = None) -> Plan
 
 
 def _share(case: Fitting, url: str) -> Fitting:
-    """With a front that other processes help with."""
-    return case if case.against is None else replace(case, against=case.against.shared(url))
+    """With a front whose points are found together with other processes."""
+    if case.against is None:
+        return case
+    solver = OneForAll(shared(case.against.solver, url), url)
+    return replace(case, against=replace(case.against, solver=solver))
 
 
 def _last(case: Fitting) -> None:

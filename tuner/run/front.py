@@ -13,7 +13,6 @@ from tuner.problem.problem import Problem
 from tuner.run.figure import Chart, Line
 from tuner.run.posed import NO_TRUTH, Posed, pose
 from tuner.run.searched import Wishes
-from tuner.run.sharing import OneForAll, shared
 from tuner.solvers.pareto import Front, pareto
 from tuner.solvers.solver import Solver
 
@@ -46,10 +45,6 @@ class Against:
         """The front by the solver of a fit, from the initial values and from both neighbours."""
         few = replace(solver, starts=3) if hasattr(solver, "starts") else solver
         return cls(posed, few, first)
-
-    def shared(self, url: str) -> "Against":
-        """The same, whose points are found together with other processes by a database."""
-        return replace(self, solver=OneForAll(shared(self.solver, url), url))
 
 
 @dataclass(frozen=True)
