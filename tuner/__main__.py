@@ -1,20 +1,18 @@
 """The program: signals are handled before anything else is loaded."""
 
-import sys
-
-from tuner.stop import INTERRUPTED, heed, interrupt, say_interrupted
+from tuner.stop import end, heed, heed_the_lost, interrupt, number_of
 
 
 def main() -> None:
     """Run the command line."""
     heed(interrupt)
+    heed_the_lost()
     try:
         from tuner.cli import main as run
 
         run()
-    except KeyboardInterrupt:
-        say_interrupted()
-        sys.exit(INTERRUPTED)
+    except KeyboardInterrupt as stopped:
+        end(number_of(stopped))
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from itertools import islice
 from pathlib import Path
 
@@ -29,20 +29,23 @@ TUNED = ("fit", "good.csv", "--filter", "local-level", "--map", "z=gx", "--start
 DESIGNED = ("run", "design.toml")
 
 
-def cases(count: int, seed: int, folders: list[dict[str, bytes]]) -> Iterator[Case]:
+def cases(
+    count: int, seed: int, folders: list[dict[str, bytes]], generators: Container[str] = SHARES
+) -> Iterator[Case]:
     """A number of cases of all kinds.
 
     Args:
         count: their number.
         seed: seed of their random numbers.
         folders: the files of finished runs; without any there are no such cases.
+        generators: whose cases are wanted; they are the same with and without the others.
     """
     made = {
         "logs": logs.cases, "hostile": hostile.cases, "lines": lines.cases,
         "documents": documents.cases, "runs": lambda random: runs.cases(random, folders),
     }  # fmt: skip
     for number, (kind, share) in enumerate(SHARES.items()):
-        if kind != "runs" or folders:
+        if kind in generators and (kind != "runs" or folders):
             random: Random = np.random.default_rng([seed, number])
             yield from islice(made[kind](random), round(share * count))
 
@@ -52,6 +55,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.bad_inputs", description=__doc__)
     parser.add_argument("--cases", type=int, default=5000)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--generators", nargs="+", choices=SHARES, default=[*SHARES])
     parser.add_argument("--only", default="", help="kinds that begin like this")
     parser.add_argument("--write", type=Path, help="a folder for the cases that went wrong")
     asked = parser.parse_args(arguments)
@@ -59,7 +63,8 @@ def main(arguments: list[str] | None = None) -> int:
     from tuner.cli import invoke
 
     begun, wrong, kinds, worst = time.monotonic(), Counter[str](), Counter[str](), Worst()
-    for case in cases(asked.cases, asked.seed, finished_runs()):
+    folders = finished_runs() if "runs" in asked.generators else []
+    for case in cases(asked.cases, asked.seed, folders, asked.generators):
         if not case.kind.startswith(asked.only):
             continue
         ended = tried(case, invoke)

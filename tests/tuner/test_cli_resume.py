@@ -15,9 +15,11 @@ import numpy as np
 import pytest
 
 from tests.tuner.helpers import Solved, snapshot, toy_study, write_csv
+from tuner.cli.interrupt import interruptible
 from tuner.run.result import read_result
 from tuner.run.study import Claim
 from tuner.solvers import make_solver
+from tuner.stop import code_of
 
 GO_ON = "tuner: finished parts are saved; go on with: tuner "
 
@@ -226,6 +228,17 @@ def test_ctrl_c_is_heard_at_the_next_step_where_python_drops_it(cli, here, offer
     assert err.startswith(GO_ON)
     assert not (here / "out" / "result.json").exists()
     assert signal.getsignal(signal.SIGINT) is handler
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGTERM to send")
+def test_a_signal_in_an_import_of_a_run_waits_for_its_end(tmp_path, monkeypatch):
+    (tmp_path / "slow.py").write_text("import signal\nsignal.raise_signal(signal.SIGTERM)\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    with interruptible(), pytest.raises(KeyboardInterrupt) as stopped:  # noqa: PT012
+        import slow  # noqa: F401
+
+        time.sleep(9)
+    assert code_of(stopped.value) == 143
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send")

@@ -148,7 +148,59 @@ def test_signals_end_as_ctrl_c_does(tmp_path, name):
         process.send_signal(getattr(signal, name))
         out, err = process.communicate(timeout=60)
     told = b"tuner: interrupted before anything was saved\n"
-    assert (process.returncode, out, err) == (130, b"", told)
+    assert (process.returncode, out, err) == (128 + getattr(signal, name), b"", told)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of another kind")
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_a_signal_in_the_middle_of_an_import_ends_the_process_there(tmp_path, name):
+    """Packages take what is raised in their imports for an error of their own, or end by it."""
+    (tmp_path / "swallowing.py").write_text(
+        "import signal\n"
+        "try:\n"
+        f"    signal.raise_signal(signal.{name})\n"
+        "except BaseException as error:\n"
+        "    raise ImportError('numpy failed to import') from error\n"
+    )
+    code = (
+        "import tuner.__main__ as m, tuner.cli\n"
+        "def main():\n"
+        "    import swallowing\n"
+        "tuner.cli.main = main\n"
+        "m.main()"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=os.environ | {"PYTHONPATH": f"{ROOT}{os.pathsep}{tmp_path}"},
+        capture_output=True,
+        check=False,
+    )
+    told = b"tuner: interrupted before anything was saved\n"
+    assert (done.returncode, done.stdout, done.stderr) == (128 + getattr(signal, name), b"", told)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of another kind")
+def test_a_signal_that_python_drops_is_sent_again(tmp_path):
+    """What is raised in a finaliser is printed and forgotten."""
+    code = (
+        "import signal, time, tuner.__main__ as m, tuner.cli\n"
+        "class Last:\n"
+        "    def __del__(self):\n"
+        "        signal.raise_signal(signal.SIGTERM)\n"
+        "def main():\n"
+        "    Last()\n"
+        "    time.sleep(9)\n"
+        "tuner.cli.main = main\n"
+        "m.main()"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        check=False,
+    )
+    told = b"tuner: interrupted before anything was saved\n"
+    assert (done.returncode, done.stderr) == (143, told)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="pipes of another kind")

@@ -1,5 +1,7 @@
 """The front of two objectives against all of its points, one by one."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -8,11 +10,15 @@ from filters import LocalLevel
 from objectives import InnovationLikelihood
 from objectives.rmse import InnovationRmse
 from tests.tuner import fit_cases as cases
+from tests.tuner.helpers import Solved
 from tuner.certificate.solution import Status
-from tuner.run.fit import pose_on
+from tuner.run.fit import Fitting, _share, pose_on
+from tuner.run.front import Against
 from tuner.run.result import read_result
 from tuner.run.searched import Wishes
+from tuner.run.sharing import OneForAll
 from tuner.solvers.gradient import Gradient
+from tuner.solvers.ipopt import Ipopt
 from tuner.solvers.pareto import pareto
 
 SOLVER = Gradient("l-bfgs-b", seed=0, starts=3)
@@ -113,6 +119,40 @@ def test_a_fit_has_a_front(cli, here):
     rows = (here / "out" / "figures" / "local_level_front.csv").read_text().splitlines()
     assert len([row for row in rows if row.startswith("front,")]) == len(fit.trade.points)
     assert (here / "out" / "figures" / "local_level_front.png").stat().st_size > 1000
+
+
+def test_a_plan_that_is_shared_shares_its_front():
+    first, wishes = posed(), Wishes(fix={"R": 1.0}, objective="prediction")
+    record = tuner.Record.of({"z": Z}, rate_hz=1.0)
+    other = pose_on("local-level", LocalLevel, (record,), wishes)
+    case = Fitting(other, None, Against.by(other, Ipopt(seed=0), first))
+    solver = _share(case, "sqlite:///t.db").against.solver
+    assert isinstance(solver, OneForAll)
+    assert (solver.name, solver.solver.starts) == ("ipopt", 3)
+    assert solver.solver.shared.url == "sqlite:///t.db"
+
+
+def test_processes_that_share_a_front_find_the_same_one(tmp_path):
+    """Every point is concluded once, and is what a search by itself finds."""
+    concluded, url = [], f"sqlite:///{tmp_path / 't.db'}"
+
+    def solve(problem):
+        concluded.append(problem.name)
+        return SOLVER(problem)
+
+    def searched(solver):
+        return pareto(posed(), InnovationRmse(), np.zeros((len(Z), 1)), solver=solver, points=4)
+
+    solver = Solved("l-bfgs-b", solve)
+    alone, asked = searched(solver), len(concluded)
+    with ThreadPoolExecutor(2) as pool:
+        fronts = list(pool.map(searched, 2 * [OneForAll(solver, url)]))
+    assert len(concluded) == 2 * asked
+    for front in fronts:
+        assert front.knee == alone.knee
+        for ours, theirs in zip(front.points, alone.points, strict=True):
+            assert (ours.weight, ours.logs) == (theirs.weight, theirs.logs)
+            assert ours.solution.z.tobytes() == theirs.solution.z.tobytes()
 
 
 @pytest.mark.parametrize(

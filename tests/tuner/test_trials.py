@@ -3,6 +3,7 @@
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 import optuna
@@ -13,8 +14,11 @@ import tuner.trials.database
 import tuner.trials.search
 from tests.postgres import server
 from tests.tuner.helpers import bowl, problem
+from tuner.problem.constraint import Constraint
+from tuner.problem.parameters import Limited
 from tuner.problem.problem import Problem
-from tuner.solvers import NelderMead, Sampler
+from tuner.problem.space import Space
+from tuner.solvers import Ipopt, NelderMead, Sampler
 from tuner.solvers.starts import SharedStarts
 from tuner.trials.database import DatabaseError, without_password
 from tuner.trials.numbered import Numbered
@@ -177,6 +181,28 @@ def test_shared_starts_end_where_others_do(url):
     with ThreadPoolExecutor(2) as pool:
         made = pool.submit(shared.help, posed), pool.submit(shared.help, posed)
         assert sum(each.result() for each in made) == 3
+    one, other = alone(posed), shared(posed)
+    assert one.z.tobytes() == other.z.tobytes()
+    assert one.evaluations == other.evaluations
+    assert one.certificate == other.certificate
+
+
+def curved():
+    """Two numbers on a line: without a time loop, so that CasADi takes it as symbols."""
+    space = Space.of(x=Limited(1.0, -10.0, 10.0), y=Limited(-2.0, -10.0, 10.0))
+    line = Constraint("line", lambda p, _: 1.0 - p["x"] - p["y"], 0.0)
+
+    def cost(p, _):
+        return 1.0 + p["x"] ** 2 + p["y"] ** 4
+
+    return Problem("curved", space, None, lambda values: values, cost, constraints=(line,))
+
+
+@pytest.mark.parametrize("posed", [curved(), problem(bowl)], ids=["symbols", "callbacks"])
+def test_shared_starts_of_ipopt_end_where_others_do(tmp_path, posed):
+    alone = Ipopt(seed=2, starts=3)
+    shared = replace(alone, shared=SharedStarts(f"sqlite:///{tmp_path / 't.db'}", repr(alone)))
+    assert [shared.help(posed), shared.help(posed), alone.help(posed)] == [3, 0, 0]
     one, other = alone(posed), shared(posed)
     assert one.z.tobytes() == other.z.tobytes()
     assert one.evaluations == other.evaluations

@@ -9,7 +9,7 @@ from typing import Any, cast
 
 from tuner.cli.fault import fault_of
 from tuner.shown import Shown, on_one_line
-from tuner.stop import INTERRUPTED, say_interrupted
+from tuner.stop import code_of, say_interrupted
 
 
 def outcome(run: Callable[[], int], *, whole: bool) -> int:
@@ -23,9 +23,9 @@ def outcome(run: Callable[[], int], *, whole: bool) -> int:
         try:
             code = run()
             sys.stdout.flush()
-        except KeyboardInterrupt:
+        except KeyboardInterrupt as stopped:
             say_interrupted()
-            return INTERRUPTED
+            return code_of(stopped)
         except SystemExit as ended:
             return 0 if _nobody_reads(ended.__context__) else _code_of(ended)
         except Exception as error:

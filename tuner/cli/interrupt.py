@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-from tuner.stop import heed, leave
+from tuner.stop import heed, is_importing, later, leave
 
 
 @contextmanager
@@ -17,17 +17,19 @@ def interruptible() -> Iterator[Callable[[], None]]:
     there: a Ctrl-C at that moment would do nothing. Outside the main thread, which alone hears of
     signals, the check does nothing.
     """
-    asked = False
+    asked: list[int] = []
 
-    def interrupt(_signal: int, _frame: FrameType | None) -> None:
-        nonlocal asked
-        asked = True
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        if is_importing(frame):
+            later(number)
+            return
+        asked.append(number)
         heed(leave)  # whoever asks a second time waits for nothing
-        raise KeyboardInterrupt
+        raise KeyboardInterrupt(number)
 
     def check() -> None:
         if asked:
-            raise KeyboardInterrupt
+            raise KeyboardInterrupt(asked[0])
 
     if threading.current_thread() is not threading.main_thread():
         yield check

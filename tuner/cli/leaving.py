@@ -6,7 +6,7 @@ import threading
 from contextlib import suppress
 from typing import NoReturn
 
-from tuner.stop import INTERRUPTED
+from tuner.stop import clean_up, finish, is_interrupted
 
 
 def leave(code: int) -> NoReturn:
@@ -21,14 +21,8 @@ def leave(code: int) -> NoReturn:
         except OSError:  # who read it has gone
             with suppress(OSError):
                 os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
-    if code == INTERRUPTED or threading.active_count() > 1:
-        _clean_up()
+    finish()
+    if is_interrupted(code) or threading.active_count() > 1:
+        clean_up()
         os._exit(code)
     sys.exit(code)
-
-
-def _clean_up() -> None:
-    """Remove what was unpacked."""
-    home = sys.modules.get("tuner.data.logs.home")
-    if home is not None:
-        home.remove_all()

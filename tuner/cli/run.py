@@ -25,9 +25,10 @@ from tuner.run.pipeline import Run, trusted, write_down
 from tuner.run.progress import going_on, read_progress
 from tuner.run.recipe import Recipe
 from tuner.run.result import Result
+from tuner.run.sharing import shared_plan
 from tuner.run.study import Plan, Solutions, Study, find_study
 from tuner.run.together import Together, workers
-from tuner.stop import INTERRUPTED
+from tuner.stop import code_of
 from tuner.trials.database import DatabaseError, use_database, without_password
 
 SHOWN = 3
@@ -56,6 +57,7 @@ def execute(request: Request) -> int:
     storage = request.storage or _own_database(folder)
     with planning():
         plan = _chosen(study.plan(settings, records, seed, storage), request)
+        plan = shared_plan(plan, storage) if _is_shared(request) else plan
     _say_notes(plan)
     if study.takes:
         print(f"{study.name} takes about {study.takes} on two processors", file=sys.stderr)
@@ -82,9 +84,9 @@ def execute(request: Request) -> int:
                 write_down(folder, recipe, plan)
                 solutions = _solve(run, request, recipe, finished)
                 result = run.finish(solutions, FORMATS, begun)
-        except KeyboardInterrupt:
+        except KeyboardInterrupt as stopped:
             print(f"tuner: {_how_to_go_on(request, folder)}", file=sys.stderr)
-            return 130
+            return code_of(stopped)
         except DatabaseError as error:
             raise ValueError(f"{error}; {_how_to_go_on(request, folder)}") from None
     with _all_is_saved(folder):
@@ -121,9 +123,9 @@ def _all_is_saved(folder: RunFolder) -> Iterator[None]:
     """Say so where someone interrupts what is only shown."""
     try:
         yield
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stopped:
         print(f"tuner: interrupted; all is saved in {folder.path}", file=sys.stderr)
-        raise typer.Exit(INTERRUPTED) from None
+        raise typer.Exit(code_of(stopped)) from None
 
 
 def _show(result: Result, folder: RunFolder, request: Request) -> None:
@@ -170,7 +172,7 @@ def _finished(folder: RunFolder, recipe: Recipe, run: Run) -> Solutions:
 
 def _solve(run: Run, request: Request, recipe: Recipe, finished: Solutions) -> Solutions:
     """In threads of this process, or together with others by a database."""
-    if (request.storage is None and (request.jobs or 1) == 1) or not run.plan.tasks:
+    if not _is_shared(request) or not run.plan.tasks:
         return run.solve(threads(request), finished)
     url = request.storage or _own_database(run.folder)
     together = Together.of(url, run.study, recipe.to_toml(), run.identity, run.plan)
@@ -185,6 +187,11 @@ def _solve(run: Run, request: Request, recipe: Recipe, finished: Solutions) -> S
         words += ["--filter", str(request.which.filter)]
     with workers((request.jobs or 1) - 1, url, together.name, words):
         return run.solve_together(together, finished)
+
+
+def _is_shared(request: Request) -> bool:
+    """Whether other processes may work on the run."""
+    return request.storage is not None or (request.jobs or 1) > 1
 
 
 def _own_database(folder: RunFolder) -> str:

@@ -16,8 +16,10 @@ from tuner.cli.which import Which, refuse_code
 from tuner.run.cache import use_cache
 from tuner.run.identity import WHAT, identity_of_run
 from tuner.run.recipe import LogEntries, Recipe, logs_beside
+from tuner.run.sharing import shared_plan
 from tuner.run.study import find_study
 from tuner.run.together import Together, facts_of, workers
+from tuner.stop import code_of
 
 
 @dataclass(frozen=True)
@@ -57,10 +59,14 @@ def execute(worker: Worker) -> int:
                 print(f"working on {run.name}, {len(run.tasks)} problems", file=sys.stderr)
             stack.enter_context(workers(worker.jobs - 1, run.url, run.name, words))
             run.work(lambda _: check())
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stopped:
         if not worker.leashed:
             print("tuner: interrupted; others may go on with what was begun here", file=sys.stderr)
-        return 130
+        return code_of(stopped)
+    except ValueError:
+        if not worker.leashed:
+            raise
+        return 2  # who holds the leash was refused as well, and says so
     return 0
 
 
@@ -92,6 +98,7 @@ def joined(worker: Worker) -> Together:
             f"this machine has {', '.join(differing)} than the run {worker.study}, and cannot "
             "work on it; bring the same here"
         )
+    plan = shared_plan(plan, worker.storage)
     return Together.of(worker.storage, study.name, text.encode(), identity, plan)
 
 
@@ -103,10 +110,15 @@ def _allowed(which: Which) -> dict[str, object]:
 @contextmanager
 def _leash() -> Iterator[None]:
     """End with the process that started this one: it holds the other end of stdin."""
+    over = threading.Event()
 
     def wait() -> None:
         sys.stdin.buffer.read()
-        _thread.interrupt_main()
+        if not over.is_set():
+            _thread.interrupt_main()
 
     threading.Thread(target=wait, daemon=True).start()
-    yield
+    try:
+        yield
+    finally:
+        over.set()

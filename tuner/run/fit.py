@@ -30,6 +30,7 @@ from tuner.run.parting import HeldOutBy, Parting, parting
 from tuner.run.posed import Posed, check_channels, pose
 from tuner.run.rescaled import ThenRescaled, as_found, may_be_rescaled
 from tuner.run.searched import Wishes
+from tuner.run.sharing import OneForAll, shared
 from tuner.run.shown import Shown
 from tuner.run.study import Plan, Solutions, Task, best
 from tuner.run.summary import five_lines, in_doubt
@@ -131,7 +132,7 @@ def plan_fit(posed: Posed, request: Request, other: Posed | None = None) -> Plan
     posed = replace(posed, problem=screened(posed.problem, request))
     main = ThenRescaled(solver) if may_be_rescaled(posed) else solver
     tasks = [Task(posed.problem, main), *_second_fits(parted, request, _quick(solver))]
-    against = None if other is None else Against(other, solver, posed.problem)
+    against = None if other is None else Against.by(other, solver, posed.problem)
     case = Fitting(posed, parted, against)
     return Plan(
         source=posed.source,
@@ -144,7 +145,23 @@ def plan_fit(posed: Posed, request: Request, other: Posed | None = None) -> Plan
         notes=posed.notes,
         findings=findings,
         shown=_shown,
+        share=_share,
+        last=_last,
     )
+
+
+def _share(case: Fitting, url: str) -> Fitting:
+    """With a front whose points are found together with other processes."""
+    if case.against is None:
+        return case
+    solver = OneForAll(shared(case.against.solver, url), url)
+    return replace(case, against=replace(case.against, solver=solver))
+
+
+def _last(case: Fitting) -> None:
+    """The front, which :attr:`Against.front` keeps."""
+    if case.against is not None:
+        _ = case.against.front
 
 
 def _second_fits(parted: Parting | None, request: Request, solver: Solver) -> Iterator[Task]:

@@ -37,11 +37,14 @@ class Against:
     @cached_property
     def front(self) -> Front:
         """The front, searched once."""
-        known: Any = self.solver
-        # From the initial values and from both neighbours.
-        solver = replace(known, starts=3) if hasattr(known, "starts") else known
-        other = self.posed.problem
-        return pareto(self.first, other.objective, other.data.truth, solver=solver, points=POINTS)
+        other, truth = self.posed.problem.objective, self.posed.problem.data.truth
+        return pareto(self.first, other, truth, solver=self.solver, points=POINTS)
+
+    @classmethod
+    def by(cls, posed: Posed, solver: Any, first: Problem) -> "Against":
+        """The front by the solver of a fit, from the initial values and from both neighbours."""
+        few = replace(solver, starts=3) if hasattr(solver, "starts") else solver
+        return cls(posed, few, first)
 
 
 @dataclass(frozen=True)

@@ -44,6 +44,15 @@ def no_findings(case: Any, solutions: Solutions) -> "tuple[Finding, ...]":
     return ()
 
 
+def as_it_is(case: Any, url: str) -> Any:
+    """Nothing of a case is shared."""
+    return case
+
+
+def nothing_more(case: Any) -> None:
+    """Nothing is searched once the tasks are solved."""
+
+
 def best(problem: str, solutions: Solutions) -> "Solution":
     """The solution of a problem with the lowest value; among equals (to 1e-6) a converged one."""
     candidates = [s for (name, _), s in solutions.items() if name == problem]
@@ -105,6 +114,8 @@ class Plan:
         notes: what should be known before anything is solved, a sentence each.
         findings: numbers that people take from the run, given the case and all solutions.
         shown: the report's figures, given the case and all solutions; None: all figures.
+        share: from the case and the URL of a database to the case whose own searches are shared.
+        last: makes the searches of the case that come after the tasks.
 
     Raises:
         ValueError: where a problem is to be exported that nobody solves.
@@ -120,6 +131,8 @@ class Plan:
     notes: tuple[str, ...] = ()
     findings: Callable[[Any, Solutions], Iterable[Finding]] = no_findings
     shown: Callable[[Any, Solutions], Iterable[Shown]] | None = None
+    share: Callable[[Any, str], Any] = as_it_is
+    last: Callable[[Any], None] = nothing_more
 
     def __post_init__(self) -> None:
         solved = {task.problem.name for task in self.tasks}

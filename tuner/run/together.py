@@ -1,7 +1,8 @@
 """One run, solved by any number of processes on any number of machines that share a database.
 
 Each helps first with the trials of samplers and the starts of descents; then each solves whole
-problems, folds and recordings as they are free. What a process that is lost was at is begun again.
+problems, folds and recordings as they are free; at last all search a front together, point by
+point. What a process that is lost was at is begun again.
 """
 
 import hashlib
@@ -12,26 +13,21 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import Any
 
 from tuner.names import unknown
 from tuner.run.progress import key_of
-from tuner.run.result import SolutionRecord
+from tuner.run.sharing import help_with, number_of, parts, solved, told_by
 from tuner.run.study import Plan, Solutions, Task
-from tuner.solvers.starts import SharedStarts
-from tuner.trials.database import DatabaseError, close, open_storage, told
-from tuner.trials.search import POLL, Trials, opened
-
-if TYPE_CHECKING:
-    import optuna
+from tuner.trials.database import close, open_storage, told
+from tuner.trials.search import POLL, Trials
 
 LARGEST_RECIPE = 10_000_000
 """Characters of a recipe that a database may hold."""
-_TASK, _SOLUTION, _REFUSED, _RECIPE, _IDENTITY = "task", "solution", "refused", "recipe", "identity"
+_RECIPE, _IDENTITY = "recipe", "identity"
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,14 +39,19 @@ class Together:
         name: of the run in it.
         recipe: of the run, as the text of a study.toml.
         identity: of the run; see :mod:`tuner.run.identity`.
-        tasks: of the run, whose descents are shared.
+        plan: of the run, whose descents are shared; see :func:`tuner.run.sharing.shared_plan`.
     """
 
     url: str
     name: str
     recipe: str
     identity: Mapping[str, str]
-    tasks: tuple[Task, ...]
+    plan: Plan
+
+    @property
+    def tasks(self) -> tuple[Task, ...]:
+        """What is solved."""
+        return self.plan.tasks
 
     @classmethod
     def of(
@@ -58,11 +59,10 @@ class Together:
     ) -> "Together":
         """A run under the name that its identity gives it."""
         digest = hashlib.sha256(json.dumps([dict(identity)], sort_keys=True).encode()).hexdigest()
-        tasks = tuple(replace(task, solver=_shared(task.solver, url)) for task in plan.tasks)
-        return cls(url, f"{study}-{digest[:12]}", recipe.decode(), identity, tasks)
+        return cls(url, f"{study}-{digest[:12]}", recipe.decode(), identity, plan)
 
     def work(self, news: Callable[[Solutions], None]) -> None:
-        """Work until every task is solved, beside whoever else does.
+        """Work until every task is solved and every search is over, beside whoever else does.
 
         Args:
             news: told of all that is solved so far, here or elsewhere.
@@ -71,60 +71,23 @@ class Together:
             ValueError: where a task was refused, here or elsewhere.
             DatabaseError: where the database is lost.
         """
-        with self._opened() as parts:
-            news(self._solutions(parts))
-            for task in self.tasks:
-                help_with(task)
-                news(self._solutions(parts))
-            while len(parts.complete()) < parts.total:
-                parts.look_after_the_lost()
-                if not parts.make_one(self._solved):
-                    time.sleep(POLL)
-                news(self._solutions(parts))
-            news(self._solutions(parts))  # others may have solved the last
-
-    @contextmanager
-    def _opened(self) -> Iterator[Trials]:
-        import optuna
-
         facts = {_RECIPE: self.recipe, _IDENTITY: dict(self.identity)}
-        marks = [{_TASK: i} for i in range(len(self.tasks))]
-        sampler = optuna.samplers.RandomSampler(seed=0)  # never asked: tasks are no draws
-        with opened(self.url, self.name, len(marks), sampler, facts, marks=marks) as parts:
-            yield parts
+        tasks = [(task.problem, task.solver) for task in self.tasks]
+        with parts(self.url, self.name, facts, len(tasks)) as trials:
+            news(self._solutions(trials))
+            for problem, solver in tasks:
+                help_with(problem, solver)
+                news(self._solutions(trials))
+            while len(trials.complete()) < trials.total:
+                trials.look_after_the_lost()
+                if not trials.make_one(partial(solved, self.url, tasks)):
+                    time.sleep(POLL)
+                news(self._solutions(trials))
+            news(self._solutions(trials))  # others may have solved the last
+        self.plan.last(self.plan.case)
 
-    def _solved(self, trial: "optuna.Trial") -> float:
-        """Solve a task; what refuses one would refuse it everywhere."""
-        task = self.tasks[trial.user_attrs[_TASK]]
-        try:
-            solution = task.solver(task.problem)
-        except DatabaseError:
-            raise
-        except Exception as error:
-            words = str(error) if isinstance(error, ValueError) else repr(error)
-            trial.set_user_attr(_REFUSED, words)
-            return np.inf
-        record = SolutionRecord.of(solution).model_dump(mode="json")
-        with told(self.url):
-            trial.set_user_attr(_SOLUTION, record)
-        return float(solution.value) if np.isfinite(solution.value) else np.inf
-
-    def _solutions(self, parts: Trials) -> Solutions:
-        found = {}
-        for trial in parts.complete():
-            if _REFUSED in trial.user_attrs:
-                raise ValueError(trial.user_attrs[_REFUSED])
-            task = self.tasks[trial.user_attrs[_TASK]]
-            record = SolutionRecord.model_validate(trial.user_attrs[_SOLUTION])
-            found[key_of(task)] = record.solution()
-        return found
-
-
-def help_with(task: Task) -> None:
-    """Make trials or descents of a task that nobody has begun."""
-    solver: Any = _inner(task.solver)
-    if hasattr(solver, "help"):
-        solver.help(task.problem)
+    def _solutions(self, trials: Trials) -> Solutions:
+        return {key_of(self.tasks[number_of(t)]): told_by(t) for t in trials.complete()}
 
 
 def facts_of(url: str, name: str) -> tuple[str, dict[str, str]]:
@@ -160,7 +123,7 @@ def workers(count: int, url: str, name: str, words: Sequence[str]) -> Iterator[N
 
     root = str(Path(tuner.__file__).parent.parent)
     path = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
-    code = "import sys; from tuner.cli import invoke; sys.exit(invoke(sys.argv[1:]))"
+    code = "from tuner.cli import main; main()"
     command = [sys.executable, "-P", "-c", code, "worker", "--study", name, "--leashed", *words]
     started = [
         subprocess.Popen(
@@ -189,21 +152,3 @@ def _ended(process: "subprocess.Popen[bytes]") -> None:
     except subprocess.TimeoutExpired:
         process.kill()
         process.wait()
-
-
-def _inner(solver: Any) -> Any:
-    """The solver that another one wraps."""
-    return getattr(solver, "solver", solver)
-
-
-def _shared(solver: Any, url: str) -> Any:
-    """A solver whose descents are shared, where it makes several."""
-    given: Any = replace  # of a dataclass, which a solver is
-    if not is_dataclass(solver):
-        return solver
-    names = {each.name for each in fields(solver)}
-    if "solver" in names:
-        return given(solver, solver=_shared(_inner(solver), url))
-    if "shared" in names and getattr(solver, "starts", 1) > 1:
-        return given(solver, shared=SharedStarts(url, repr(solver)))
-    return solver

@@ -1,7 +1,8 @@
 """IPOPT through CasADi: smooth problems with constraints, to the last digits."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import jax.numpy as jnp
@@ -14,8 +15,9 @@ from tuner.code.refused import NoCounterpartError
 from tuner.names import unknown
 from tuner.problem.problem import Problem
 from tuner.solvers.foreign import python_function
-from tuner.solvers.minimum import Minimum, best_of
+from tuner.solvers.minimum import Descent, Minimum, best_of
 from tuner.solvers.multistart import from_several, refuse
+from tuner.solvers.starts import SharedStarts
 from tuner.solvers.widening import widen
 
 if TYPE_CHECKING:
@@ -39,6 +41,7 @@ class Ipopt:
             either: symbolic wherever every operation has its counterpart.
         tolerance: of IPOPT's own test, on the problem scaled to 1 at the start.
         iterations: limit for each start.
+        shared: where other processes make some of the descents; None: all are made here.
     """
 
     seed: int
@@ -46,12 +49,22 @@ class Ipopt:
     model: Model = "either"
     tolerance: float = 1e-10
     iterations: int = 500
+    shared: SharedStarts | None = field(default=None, repr=False)
 
     name: str = "ipopt"
 
     def __post_init__(self) -> None:
         if self.model not in get_args(Model):
             raise unknown("model", self.model, get_args(Model))
+
+    def help(self, problem: Problem) -> int:
+        """Make those descents of a shared search that nobody has begun; returns how many.
+
+        Those in wider boxes are made by whoever finds that they are needed.
+        """
+        if self.shared is None:
+            return 0
+        return self.shared.help(problem, self._descent(), self.starts, self.seed)
 
     def check(self, problem: Problem) -> None:
         """Refuse what cannot begin; see :func:`tuner.solvers.multistart.refuse`."""
@@ -62,21 +75,27 @@ class Ipopt:
         return widen(problem, self._solve)
 
     def _solve(self, problem: Problem) -> Solution:
-        statement = _statement(problem, self.model)
-
-        def descend(problem: Problem, z: np.ndarray) -> Minimum:
-            return _descend(problem, z, statement, self.tolerance, self.iterations)
-
         return from_several(
             problem,
             self.name,
-            descend,
+            self._descent(),
             starts=self.starts,
             seed=self.seed,
             constrained=True,
             smooth=True,
+            shared=self.shared,
             threads=1,  # it holds the interpreter's lock, and its linear solver is for one thread
         )
+
+    def _descent(self) -> Descent:
+        """A descent, which states its problem to CasADi once, where one is made at all."""
+        statement = cache(_statement)
+
+        def descend(problem: Problem, z: np.ndarray) -> Minimum:
+            stated = statement(problem, self.model)
+            return _descend(problem, z, stated, self.tolerance, self.iterations)
+
+        return descend
 
 
 @dataclass(frozen=True)

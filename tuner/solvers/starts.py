@@ -11,6 +11,7 @@ import numpy as np
 
 from tuner.code_version import code_version
 from tuner.problem.problem import Problem
+from tuner.solvers.blas import blas_on_one_thread
 from tuner.solvers.minimum import Descent, Minimum
 from tuner.trials.search import Trials, opened
 
@@ -37,7 +38,7 @@ class SharedStarts:
     def help(self, problem: Problem, descend: Descent, count: int, seed: int) -> int:
         """Make the descents that nobody has begun, and return how many."""
         points = problem.starts(count + REDRAWN, seed)
-        with self._opened(problem, points, count) as trials:
+        with blas_on_one_thread(), self._opened(problem, points, count) as trials:
             make = partial(_made, problem, descend, points)
             return trials.work(make, to_the_end=False)
 
