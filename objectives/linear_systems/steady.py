@@ -2,16 +2,13 @@
 
 from typing import NamedTuple
 
-import jax
 import numpy as np
-import scipy.linalg
 from jax import Array
 
+from objectives.in_numpy import in_numpy
 from objectives.linear_systems.model import LinearSystem, derived
 from objectives.linear_systems.modes import Mode, require_detectable, without_undriven
 from objectives.linear_systems.riccati import bucy_gain, care, dare, steady_gain, updated
-
-_dare, _care = jax.jit(dare), jax.jit(care)
 
 
 class SteadyKalman(NamedTuple):
@@ -105,28 +102,32 @@ def _filtered(system: LinearSystem) -> tuple[np.ndarray, np.ndarray, np.ndarray]
             "the Riccati equation was not solved; the model is close to one without a steady "
             f"filter: its poles are {_listed(system.A)}"
         )
-    after, gain = map(np.asarray, _measured(P, system.C, system.V, system.discrete))
+    after, gain = in_numpy(_discrete if system.discrete else _continuous, P, system.C, system.V)
     return P, after, gain
 
 
-@jax.jit(static_argnums=3)
-def _measured(P: Array, C: Array, V: Array, discrete: bool) -> tuple[Array, Array]:
+def _discrete(P: Array, C: Array, V: Array) -> tuple[Array, Array]:
     """The covariance after a measurement, and the gain."""
-    return (updated(P, C, V), steady_gain(P, C, V)) if discrete else (P, bucy_gain(P, C, V))
+    return updated(P, C, V), steady_gain(P, C, V)
+
+
+def _continuous(P: Array, C: Array, V: Array) -> tuple[Array, Array]:
+    """The covariance, which a measurement does not change, and the gain."""
+    return P, bucy_gain(P, C, V)
 
 
 def _solved(system: LinearSystem) -> np.ndarray:
     """The covariance before a measurement, ``(n, n)``, by whichever method finds it; else NaN."""
-    solve = _dare if system.discrete else _care
-    doubled = np.asarray(solve(system.A, system.C, system.W, system.V))
+    solve = dare if system.discrete else care
+    doubled: np.ndarray = in_numpy(solve, system.A, system.C, system.W, system.V)
     return _by_schur(system) if np.isnan(doubled).any() else doubled
 
 
 def _by_schur(system: LinearSystem) -> np.ndarray:
     """SciPy's solution by ordered Schur vectors, for noises 1e12 apart; NaN where none is found."""
-    solve = (
-        scipy.linalg.solve_discrete_are if system.discrete else scipy.linalg.solve_continuous_are
-    )
+    from scipy.linalg import solve_continuous_are, solve_discrete_are
+
+    solve = solve_discrete_are if system.discrete else solve_continuous_are
     try:
         return np.asarray(solve(system.A.T, system.C.T, system.W, system.V))
     except (np.linalg.LinAlgError, ValueError):

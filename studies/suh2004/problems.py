@@ -12,7 +12,8 @@ from objectives import AngleErrors, Records, angle_errors
 from studies.suh2004.data import Recordings
 from studies.suh2004.paper import FILTERS, HEURISTIC
 from tuner.problem.parameters import Bounded, Fixed, Parameter, Positive
-from tuner.problem.problem import Problem, run_filter
+from tuner.problem.problem import Problem
+from tuner.problem.programs import run_filter
 from tuner.problem.space import Space
 
 BY_HAND: dict[str, Any] = HEURISTIC | {"gravity": 1.0, "x0": (0.0,) * 5, "P0": 0.0}

@@ -31,7 +31,7 @@ QUICK = {"xla_backend_optimization_level": 0}
 def quick():
     """Without the compiler's optimisation, which changes no formula and takes most of the time."""
     with pytest.MonkeyPatch.context() as patch:
-        for module, name in [(problems, "run_filter"), (engine, "_score")]:
+        for module, name in [(problems, "run_filter"), (engine, "value_of")]:
             function = getattr(module, name).__wrapped__
             patch.setattr(module, name, jax.jit(function, static_argnums=0, compiler_options=QUICK))
         yield

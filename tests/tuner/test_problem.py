@@ -18,7 +18,8 @@ from studies.kownacki2010.settings import Settings
 from tests.oracles import central_difference, lag_below, lag_to_first_crossing
 from tests.tuner.helpers import ANY, SQUARE, Echo, bowl, hollow, logarithms, problem, ratio
 from tuner.problem.parameters import Covariance, Fixed, Positive
-from tuner.problem.problem import Problem, _value, _value_and_gradient
+from tuner.problem.problem import Problem
+from tuner.problem.programs import value_and_gradient_of, value_of
 from tuner.problem.space import Space
 
 DT, N = 1e-3, 2001
@@ -264,13 +265,13 @@ def test_equal_problems_share_one_compilation():
 
     problem(bowl).value(np.zeros(2))
     problem(bowl).value_and_gradient(np.zeros(2))
-    sizes = _value._cache_size(), _value_and_gradient._cache_size()
+    sizes = value_of._cache_size(), value_and_gradient_of._cache_size()
     again().value(np.ones(2))
     again().value_and_gradient(np.ones(2))
-    assert (_value._cache_size(), _value_and_gradient._cache_size()) == sizes
+    assert (value_of._cache_size(), value_and_gradient_of._cache_size()) == sizes
     other = dataclasses.replace(again(), objective=lambda outputs, _: outputs.sum())
     other.value(np.ones(2))
-    assert _value._cache_size() == sizes[0] + 1
+    assert value_of._cache_size() == sizes[0] + 1
 
 
 def test_new_numbers_in_the_data_need_no_new_compilation():
@@ -284,9 +285,9 @@ def test_new_numbers_in_the_data_need_no_new_compilation():
         return Problem("data", space, filter, unit_noise, objective, data)
 
     first = posed(made.record).value(np.zeros(1))
-    size = _value._cache_size()
+    size = value_of._cache_size()
     assert posed(2 * made.record).value(np.zeros(1)) != first
-    assert _value._cache_size() == size
+    assert value_of._cache_size() == size
 
 
 def unit_noise(values):

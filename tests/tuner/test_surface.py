@@ -144,10 +144,16 @@ def test_nothing_kept_needs_no_memory(monkeypatch):
     assert lanes(one, 2, 10_000, 10.0, monkeypatch) == 64
 
 
-def test_no_more_lanes_than_points_for_every_thread():
+def test_no_more_lanes_than_points_for_every_thread(monkeypatch):
     one = posed(GYRO, "R1")
+    monkeypatch.setattr(tuner.problem.surface, "_SHORT", 0)
     assert [_lanes(one, 2, count) for count in (1, 2, 3, 100, 128, 1000)] == [1, 1, 2, 50, 64, 64]
     assert [_lanes(one, 16, count) for count in (1, 16, 17)] == [1, 1, 2]
+
+
+def test_points_on_a_short_record_share_what_is_compiled():
+    one = posed(GYRO, "R1")
+    assert [_lanes(one, 2, count) for count in (1, 3, 64, 100, 1000)] == [1, 3, 64, 64, 64]
 
 
 def test_full_record_fits_the_memory_of_a_small_machine():

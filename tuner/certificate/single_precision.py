@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
-from filters import AnyFilter, run
+from filters import AnyFilter
 from filters.declared import Channel, bare, channel_facts, output
+from tuner.problem.programs import run_filter
 
 HARMLESS = 0.01
 """A deviation below this share of the signal's scale is not worth a warning."""
@@ -52,19 +52,19 @@ def single_precision(form: str, filter: AnyFilter, params: Any, inputs: Any) -> 
     Raises:
         TypeError: where the filter falls back to float64, for then nothing would be tested.
     """
-    exact = _compared(filter, _outputs(filter, params, inputs))
+    exact = _compared(filter, run_filter(filter, params, inputs))
     with np.errstate(over="ignore"):  # overflow gives infinity, and counts as such
         halved = jax.tree.map(_half, (params, inputs))
-    rounded = _compared(filter, _outputs(filter, *halved))
+    rounded = _compared(filter, run_filter(filter, *halved))
     found = [_strays(form, name, exact[name], rounded[name]) for name in exact]
     if not found:
         raise TypeError(f"{type(filter).__name__} has no output that can be compared")
     return max(found, key=lambda each: (each.share != each.share, each.share))
 
 
-def _half(leaf: Any) -> jax.Array:
-    array = jnp.asarray(leaf)
-    return array.astype(jnp.float32) if jnp.issubdtype(array.dtype, jnp.floating) else array
+def _half(leaf: Any) -> np.ndarray:
+    array = np.asarray(leaf)
+    return array.astype(np.float32) if array.dtype.kind == "f" else array
 
 
 def _compared(filter: Any, outputs: Any) -> dict[str, tuple[np.ndarray, Channel | None]]:
@@ -128,8 +128,3 @@ def _scale(right: np.ndarray, fact: Channel | None) -> float:
     if not finite.size:
         return 1.0
     return float(np.ptp(finite)) or float(np.abs(finite[0])) or 1.0
-
-
-@jax.jit(static_argnums=0)
-def _outputs(filter: AnyFilter, params: Any, inputs: Any) -> Any:
-    return run(filter, params, inputs)[1]

@@ -8,6 +8,7 @@ import jax
 import numpy as np
 
 from filters import run
+from objectives.in_numpy import in_numpy
 from tuner.code.trace import in_precision
 
 SAMPLES = 50
@@ -57,7 +58,7 @@ def tried(filter: Any, params: Any, inputs: Any, kept: Sequence[bool], precision
     state, outputs = _ran(filter, params, samples, dtype)
     others = [_ran(filter, params, near, dtype) for near in _beside(samples, dtype)]
     others.append(_ran(filter, params, samples, np.float64))
-    start = [np.asarray(leaf) for leaf in jax.tree.leaves(filter.init(params))]
+    start = [np.asarray(leaf) for leaf in jax.tree.leaves(in_numpy(filter.init, params))]
     rest = _ROUNDING[precision] * max(map(_size, (*start, *state)), default=0.0)
     wanted = [k for k, put_out in enumerate(kept) if put_out]
     share = _SHARE[precision]

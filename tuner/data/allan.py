@@ -105,10 +105,10 @@ def degrees_of_freedom(samples: int, factors: np.ndarray, slopes: Floats) -> Flo
 
 def chi_square_limits(freedom: Floats) -> tuple[Floats, Floats]:
     """95 % limits of a variance over its estimate, by its degrees of freedom."""
-    from scipy.stats import chi2
+    from tuner.chances import chi_square_at
 
     tail = (1 - _CONFIDENCE) / 2
-    return freedom / chi2.ppf(1 - tail, freedom), freedom / chi2.ppf(tail, freedom)
+    return freedom / chi_square_at(1 - tail, freedom), freedom / chi_square_at(tail, freedom)
 
 
 def _variance(summed: Floats, m: int) -> float:

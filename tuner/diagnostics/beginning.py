@@ -23,7 +23,7 @@ def of_start(columns: tuple[Column, ...], way: str) -> Finding:
         columns: the measurements.
         way: the way out, in words.
     """
-    from scipy.stats import chi2
+    from tuner.chances import chi_square_above
 
     columns = tuple(c for c in columns if len(c) >= FEW and c.scale > 0)
     looks = []
@@ -31,7 +31,7 @@ def of_start(columns: tuple[Column, ...], way: str) -> Finding:
         squares = [firsts for c in columns if (firsts := _firsts(c, width)).size]
         if squares:
             total, count = sum(s.sum() for s in squares), sum(s.size for s in squares)
-            chance = float(chi2.sf(total, count))
+            chance = float(chi_square_above(total, count))
             looks.append((chance, width, float(total / count)))
     if not looks:
         return not_tried(NAME, WHAT, f"it takes {FEW} innovations of a measurement")

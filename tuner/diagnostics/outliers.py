@@ -24,7 +24,7 @@ def of_outliers(
         parts: number of parts of the record with a deviation each.
         way: the remedy, in words.
     """
-    from scipy.stats import binom, kurtosistest, t
+    from tuner.chances import heavy_tails, more_than, student_above
 
     columns = tuple(c for c in columns if len(c) >= FEW and c.scale > 0)
     if not columns:
@@ -33,13 +33,15 @@ def of_outliers(
     count = sum(int((size > INSIDE).sum()) for size in sizes)
     numbers = sum(map(len, columns))
     others = [max(len(c) // parts - 1, 1) for c in columns]
-    tails = [len(c) * 2 * t.sf(INSIDE, n) for c, n in zip(columns, others, strict=True)]
+    tails = [len(c) * 2 * student_above(INSIDE, n) for c, n in zip(columns, others, strict=True)]
     expected = float(sum(tails))
     largest = [float(size.max()) for size in sizes]
-    single = [len(c) * 2 * t.sf(x, n) for c, x, n in zip(columns, largest, others, strict=True)]
-    heavy = [float(kurtosistest(c.e, alternative="greater").pvalue) for c in columns]
+    single = [
+        len(c) * 2 * student_above(x, n) for c, x, n in zip(columns, largest, others, strict=True)
+    ]
+    heavy = [heavy_tails(c.e) for c in columns]
     chances = (
-        float(binom.sf(count - 1, numbers, expected / numbers)),
+        more_than(count - 1, numbers, expected / numbers),
         len(columns) * float(min(single)),
         len(columns) * min(heavy),
     )

@@ -41,7 +41,7 @@ def size(columns: tuple[Column, ...]) -> Size:
     numbers over the factor by which correlation widens its variance (Bar-Shalom, Li and
     Kirubarajan 2001, 5.4.2, for white ones).
     """
-    from scipy.stats import chi2
+    from tuner.chances import chi_square_at
 
     count = sum(map(len, columns))
     if not count:
@@ -49,7 +49,7 @@ def size(columns: tuple[Column, ...]) -> Size:
     with np.errstate(over="ignore"):
         nis = sum(float(c.e @ c.e) for c in columns) / count
     degrees = _degrees(columns)
-    low, high = chi2.ppf([0.025, 0.975], degrees) / degrees
+    low, high = chi_square_at([0.025, 0.975], degrees) / degrees
     return Size(nis, float(low), float(high), nis, nis / float(high), nis / float(low))
 
 
@@ -75,11 +75,11 @@ def _degrees(columns: tuple[Column, ...]) -> float:
 
 def _chance(columns: tuple[Column, ...]) -> float:
     """The probability of a NIS so far from 1, on either side."""
-    from scipy.stats import chi2
+    from tuner.chances import chi_square_above, chi_square_below
 
     degrees = _degrees(columns)
     at = size(columns).nis * degrees
-    return 2 * float(min(chi2.cdf(at, degrees), chi2.sf(at, degrees)))
+    return 2 * float(min(chi_square_below(at, degrees), chi_square_above(at, degrees)))
 
 
 def _sentence(found: Size, part: tuple[Column, ...], columns: tuple[Column, ...]) -> str:

@@ -34,9 +34,10 @@ def scores(column: Column) -> Scores:
     and so does that of their sizes over ten neighbours, as an outlier's aftermath has it.
     """
     from scipy.special import ndtri
-    from scipy.stats import rankdata
 
-    shares = rankdata(np.abs(column.e)) / (len(column) + 1)
+    from tuner.chances import ranks
+
+    shares = ranks(np.abs(column.e)) / (len(column) + 1)
     values = ndtri((1 + shares) / 2) ** 2
     values = values - values.mean()
     wider = max(column.spread, _variance_inflation(values, _bounds(column)))
@@ -70,7 +71,7 @@ def over_time(columns: tuple[Column, ...], way: str) -> Finding:
         columns: the measurements.
         way: the way out, in words.
     """
-    from scipy.stats import chi2, kstwobign
+    from tuner.chances import chi_square_above, kolmogorov_above
 
     found = []
     columns = tuple(c for c in columns if len(c) >= FEW and c.e.any())
@@ -82,7 +83,7 @@ def over_time(columns: tuple[Column, ...], way: str) -> Finding:
         bounds = _bounds(column)
         means = np.add.reduceat(values, bounds[:-1]) / np.diff(bounds)
         parts = float(np.diff(bounds) @ means**2 / deviation**2)
-        chances = kstwobign.sf(course), chi2.sf(parts, len(means) - 1)
+        chances = kolmogorov_above(course), chi_square_above(parts, len(means) - 1)
         found.append((2 * len(columns) * float(min(chances)), course, column))
     if not found:
         return not_tried(TIME, TIME_WHAT, f"it takes {FEW} innovations of a measurement")
@@ -106,7 +107,7 @@ def over_level(columns: tuple[Column, ...], unit: str, way: str) -> Finding:
         unit: of the levels.
         way: the way out, in words.
     """
-    from scipy.stats import norm
+    from tuner.chances import normal_above
 
     known = [c for c in columns if c.levels is not None and len(c) >= FEW]
     given = [(c, scores(c)) for c in known if c.e.any()]
@@ -125,20 +126,20 @@ def over_level(columns: tuple[Column, ...], unit: str, way: str) -> Finding:
         f"the noise{_of(column)} {'grows' if statistics[worst] > 0 else 'falls'} with the level "
         f"(NIS {sizes[0]:.3g} at {told[0]}, {sizes[1]:.3g} at {told[1]}); {way}"
     )
-    p = 2 * len(looks) * float(norm.sf(abs(statistics[worst])))
+    p = 2 * len(looks) * float(normal_above(abs(statistics[worst])))
     details = {"lower_third": sizes[0], "upper_third": sizes[1]}
     return judged(LEVEL, LEVEL_WHAT, statistics[worst], p, sentence, details)
 
 
 def _rank_correlation(found: Scores, level: np.ndarray) -> float:
     """The correlation of the scores with the ranks of levels, over its deviation."""
-    from scipy.stats import rankdata
+    from tuner.chances import ranks
 
     values, deviation = found
-    ranks = rankdata(level)
-    ranks = ranks - ranks.mean()
-    size = deviation * np.sqrt(ranks @ ranks)
-    return float(values @ ranks / size) if size > 0 else 0.0
+    places = ranks(level)
+    places = places - places.mean()
+    size = deviation * np.sqrt(places @ places)
+    return float(values @ places / size) if size > 0 else 0.0
 
 
 def _levels(column: Column) -> list[np.ndarray]:

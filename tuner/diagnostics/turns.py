@@ -27,7 +27,7 @@ def of_turns(innovations: Innovations, columns: tuple[Column, ...], way: str) ->
         columns: their measurements.
         way: the remedy, in words.
     """
-    from scipy.stats import binom
+    from tuner.chances import more_than
 
     looks = []
     for turn in innovations.turns:
@@ -42,7 +42,7 @@ def of_turns(innovations: Innovations, columns: tuple[Column, ...], way: str) ->
             whole = np.rint(column.y[begun] / turn) != 0
             near = begun[(off <= NEAR * deviation[begun]) & whole]
             share = 2 * NEAR * float(np.mean(deviation[begun])) / turn if len(begun) else 1.0
-            p = float(binom.sf(len(near) - 1, len(begun), min(share, 1.0)))
+            p = more_than(len(near) - 1, len(begun), min(share, 1.0))
             looks.append((p, len(near), turn, column, near))
     if not looks:
         why = "no measurement is an angle" if not innovations.turns else "noise is as large"

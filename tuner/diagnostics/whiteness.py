@@ -22,7 +22,7 @@ def of_whiteness(columns: tuple[Column, ...], lag: float, fitted: int, way: str)
 
     Source: Ljung and Box, Biometrika 65, 1978. The mean is known to be 0, so none is subtracted.
     """
-    from scipy.stats import chi2, norm
+    from tuner.chances import chi_square_above, normal_above
 
     columns = tuple(c for c in columns if len(c) >= FEW and c.e.any())
     if not columns:
@@ -32,12 +32,12 @@ def of_whiteness(columns: tuple[Column, ...], lag: float, fitted: int, way: str)
     short = squares[:, :SHORT]
     Q = float(squares.sum())
     chances = {
-        "p_short": float(chi2.sf(short.sum(), _degrees(short.size, fitted))),
-        "p_ljung_box": float(chi2.sf(Q, _degrees(squares.size, fitted))),
+        "p_short": float(chi_square_above(short.sum(), _degrees(short.size, fitted))),
+        "p_ljung_box": float(chi_square_above(Q, _degrees(squares.size, fitted))),
     }
     means = [float(c.e.mean() / np.sqrt(np.mean(c.e**2) / len(c))) for c in columns]
     at = int(np.argmax(np.abs(means)))
-    chances["p_mean"] = min(2 * len(columns) * float(norm.sf(abs(means[at]))), 1.0)
+    chances["p_mean"] = min(2 * len(columns) * float(normal_above(abs(means[at]))), 1.0)
     p = min(2 * chances["p_short"], 4 * chances["p_ljung_box"], 4 * chances["p_mean"])
     words = (
         f"innovations are correlated (lag one {lag:+.2f}, {_largest(columns, squares)}, "

@@ -1,6 +1,7 @@
 """Noise from the covariances of differences: autocovariance least squares, weighted."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -56,20 +57,19 @@ def estimate(differences: Differences, entries: tuple[Entry, ...]) -> Estimate:
     """
     sizes, _ = alone(differences)
     sizes = np.where(np.isfinite(sizes) & (sizes > 0), sizes, 1.0)
-    r, M = _without_outliers(differences, sizes)
-    p = len(M) - 1
+    kinds = _kinds(*_without_outliers(differences, sizes), sizes)
+    p = len(sizes)
     signed = np.array([len(set(e.place)) > 1 for e in entries])
-    unit = M[1:] * sizes[:, None, None, None]  # theta in multiples of each entry's estimate alone
     theta = np.where(signed, 0.0, 1.0 / p)
     for _ in range(_ROUNDS):
-        F, b = _normal_equations(r, M[0], unit, theta)
+        F, b = _normal_equations(kinds, theta)
         D = np.sqrt(np.where(np.diag(F) > 0, np.diag(F), 1.0))
         F, b = F / np.outer(D, D) + _HOLD * np.eye(p), b / D + _HOLD * theta * D
         before, theta = theta, _with_signs(F, b, signed) / D
         theta = _semidefinite(theta, sizes, entries)
         if np.abs(theta - before).max() <= _SETTLED * np.abs(theta).max():
             break
-    F, _ = _normal_equations(r, M[0], unit, theta)
+    F, _ = _normal_equations(kinds, theta)
     return Estimate(theta * sizes, sizes * _deviations(F / 2))
 
 
@@ -83,11 +83,11 @@ def estimate_of_most(differences: Differences, entries: tuple[Entry, ...]) -> Es
     Van Driessen, A fast algorithm for the minimum covariance determinant estimator, Technometrics
     41(3), 1999 (concentration steps).
     """
-    from scipy.stats import chi2
+    from tuner.chances import chi_square_at
 
     sizes, _ = alone(differences)
     theta = np.where(np.isfinite(sizes) & (sizes > 0), sizes, 1.0) / len(sizes)
-    usual = float(chi2(differences.r.shape[1]).median())
+    usual = float(chi_square_at(0.5, differences.r.shape[1]))
     best: list[int] = []
     found, scale = Estimate(theta, np.full(len(theta), np.inf)), 1.0
     for _ in range(_ROUNDS):
@@ -118,20 +118,54 @@ def _without_outliers(differences: Differences, sizes: np.ndarray) -> tuple[np.n
     return r[kept], M[:, kept]
 
 
-def _normal_equations(
-    r: np.ndarray, known: np.ndarray, M: np.ndarray, theta: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+class _Kinds(NamedTuple):
+    """Windows of U kinds, those of a kind with the same covariance.
+
+    Attributes:
+        counts: of each, ``(U,)``.
+        squares: the sum of r r' over those of each, ``(U, d, d)``.
+        known: the covariance of what is known of the noise, ``(U, d, d)``.
+        unit: that of each unknown at its estimate alone, ``(p, U, d, d)``.
+    """
+
+    counts: np.ndarray
+    squares: np.ndarray
+    known: np.ndarray
+    unit: np.ndarray
+
+
+def _kinds(r: np.ndarray, M: np.ndarray, sizes: np.ndarray) -> _Kinds:
+    found: dict[bytes, list[int]] = {}
+    for k in range(len(r)):
+        found.setdefault(M[:, k].tobytes(), []).append(k)
+    first = [members[0] for members in found.values()]
+    squares = np.stack([r[members].T @ r[members] for members in found.values()])
+    counts = np.array([len(members) for members in found.values()])
+    return _Kinds(counts, squares, M[0, first], M[1:, first] * sizes[:, None, None, None])
+
+
+def _normal_equations(kinds: _Kinds, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """F theta = b of the weighted problem; F/2 is the Fisher information of theta."""
-    S = known + np.einsum("p,pkij->kij", theta, M)
+    counts, squares, known, M = kinds.counts[:, None, None], *kinds[1:]
+    S = known + np.tensordot(theta, M, 1)
     # Where the previous noise explains nearly nothing, measured squares keep the weights finite.
-    power = np.mean(r**2) * 1e-12 + np.trace(S, axis1=1, axis2=2).mean() / len(S[0]) * 1e-13
+    numbers = counts.sum() * S.shape[1]
+    power = (_trace(squares) * 1e-12 + _trace(counts * S) * 1e-13) / numbers
     W = np.linalg.inv(S + power * np.eye(S.shape[1]))
     WM = W @ M
-    y = np.einsum("kij,kj->ki", W, r)
-    F = np.einsum("pkij,qkji->pq", WM, WM, optimize=True)
-    squares = np.einsum("ki,pkij,kj->p", y, M, y, optimize=True)
-    rest = np.einsum("pkij,kji->p", WM, W @ known, optimize=True)
-    return F, squares - rest
+    F = _products(counts * WM, WM)
+    return F, _products(WM, (W @ (squares - counts * known))[None])[:, 0]
+
+
+def _trace(many: np.ndarray) -> float:
+    """The sum of the traces of matrices ``(U, d, d)``."""
+    return float(np.trace(many, axis1=1, axis2=2).sum())
+
+
+def _products(A: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """Traces of products, over all kinds: of ``(p, U, d, d)`` and ``(q, U, d, d)`` ``(p, q)``."""
+    turned = np.swapaxes(B, 2, 3)
+    return np.asarray(A.reshape(len(A), -1) @ turned.reshape(len(B), -1).T)
 
 
 def _with_signs(F: np.ndarray, b: np.ndarray, signed: np.ndarray) -> np.ndarray:

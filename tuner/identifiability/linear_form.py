@@ -12,6 +12,7 @@ from jax import Array
 from filters import Lanes, LinearKalman, Timed, Transition, bare
 from filters.linear import LinearForm, Measured
 from objectives import kind_of
+from objectives.in_numpy import in_numpy
 from tuner.identifiability.noise import Entry, Matrices, NoModelError, parts_of
 from tuner.problem.parameters import Fixed
 from tuner.problem.problem import Problem
@@ -57,6 +58,24 @@ class LinearProblem:
     recordings: tuple[NoiseModel, ...]
 
 
+@dataclass(frozen=True)
+class _Noise:
+    """The model of a filter whose parameters are made of values by name."""
+
+    own: Any
+    build: Any
+
+    def __call__(
+        self,
+        free: Mapping[str, Array],
+        values: Mapping[str, Array],
+        steps: Array | None,
+        tables: Matrices | None,
+    ) -> Matrices:
+        """At free parameters, the others as they are."""
+        return _noise_at(self.own, self.build(dict(values) | dict(free)), steps, tables)
+
+
 def linear_problem(problem: Problem) -> LinearProblem:
     """The noise model behind a problem.
 
@@ -86,15 +105,12 @@ def linear_problem(problem: Problem) -> LinearProblem:
     if isinstance(own, LinearKalman) and inputs.transition is not None:
         if _wrapper(problem.filter, Lanes) is not None:
             raise NoModelError(f"{problem.name} has recordings whose samples bring their own steps")
-        tables = _of_samples(inputs.transition)
+        tables = in_numpy(_of_samples, inputs.transition)
     else:
         tables = None
 
-    def noise(free: Mapping[str, Any]) -> Matrices:
-        params = problem.static.build({k: jnp.asarray(v) for k, v in (values | dict(free)).items()})
-        return _noise_at(own, params, jnp.asarray(steps) if timed else None, tables)
-
-    parts = parts_of(noise, free)
+    known = values, steps if timed else None, tables
+    parts = parts_of(_Noise(own, problem.static.build), free, *known)
     return LinearProblem(parts.entries, _recordings(problem, parts.matrices, inputs, steps, dt))
 
 

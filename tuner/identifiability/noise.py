@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jax import Array
+
+from objectives.in_numpy import in_numpy
 
 _ROUNDING = 1e-9
 """Tolerance of rounding in a derivative that is 0 or constant, over its largest entry."""
@@ -64,14 +65,41 @@ class Parts(NamedTuple):
     matrices: Matrices
 
 
-Noise = Callable[[Mapping[str, Any]], Matrices]
-"""From free parameters by name to the model."""
+Noise = Callable[..., Matrices]
+"""From free parameters by name, and what else is known, to the model."""
 
 
-def parts_of(noise: Noise, free: Mapping[str, np.ndarray]) -> Parts:
+@dataclass(frozen=True)
+class _WithSlopes:
+    """A model at numbers of its entries, and its derivative by each; equal ones are traced once."""
+
+    noise: Noise
+    entries: tuple[Entry, ...]
+
+    def __call__(
+        self, points: Array, free: Mapping[str, Array], known: tuple[Any, ...]
+    ) -> tuple[Matrices, Matrices]:
+        """At each of the points ``(B, p)``."""
+
+        def filled(flat: Array) -> Matrices:
+            given = dict(free)
+            for number, e in zip(flat, self.entries, strict=True):
+                for place in {e.place, e.place[::-1]}:
+                    given[e.parameter] = given[e.parameter].at[place].set(number)
+            return self.noise(given, *known)
+
+        return jax.vmap(lambda at: (filled(at), jax.jacfwd(filled)(at)))(points)
+
+
+def parts_of(noise: Noise, free: Mapping[str, np.ndarray], *known: Any) -> Parts:
     """The parameters of Q and R, with their coefficient matrices.
 
     Numbers of the start alone are left out.
+
+    Args:
+        noise: the model from free parameters by name.
+        free: these.
+        known: what ``noise`` takes besides.
 
     Raises:
         NoModelError: where one changes F, B or H, and where Q and R are linear neither in it nor in
@@ -79,18 +107,10 @@ def parts_of(noise: Noise, free: Mapping[str, np.ndarray]) -> Parts:
     """
     entries = _entries(free)
     begun = np.array([free[e.parameter][e.place] for e in entries])
-
-    def filled(flat: Array) -> Matrices:
-        given = {name: jnp.asarray(value) for name, value in free.items()}
-        for i, e in enumerate(entries):
-            for place in {e.place, e.place[::-1]}:
-                given[e.parameter] = given[e.parameter].at[place].set(flat[i])
-        return noise(given)
-
     # Different factors, so that products of two show as well.
     factors = 1.5 + np.arange(len(begun)) / max(len(begun), 1)
-    points = jnp.stack([jnp.asarray(begun), jnp.asarray(factors * begun)])
-    both = jax.jit(jax.vmap(lambda at: (filled(at), jax.jacfwd(filled)(at))))(points)
+    points = np.stack([begun, factors * begun])
+    both = in_numpy(_WithSlopes(noise, tuple(entries)), points, dict(free), known)
     (here, first), (_, second) = (jax.tree.map(lambda leaf, i=i: leaf[i], both) for i in (0, 1))
     _refuse_motion(entries, begun, here, first)
     chosen, columns, units = [], [], []

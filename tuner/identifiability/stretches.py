@@ -75,7 +75,7 @@ def _windows(
     model: NoiseModel, seen: np.ndarray, noise: Estimate, rows: int, size: np.ndarray
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """First measurement of each window, and its distance in units of the median one."""
-    from scipy.stats import chi2
+    from tuner.chances import chi_square_at
 
     last = len(seen) - rows
     if last < 0:
@@ -88,7 +88,7 @@ def _windows(
         if found is None:
             continue
         taken, kept = found
-        usual = float(chi2(taken.r.shape[1]).median())
+        usual = float(chi_square_at(0.5, taken.r.shape[1]))
         judged = taken.windows(np.flatnonzero(kept))
         yield first[kept], distances(judged, noise.values) / usual
 

@@ -11,6 +11,7 @@ longer windows hold no more than those of 2 n + 1 instants and how they are corr
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -151,14 +152,16 @@ def of_windows(
     place = {id(model): i for i, model in enumerate(models)}
     lane = np.array([place[id(model)] for model, _ in windows])
     at = np.stack([places for _, places in windows])  # (K, rows, 2)
-    steps, pushes = _steps(models, lane, at[:, :, 0])
-    H = models[0].H[at[:, :, 1]] / scale[at[:, :, 1], None]  # (K, rows, n)
     sigma = np.stack([models[i].sigma[tuple(w.T)] for i, w in zip(lane, at, strict=True)])
     z = np.stack([models[i].z[tuple(w.T)] for i, w in zip(lane, at, strict=True)])
     z = z / scale[at[:, :, 1]]
+    first, alike = _alike(models, lane, at, sigma)
+    lane, at, sigma = lane[first], at[first], sigma[first]
+    steps, pushes = _steps(models, lane, at[:, :, 0])
+    H = models[0].H[at[:, :, 1]] / scale[at[:, :, 1], None]  # (U, rows, n)
     onset, C, s, growth = _response(steps, pushes, H)
     R = models[0].R / np.outer(scale, scale)
-    own = R[:, at[:, :, 1, None], at[:, None, :, 1]]  # (1 + p, K, rows, rows)
+    own = R[:, at[:, :, 1, None], at[:, None, :, 1]]  # (1 + p, U, rows, rows)
     together = at[:, :, 0, None] == at[:, None, :, 0]
     C = C + own * together * sigma[:, :, None] * sigma[:, None, :]
     if growth > _GROWTH:
@@ -166,17 +169,42 @@ def of_windows(
     A = _annihilator(onset)
     if not A.shape[1]:
         return None
-    r = np.einsum("kda,ka->kd", A, z - s)
+    free = z - s[alike]
+    r = np.einsum("kda,ka->kd", A[alike], free)
     # Rounding residue of cancelled numbers is 0, or a straight line would have a noise.
-    r = np.where(np.abs(r) > _ROUNDING * np.abs(z - s).max(axis=1, keepdims=True), r, 0.0)
+    r = np.where(np.abs(r) > _ROUNDING * np.abs(free).max(axis=1, keepdims=True), r, 0.0)
     M = A @ C @ np.swapaxes(A, 1, 2)
-    kept = np.isfinite(r).all(axis=1) & _of_usual_length(C)
-    return Differences(r, M, _sizes(models, scale)), kept
+    kept = np.isfinite(r).all(axis=1) & _of_usual_length(C, alike)
+    return Differences(r, M[:, alike], _sizes(models, scale)), kept
 
 
-def _of_usual_length(C: np.ndarray) -> np.ndarray:
+def _alike(
+    models: list[NoiseModel], lane: np.ndarray, at: np.ndarray, sigma: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Windows whose model is the same: the first of each kind ``(U,)``, each one's kind ``(K,)``.
+
+    Where a known input moves the state, each window is of its own kind.
+    """
+    if any(model.push.any() for model in models):
+        return np.arange(len(at)), np.arange(len(at))
+    kinds: dict[tuple[Any, ...], int] = {}
+    first: list[int] = []
+    alike = np.zeros(len(at), int)
+    for k, (i, places) in enumerate(zip(lane.tolist(), at, strict=True)):
+        begin, end = places[0, 0], places[-1, 0]
+        relative = places - (begin, 0)
+        which = models[i].which[begin + 1 : end + 1]
+        kind = i, relative.tobytes(), which.tobytes(), sigma[k].tobytes()
+        if kind not in kinds:
+            kinds[kind] = len(first)
+            first.append(k)
+        alike[k] = kinds[kind]
+    return np.array(first), alike
+
+
+def _of_usual_length(C: np.ndarray, alike: np.ndarray) -> np.ndarray:
     """Which windows are of usual length, ``(K,)``: noise over a long gap would hide all others."""
-    sizes = np.abs(C).max(axis=(2, 3))
+    sizes = np.abs(C).max(axis=(2, 3))[:, alike]
     usual = np.median(sizes, axis=1, keepdims=True)
     return np.asarray(
         (sizes <= _LARGEST_NOISE_RATIO * np.where(usual > 0, usual, np.inf)).all(axis=0)

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from objectives import LinearSystem
 from tuner.problem.parameters import Limited, Parameter
-from tuner.problem.problem import Problem, Static
+from tuner.problem.problem import Problem
+from tuner.problem.programs import Static
 
 
 class Observer(NamedTuple):

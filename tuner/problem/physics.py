@@ -10,6 +10,7 @@ import numpy as np
 
 from filters import AnyFilter, bare
 from filters.declared import optional, parameter_facts
+from objectives.in_numpy import Method, in_numpy
 
 _STRAY = float(1 / np.sqrt(np.finfo(float).eps))
 """The square of a number larger by this factor leaves no digit of the others' squares."""
@@ -119,7 +120,7 @@ def _check_start(name: str, space: Any, build: Any, filter: Any) -> None:
     said = _said(filter)
     if not any(True for _ in _covariances(shapes, said)):
         return
-    params = build(space.constrain(jnp.asarray(space.start())))
+    params = in_numpy(build, in_numpy(Method(space, "constrain"), space.start()))
     for field, value in _covariances(params, said):
         fault = _fault(np.asarray(value))
         if fault:

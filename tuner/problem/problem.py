@@ -3,15 +3,15 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import AnyFilter, Lanes, assembled, bare, run
-from objectives import Data, Objective, Way, kept_bytes, score, score_and_gradient
+from filters import AnyFilter, Lanes, assembled, bare
+from objectives import Data, Objective, Way, kept_bytes
+from objectives.in_numpy import Method, in_numpy
 from tuner.certificate.single_precision import SinglePrecision, single_precision
 from tuner.certificate.solution import Solution
 from tuner.data.source import Source
@@ -22,12 +22,18 @@ from tuner.problem.exported import Exported, Trial, exported_of, held_of, once, 
 from tuner.problem.identity import identity_of
 from tuner.problem.paths import turns_round, way_of
 from tuner.problem.physics import check_leaf, check_present, check_start
+from tuner.problem.programs import (
+    Build,
+    Static,
+    excesses_of,
+    run_filter,
+    value_and_gradient_of,
+    value_of,
+)
 from tuner.problem.space import Space
 from tuner.problem.steady_form import steady_form_of
 from tuner.problem.trial import try_out
 
-Build: TypeAlias = Callable[[dict[str, Array]], Any]
-"""Makes the filter's parameters from values by name."""
 NO_DATA = Data(None, None)
 """The empty data of a design."""
 
@@ -110,15 +116,23 @@ class Problem:
 
         It does not depend on names, solvers or their starts.
         """
-        at = jnp.asarray(self.space.start())
-        programs = [_value.lower(self.static, at, self.data).as_text()]
+        programs = [value_of.lower(*self._at(self.space.start())).as_text()]
         if self.constraints:
-            programs.append(_excesses.lower(self.static, at, self.data).as_text())
+            lowered = excesses_of.lower(self.static, self.space.start(), self.data)
+            programs.append(lowered.as_text())
         return identity_of(programs, self.space, self.data)
 
     def value(self, z: np.ndarray) -> float:
         """The objective at z ``(space.size,)``; infinite where it is not a number."""
-        return _finite(float(_value(self.static, jnp.asarray(z), self.data)))
+        return _finite(float(value_of(*self._at(z))))
+
+    def _at(self, z: np.ndarray) -> tuple[Any, ...]:
+        """What the objective at z is worked out from."""
+        return self.static, np.asarray(z, float), self._begun, False, self.data
+
+    @cached_property
+    def _begun(self) -> dict[str, np.ndarray]:
+        return self.parameters(self.space.start())
 
     def value_and_gradient(self, z: np.ndarray) -> tuple[float, np.ndarray]:
         """The objective and its gradient in z, ``(space.size,)``; see :attr:`gradient_by`."""
@@ -151,24 +165,24 @@ class Problem:
         return value, gradient
 
     def _along(self, way: Way, z: np.ndarray) -> tuple[float, np.ndarray]:
-        value, gradient = _value_and_gradient(self.static, way, jnp.asarray(z), self.data)
+        value, gradient = value_and_gradient_of(self.static, way, np.asarray(z, float), self.data)
         return float(value), np.asarray(gradient)
 
     @cached_property
     def gradient_way(self) -> Way:
         """The direction of :meth:`value_and_gradient` through the time loop."""
-        start = jnp.asarray(self.space.start())
+        start = self.space.start()
         params = None if self.filter is None else jax.eval_shape(self.static.built, start)
         way = way_of(self.filter, params, self.space.size, self.way)
         if self.way is None and way != "forwards":
-            traced = _value.trace(self.static, start, self.data).jaxpr
+            traced = value_of.trace(*self._at(start)).jaxpr
             return way if turns_round(traced.jaxpr) else "forwards"
         return way
 
     @cached_property
     def kept_bytes(self) -> int:
         """Memory in bytes that a run keeps for what follows its time loop."""
-        params = jax.eval_shape(self.static.built, jnp.asarray(self.space.start()))
+        params = jax.eval_shape(self.static.built, self.space.start())
         return kept_bytes(self.filter, self.objective, params, self.data)
 
     def hessian(self, z: np.ndarray, step: float = 1e-3) -> np.ndarray:
@@ -184,7 +198,9 @@ class Problem:
 
         Negative where a constraint is satisfied.
         """
-        excess, slopes = _excesses(self.static, jnp.asarray(z), self.data)
+        if not self.constraints:
+            return np.zeros(0), np.zeros((0, self.space.size))
+        excess, slopes = excesses_of(self.static, np.asarray(z, float), self.data)
         return np.asarray(excess), np.asarray(slopes)
 
     def constraint_hessian(
@@ -216,28 +232,33 @@ class Problem:
         missing = [name for name in self.space.names if name not in parameters]
         if missing:
             raise ValueError(f"{self.name} has no value for {', '.join(missing)}: give them all")
-        values = {name: jnp.asarray(parameters[name], float) for name in self.space.names}
-        return float(_score(self.static, values, self.data))
+        values = {name: np.asarray(parameters[name], float) for name in self.space.names}
+        return float(value_of(self.static, self.space.start(), values, True, self.data))
 
     def parameters(self, z: np.ndarray) -> dict[str, np.ndarray]:
         """The parameters that z stands for, by name, fixed ones included."""
-        return {name: np.asarray(v) for name, v in self.space.constrain(jnp.asarray(z)).items()}
+        values: dict[str, np.ndarray] = in_numpy(Method(self.space, "constrain"), z)
+        return values
 
     def derived(self, z: np.ndarray) -> dict[str, float]:
         """The derived quantities at z, by name."""
-        values = self.space.constrain(jnp.asarray(z))
+        values = self.parameters(z)
         if self.derive is not None:
-            return {name: float(value) for name, value in self.derive(values).items()}
+            return {name: float(value) for name, value in in_numpy(self.derive, values).items()}
         own = bare(self.filter)
         if not hasattr(own, "derive"):
             return {}
-        found = own.derive(self.static.build(values))
+        found = in_numpy(Method(own, "derive"), self.made(values))
         return {name: float(n) for name, n in found.items() if np.ndim(n) == 0}
 
     def params(self, solution: Solution) -> Any:
         """The filter's parameters that a solution stands for."""
-        values = {name: jnp.asarray(p.value, float) for name, p in solution.parameters.items()}
-        return self.static.build(values)
+        return self.made({name: p.value for name, p in solution.parameters.items()})
+
+    def made(self, values: Mapping[str, Any]) -> Any:
+        """The filter's parameters of values by name, all of them."""
+        given = {name: np.asarray(value, float) for name, value in values.items()}
+        return jax.device_put(in_numpy(self.static.build, given))
 
     def outputs(self, solution: Solution, inputs: Any = None) -> Any:
         """The outputs of the filter for a solution, time first.
@@ -320,61 +341,6 @@ class Problem:
         """The static part for which code is compiled: everything but the numbers."""
         build = Assemble(self.filter) if self.build is None else self.build
         return Static(self.space, self.filter, self.objective, build, self.constraints)
-
-
-class Static(NamedTuple):
-    """The hashable part of a problem; equal ones share one compilation."""
-
-    space: Space
-    filter: AnyFilter | None
-    objective: Objective
-    build: Build
-    constraints: tuple[Constraint, ...]
-
-    def built(self, z: Array) -> Any:
-        """The filter's parameters at z."""
-        return self.build(self.space.constrain(z))
-
-    def score(self, z: Array, data: Data) -> Array:
-        """The objective at z, inside ``jax.jit``."""
-        return score(self.filter, self.objective, self.built(z), data)
-
-    def excesses(self, z: Array, data: Data) -> Array:
-        """The excess of each constraint at z, ``(m,)``, inside ``jax.jit``."""
-        params = self.built(z)
-        found = [c.excess(score(self.filter, c.measure, params, data)) for c in self.constraints]
-        return jnp.stack(found) if found else jnp.zeros(0)
-
-
-@jax.jit(static_argnums=0)
-def run_filter(filter: AnyFilter, params: Any, inputs: Any) -> Any:
-    """The outputs of a filter over a record, compiled; equal filters share the compilation."""
-    return run(filter, params, inputs)[1]
-
-
-@jax.jit(static_argnums=0)
-def _value(static: Static, z: Array, data: Data) -> Array:
-    return static.score(z, data)
-
-
-@jax.jit(static_argnums=(0, 1))
-def _value_and_gradient(static: Static, way: Way, z: Array, data: Data) -> tuple[Array, Array]:
-    return score_and_gradient(static.filter, static.objective, static.built, z, data, way=way)
-
-
-@jax.jit(static_argnums=0)
-def _excesses(static: Static, z: Array, data: Data) -> tuple[Array, Array]:
-    def twice(at: Array) -> tuple[Array, Array]:
-        excess = static.excesses(at, data)
-        return excess, excess
-
-    slopes, excess = jax.jacfwd(twice, has_aux=True)(z)
-    return excess, slopes
-
-
-@jax.jit(static_argnums=0)
-def _score(static: Static, values: dict[str, Array], data: Data) -> Array:
-    return score(static.filter, static.objective, static.build(values), data)
 
 
 def _finite(value: float) -> float:

@@ -1,15 +1,17 @@
 """Contributions of single samples to a likelihood or a mean square, and their slopes."""
 
+from dataclasses import dataclass
 from typing import Any, NamedTuple, cast
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
 from filters import Batched, Lanes
 from objectives import Data, contributions, is_additive
-from tuner.problem.problem import Problem, Static
+from objectives.in_numpy import in_numpy
+from tuner.problem.problem import Problem
+from tuner.problem.programs import Static
 
 
 class Added(NamedTuple):
@@ -31,7 +33,7 @@ def added(problem: Problem, z: np.ndarray) -> Added:
         ValueError: for an objective that is not a sum over samples.
     """
     _check(problem)
-    amounts, counts = _added(problem.static, jnp.asarray(z), problem.data)
+    amounts, counts = _added(problem.static, np.asarray(z, float), problem.data)
     return Added(np.asarray(amounts), np.asarray(counts))
 
 
@@ -56,7 +58,7 @@ def slopes(problem: Problem, z: np.ndarray) -> np.ndarray:
 def _sloped(problem: Problem, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Slopes and counts of one compilation, which costs more than many runs."""
     _check(problem)
-    slopes, counts = _slopes(problem.static, jnp.asarray(z), problem.data)
+    slopes, counts = _slopes(problem.static, np.asarray(z, float), problem.data)
     return np.asarray(slopes), np.asarray(counts)
 
 
@@ -67,8 +69,7 @@ def added_by(problem: Problem, outputs: Any) -> Added:
         ValueError: for an objective that is not a sum over samples.
     """
     _check(problem)
-    amounts, counts = _of_outputs(problem.static, outputs, problem.data.truth)
-    return Added(np.asarray(amounts), np.asarray(counts))
+    return Added(*in_numpy(_OfOutputs(problem.static), outputs, problem.data.truth))
 
 
 def _check(problem: Problem) -> None:
@@ -81,10 +82,16 @@ def _added_at(static: Static, z: Array, data: Data) -> tuple[Array, Array]:
     return _by_record(filter, *contributions(filter, objective, static.built(z), data))
 
 
-@jax.jit(static_argnums=0)
-def _of_outputs(static: Static, outputs: Any, truth: Any) -> tuple[Array, Array]:
-    objective: Any = static.objective
-    return _by_record(static.filter, *objective.added(outputs, truth))
+@dataclass(frozen=True)
+class _OfOutputs:
+    """The contribution of each sample of some outputs."""
+
+    static: Static
+
+    def __call__(self, outputs: Any, truth: Any) -> tuple[Array, Array]:
+        """Of each record, ``(N, k)``."""
+        objective: Any = self.static.objective
+        return _by_record(self.static.filter, *objective.added(outputs, truth))
 
 
 def _by_record(filter: Any, amounts: Array, counts: Array) -> tuple[Array, Array]:

@@ -1,11 +1,12 @@
 """A linear filter with its steady gain: a few products per sample."""
 
-import jax.numpy as jnp
+import jax
 import numpy as np
 
 from filters import SteadyGain, SteadyGains
 from filters.declared import bare, channel_facts
 from objectives import LinearSystem, steady_kalman
+from objectives.in_numpy import Method, in_numpy
 from tuner.problem.exported import Trial
 from tuner.problem.steady_gains import system_of
 
@@ -23,7 +24,7 @@ def steady_form_of(filter: object, params: object) -> dict[str, Trial]:
     if not hasattr(filter, "linear") or not getattr(filter, "dt", None):
         return {}
     try:
-        form = filter.linear(params)
+        form = in_numpy(Method(filter, "linear"), params)
         system = system_of(form, float(filter.dt))  # type: ignore[attr-defined]
         if form.transition.B is not None:
             return {}
@@ -46,7 +47,7 @@ def steady_form(system: LinearSystem, K: np.ndarray, names: tuple[str, ...]) -> 
         names: of the states.
     """
     A, C, K = (np.asarray(part) for part in (system.A, system.C, K))
-    gains = SteadyGains(*map(jnp.asarray, (A, C, K, np.linalg.pinv(C))))
+    gains = SteadyGains(*jax.device_put((A, C, K, np.linalg.pinv(C))))
     radius = np.abs(np.linalg.eigvals(A - A @ K @ C)).max()
     samples = int(np.ceil(np.log(_LEFT) / np.log(radius))) if 0 < radius < 1 else 1
     note = (

@@ -8,6 +8,7 @@ import numpy as np
 from filters.declared import Channel
 from filters.linear import LinearForm
 from objectives import LinearSystem, steady_kalman, tracker_gains
+from objectives.in_numpy import Method, in_numpy
 from objectives.linear_systems.model import derived
 
 Derived = dict[str, tuple[Any, Channel]]
@@ -28,12 +29,12 @@ def a_sample(filter: Any, params: Any) -> Derived:
         params: its parameters.
     """
     facts: Mapping[str, Channel] = dict(getattr(filter, "derived", {}))
-    values = filter.derive(params) if facts else {}
+    values = in_numpy(Method(filter, "derive"), params) if facts else {}
     found: Derived = {name: (value, facts[name]) for name, value in values.items()}
     if not hasattr(filter, "linear"):
         return found
     try:
-        more = _of_model(filter.linear(params), float(filter.dt), found)
+        more = _of_model(in_numpy(Method(filter, "linear"), params), float(filter.dt), found)
     except ValueError:  # no steady state, and so no gain
         more = {}
     return found | {name: told for name, told in more.items() if name not in found}

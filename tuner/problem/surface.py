@@ -6,17 +6,19 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar, cast
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
 from objectives import Data, scores_and_gradients
-from tuner.problem.problem import Problem, Static
+from tuner.problem.problem import Problem
+from tuner.problem.programs import Static
 
 T = TypeVar("T")
 MEMORY = 200e6
 """Bytes that one call may hold, all threads together."""
 _LANES = 64  # points side by side in one time loop: enough to fill the vector registers
+_SHORT = 20e6
+"""Samples, of all points together, that take less time than compiling for fewer points a thread."""
 _TRANSFORMS = 12  # a stored record is cut, windowed and transformed: copies that exist at once
 
 
@@ -72,7 +74,7 @@ def _batches(problem: Problem, Z: np.ndarray, evaluate: Callable[..., T]) -> lis
     padded = np.vstack([Z, np.repeat(Z[-1:], -len(Z) % lanes, axis=0)])
 
     def one(start: int) -> T:
-        found = evaluate(problem.static, jnp.asarray(padded[start : start + lanes]), problem.data)
+        found = evaluate(problem.static, padded[start : start + lanes], problem.data)
         # The last batch is filled up, so that every batch has the shape that was compiled.
         return cast("T", jax.tree.map(lambda leaf: np.asarray(leaf)[: len(Z) - start], found))
 
@@ -83,7 +85,13 @@ def _batches(problem: Problem, Z: np.ndarray, evaluate: Callable[..., T]) -> lis
 def _lanes(problem: Problem, threads: int, points: int) -> int:
     kept = problem.kept_bytes
     affordable = int(MEMORY / threads / _TRANSFORMS / kept) if kept else _LANES
-    return max(1, min(_LANES, affordable, -(-points // threads)))
+    long = points * _samples(problem) > _SHORT
+    return max(1, min(_LANES, affordable, -(-points // threads) if long else points))
+
+
+def _samples(problem: Problem) -> int:
+    leaves = jax.tree.leaves(problem.data.inputs)
+    return len(leaves[0]) if leaves else 1
 
 
 # XLA uses a wider vector unit only on request, and only side-by-side points fill it.

@@ -24,13 +24,14 @@ def rows(values: np.ndarray, most: int) -> np.ndarray:
         return np.arange(count)
     edges = np.linspace(0, count, most // 2 + 1).astype(int)
     chosen = [0, count - 1]
-    for low, high in pairwise(edges):
-        part = values[low:high]
-        there = np.isfinite(part)
+    finite, missing = np.isfinite(values), np.isnan(values)
+    bottom, top = (np.where(missing, end, values) for end in (np.inf, -np.inf))
+    for low, high in pairwise(edges.tolist()):
+        there = finite[low:high]
         if there.any():
-            chosen += [low + int(np.nanargmin(part)), low + int(np.nanargmax(part))]
+            chosen += [low + int(bottom[low:high].argmin()), low + int(top[low:high].argmax())]
         if not there.all():
-            chosen.append(low + int(np.argmin(there)))
+            chosen.append(low + int(there.argmin()))
     return np.unique(chosen)
 
 

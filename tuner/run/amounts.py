@@ -10,7 +10,9 @@ import numpy as np
 from jax import Array
 
 from objectives import is_additive, is_fold
-from tuner.problem.problem import Problem, run_filter
+from objectives.in_numpy import in_numpy
+from tuner.problem.problem import Problem
+from tuner.problem.programs import run_filter
 from tuner.problem.samples import added_by
 from tuner.run.blocks import block_mean
 
@@ -79,7 +81,7 @@ def run_with(problem: Problem, values: Mapping[str, Any]) -> Any:
     """The filter's outputs for some parameters, time first."""
     if problem.filter is None:
         raise ValueError(f"{problem.name} runs no filter")
-    params = problem.static.build({n: jnp.asarray(v, float) for n, v in values.items()})
+    params = problem.made(values)
     return run_filter(problem.filter, params, problem.data.inputs)
 
 
@@ -88,7 +90,7 @@ def adds_up(problem: Problem) -> bool:
     if not (is_fold(problem.objective) and is_additive(problem.objective)):
         return False
     objective: Any = problem.objective
-    total = objective.init()
+    total = jax.eval_shape(objective.init)
     return isinstance(total, tuple) and [np.shape(leaf) for leaf in total] == [(), ()]
 
 
@@ -100,13 +102,33 @@ def amounts_of(problem: Problem, outputs: Any) -> Amounts:
 
 def value_of(problem: Problem, mean: float) -> float:
     """The objective where it adds up to a mean; of a likelihood the equivalent deviation."""
-    return float(_value(problem.objective, jnp.asarray(mean)))
+    return float(in_numpy(_Value(problem.objective), float(mean)))
 
 
-def _value(objective: Any, mean: Array) -> Array:
-    total = type(objective.init())(mean, jnp.ones(()))
-    value: Array = objective.value(total, None)
-    return jnp.asarray(objective.deviation(value)) if hasattr(objective, "deviation") else value
+@dataclass(frozen=True)
+class _Value:
+    """An objective's value where it adds up to a mean."""
+
+    objective: Any
+
+    def __call__(self, mean: Array) -> Array:
+        """Of a likelihood the equivalent deviation."""
+        objective = self.objective
+        total = type(objective.init())(mean, jnp.ones(()))
+        value: Array = objective.value(total, None)
+        return jnp.asarray(objective.deviation(value)) if hasattr(objective, "deviation") else value
+
+
+@dataclass(frozen=True)
+class _Slope:
+    """The derivative of its logarithm."""
+
+    objective: Any
+
+    def __call__(self, mean: Array) -> Array:
+        """At a mean."""
+        slope: Array = jax.grad(lambda at: jnp.log(_Value(self.objective)(at)))(mean)
+        return slope
 
 
 def gain(problem: Problem, before: Amounts, now: Amounts) -> Gain:
@@ -134,7 +156,7 @@ def gain(problem: Problem, before: Amounts, now: Amounts) -> Gain:
 
 def _pull(objective: Any, found: Amounts) -> np.ndarray:
     """How far each sample moves the logarithm of the value, times how much counts."""
-    slope = jax.grad(lambda mean: jnp.log(_value(objective, mean)))(jnp.asarray(found.mean))
+    slope = in_numpy(_Slope(objective), found.mean)
     return np.asarray(float(slope) * (found.added - found.mean * found.counts))
 
 

@@ -42,7 +42,7 @@ def block_mean(amounts: np.ndarray, counts: np.ndarray) -> Mean:
     >>> found.value, found.low < 0.5 < found.high, found.blocks
     (0.5, True, 24)
     """
-    from scipy.stats import t
+    from tuner.chances import student_at
 
     recordings = [*zip(_columns(amounts), _columns(counts), strict=True)]
     kept = [(a[c > 0], c[c > 0]) for a, c in recordings if (c > 0).any()]
@@ -56,7 +56,7 @@ def block_mean(amounts: np.ndarray, counts: np.ndarray) -> Mean:
         return Mean(mean, -np.inf, np.inf, count)
     squares = sum(float(r @ r) for r in residuals)
     error = np.sqrt(squares * count / (count - 1)) / total
-    reach = float(t.ppf(0.975, count - 1) * error)
+    reach = float(student_at(0.975, count - 1) * error)
     return Mean(mean, mean - reach, mean + reach, count)
 
 

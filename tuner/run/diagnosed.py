@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from filters.declared import Channel, bare, channel_facts, in_unit, parameter_facts
 from tuner.data.merge import Timeline
 from tuner.diagnostics import Diagnostics, Innovations, Ways, diagnose
-from tuner.problem.problem import Problem, run_filter
+from tuner.problem.problem import Problem
+from tuner.problem.programs import run_filter
 from tuner.run.posed import Posed
 from tuner.run.searched import DEVIATION, own_unit
 
@@ -39,7 +39,7 @@ def innovations(problem: Problem, values: Mapping[str, Any]) -> tuple[np.ndarray
     """
     if problem.filter is None:
         raise ValueError(f"{problem.name} runs no filter")
-    params = problem.static.build({n: jnp.asarray(v, float) for n, v in values.items()})
+    params = problem.made(values)
     outputs = run_filter(problem.filter, params, problem.data.inputs)
     y = np.asarray(outputs.innovation)
     if hasattr(outputs, "variance"):

@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 from typing import NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 
+from objectives.in_numpy import Method, in_numpy
 from tuner.certificate.solution import Solution
 from tuner.certificate.yardstick import NATS_95, SHARE, yardstick
 from tuner.problem.parameters import Fixed, Parameter, Positive
@@ -18,7 +18,6 @@ STEPS = 2e7
 """Filter steps times squared states that a picture may cost."""
 MOST, FEWEST, ALONG = 25, 11, 41
 """Points of a map along a side; of a curve."""
-BATCH = 64
 WIDE, UNKNOWN = 2.2, 3.0
 """Half a side in half intervals; and where there is no interval, in coordinates."""
 NATS_95_OF_TWO = 2.996
@@ -67,7 +66,7 @@ def surface(problem: Problem, solution: Solution) -> Iterator[Shown]:
     unit, kind = yard.unit, yard.kind
     sides = [_side(problem, solution, name, at, count) for name, at in _widest(free, solution)]
     Z = _grid(solution.z, sides)
-    found = np.concatenate([values(problem, Z[i : i + BATCH]) for i in range(0, len(Z), BATCH)])
+    found = values(problem, Z)
     rise = np.where(np.isfinite(found), (found - solution.value) / unit, np.nan)
     rise = rise if kind == "likelihood" else 100 * rise
     if len(sides) == 1:
@@ -121,7 +120,7 @@ def _side(problem: Problem, solution: Solution, name: str, at: int, count: int) 
         known = [abs(end - center) for end in ends if np.isfinite(end)]
         reach = WIDE * max(known, default=UNKNOWN / WIDE) or UNKNOWN
     z = np.linspace(max(center - reach, low), min(center + reach, high), count)
-    along = np.array([float(kind.constrain(jnp.asarray([each]))) for each in z])
+    along = np.array([float(in_numpy(Method(kind, "constrain"), each[None])) for each in z])
     log = isinstance(kind, Positive)
     return Side(name, tuned.unit, at, z, along, log, float(tuned.value), tuned.interval)
 

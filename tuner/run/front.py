@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from objectives import Objective
+from objectives.in_numpy import Method, in_numpy
 from tuner.problem.parameters import Fixed
 from tuner.problem.problem import Problem
 from tuner.run.figure import Chart, Line
@@ -132,7 +133,9 @@ def trade(against: Against) -> Trade:
 
 def _shown(objective: Objective, value: float) -> float:
     known: Any = objective
-    return float(known.deviation(value)) if hasattr(known, "deviation") else value
+    if not hasattr(known, "deviation"):
+        return value
+    return float(in_numpy(Method(known, "deviation"), value))
 
 
 def picture_of(posed: Posed, found: Trade) -> Iterator[Chart]:

@@ -95,9 +95,9 @@ def windows(found: Innovations) -> Windows:
 
 
 def _nis(before: Windows | None, now: Windows) -> Shown:
-    from scipy.stats import chi2
+    from tuner.chances import chi_square_at
 
-    low, high = (chi2.ppf(q, now.numbers) / now.numbers for q in (0.025, 0.975))
+    low, high = (chi_square_at(q, now.numbers) / now.numbers for q in (0.025, 0.975))
     inside = int(((now.nis >= low) & (now.nis <= high)).sum())
     lines = [Line("95 % expected", _to_ends(now), low, drawn="band", upper=high)]
     lines += [] if before is None else [Line("before", before.times, before.nis)]

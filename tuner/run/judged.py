@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from filters.declared import bare
+from objectives.in_numpy import Method, in_numpy
 from tuner.certificate.solution import Solution, Status
 from tuner.diagnostics import Diagnostics
 from tuner.problem.problem import Problem
@@ -80,7 +81,9 @@ def judge(posed: Posed, solution: Solution, held_out: HeldOut | None) -> Judged:
 def shown(problem: Problem, value: float) -> float:
     """A value as people read it: of a likelihood the equivalent deviation, in the unit measured."""
     objective: Any = problem.objective
-    return float(objective.deviation(value)) if hasattr(objective, "deviation") else value
+    if not hasattr(objective, "deviation"):
+        return value
+    return float(in_numpy(Method(objective, "deviation"), value))
 
 
 def _of(solution: Solution) -> dict[str, np.ndarray]:

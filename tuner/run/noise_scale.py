@@ -10,7 +10,8 @@ from jax import Array
 
 from filters import run
 from filters.declared import bare, channel_facts
-from tuner.problem.problem import Problem, Static
+from tuner.problem.problem import Problem
+from tuner.problem.programs import Static
 from tuner.run.amounts import run_with
 
 SAME = 1e-9

@@ -1,12 +1,13 @@
 """Which of a filter's parameters are noises: by their units, or by what they do in its model."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from filters.declared import Param, assembled, parameter_facts
+from objectives.in_numpy import in_numpy
 from tuner.data.unit_text import Powers, powers_of, raised
 
 _SAME = 1e-9
@@ -87,7 +88,18 @@ def _by_model(filter: Any, values: Mapping[str, Any], name: str) -> Kind:
     return "a sample" if np.allclose(share, W2 - W, rtol=_SAME, atol=0) else "density"
 
 
+@dataclass(frozen=True)
+class _Linear:
+    """The linear model of a filter at values by name."""
+
+    filter: Any
+
+    def __call__(self, values: Mapping[str, Any]) -> Any:
+        """The model."""
+        return self.filter.linear(assembled(self.filter, values))
+
+
 def _covariances(filter: Any, values: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
-    form = filter.linear(assembled(filter, values))
+    form = in_numpy(_Linear(filter), dict(values))
     G = np.asarray(form.transition.G)
     return G @ np.asarray(form.transition.Q) @ G.T, np.asarray(form.R)

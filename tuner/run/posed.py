@@ -16,7 +16,8 @@ from tuner.data.source import Source
 from tuner.data.units import change
 from tuner.names import unknown
 from tuner.problem.exported import exported_of
-from tuner.problem.problem import Problem, run_filter
+from tuner.problem.problem import Problem
+from tuner.problem.programs import run_filter
 from tuner.problem.space import Space
 from tuner.run.careful import NAMES, care_of, guarded, with_noise
 from tuner.run.left_out import LeftOut, without_stretches
@@ -56,7 +57,7 @@ class Posed:
 
     def run(self, values: Mapping[str, Any]) -> Any:
         """The filter's outputs for parameters given by name, over all data."""
-        params = self.problem.static.build({n: jnp.asarray(v, float) for n, v in values.items()})
+        params = self.problem.made(values)
         assert self.problem.filter is not None
         return run_filter(self.problem.filter, params, self.problem.data.inputs)
 

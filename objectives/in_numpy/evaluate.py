@@ -1,0 +1,182 @@
+"""The operations of a traced function, one after another, by NumPy."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import jax
+import numpy as np
+
+from objectives.in_numpy.arrays import ARRAYS
+from objectives.in_numpy.elementwise import ELEMENTWISE
+from objectives.in_numpy.linalg import LINALG
+from objectives.in_numpy.places import PLACES
+
+Evaluate = Callable[..., Any]
+"""From an operation's NumPy arrays, and its parameters by name, to one result or several."""
+
+
+class _UnknownError(Exception):
+    """An operation that NumPy does not do here."""
+
+
+@dataclass(frozen=True)
+class Method:
+    """A method of what compares by its contents; equal ones are traced once.
+
+    >>> from filters import LocalLevel, LocalLevelNoise
+    >>> noise = LocalLevelNoise(q=np.array(1.0), R=np.array(1.0))
+    >>> float(in_numpy(Method(LocalLevel(1.0), "derive"), noise)["K"].round(6))
+    0.618034
+    """
+
+    owner: Any
+    name: str
+
+    def __call__(self, *arguments: Any) -> Any:
+        """The method's result."""
+        return getattr(self.owner, self.name)(*arguments)
+
+
+def in_numpy(function: Callable[..., Any], *arguments: Any) -> Any:
+    """A JAX function's result, in NumPy's arrays, without compiling anything.
+
+    Numbers differ from those of ``jax.jit`` by rounding alone. A function that cannot be traced is
+    called as it is, and one with an operation that is not known here is compiled.
+
+    Args:
+        function: of arrays and tuples of such; equal ones are traced once.
+        arguments: its arguments, which may hold NumPy's or JAX's arrays and numbers.
+
+    >>> import jax.numpy as jnp
+    >>> in_numpy(lambda a: {"root": jnp.sqrt(a)}, np.array([4.0, 9.0]))
+    {'root': array([2., 3.])}
+    """
+    jitted = _jitted(function)
+    try:
+        traced = jitted.trace(*arguments)
+    except (jax.errors.JAXTypeError, jax.errors.JAXIndexError):
+        return jax.tree.map(np.asarray, function(*arguments))
+    closed, shapes = traced.jaxpr, traced.out_info
+    leaves = [np.asarray(leaf) for leaf in jax.tree.leaves(arguments)]
+    try:
+        with np.errstate(all="ignore"):
+            found = _evaluated(closed.jaxpr, closed.consts, leaves)
+    except _UnknownError:
+        return jax.tree.map(np.asarray, jitted(*arguments))
+    return jax.tree.unflatten(jax.tree.structure(shapes), found)
+
+
+@lru_cache(maxsize=256)
+def _jitted(function: Callable[..., Any]) -> Any:
+    return jax.jit(function)
+
+
+def _evaluated(jaxpr: Any, consts: Sequence[Any], given: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """The results of a traced program."""
+    known: dict[Any, np.ndarray] = {}
+
+    def read(atom: Any) -> np.ndarray:
+        return np.asarray(atom.val, atom.aval.dtype) if hasattr(atom, "val") else known[atom]
+
+    for variables, values in ((jaxpr.constvars, consts), (jaxpr.invars, given)):
+        for variable, value in zip(variables, values, strict=True):
+            known[variable] = np.asarray(value, variable.aval.dtype)
+    for equation in jaxpr.eqns:
+        operation = KNOWN.get(equation.primitive.name)
+        if operation is None:
+            raise _UnknownError(equation.primitive.name)
+        found = operation(*map(read, equation.invars), **equation.params)
+        several = found if equation.primitive.multiple_results else [found]
+        for variable, value in zip(equation.outvars, several, strict=True):
+            known[variable] = np.asarray(value, variable.aval.dtype)
+    return [read(atom) for atom in jaxpr.outvars]
+
+
+def _closed(program: Any, *given: np.ndarray) -> list[np.ndarray]:
+    return _evaluated(program.jaxpr, program.consts, given)
+
+
+def _called(*given: np.ndarray, **params: Any) -> list[np.ndarray]:
+    program = next(params[name] for name in ("jaxpr", "call_jaxpr", "fun_jaxpr") if name in params)
+    return (
+        _closed(program, *given) if hasattr(program, "consts") else _evaluated(program, (), given)
+    )
+
+
+def _while(
+    *given: np.ndarray, cond_jaxpr: Any, body_jaxpr: Any, cond_nconsts: int, body_nconsts: int
+) -> list[np.ndarray]:
+    both = cond_nconsts + body_nconsts
+    asks, does, state = given[:cond_nconsts], given[cond_nconsts:both], list(given[both:])
+    while True:
+        on = _closed(cond_jaxpr, *asks, *state)[0]
+        if not on.any():
+            return state
+        moved = _closed(body_jaxpr, *does, *state)
+        # Of loops side by side each ends by itself.
+        state = [_where(on, new, old) for new, old in zip(moved, state, strict=True)]
+
+
+def _where(on: np.ndarray, new: np.ndarray, old: np.ndarray) -> np.ndarray:
+    return np.where(on.reshape(on.shape + (1,) * (new.ndim - on.ndim)), new, old)
+
+
+def _cond(index: np.ndarray, *given: np.ndarray, branches: Sequence[Any], **_: Any) -> Any:
+    return _closed(branches[min(max(int(index), 0), len(branches) - 1)], *given)
+
+
+def _scan(
+    *given: np.ndarray,
+    jaxpr: Any,
+    num_consts: int,
+    num_carry: int,
+    length: int,
+    reverse: bool,
+    **_: Any,
+) -> list[np.ndarray]:
+    begin = num_consts + num_carry
+    consts, state, samples = given[:num_consts], list(given[num_consts:begin]), given[begin:]
+    told: list[list[np.ndarray]] = []
+    for at in reversed(range(length)) if reverse else range(length):
+        found = _closed(jaxpr, *consts, *state, *(each[at] for each in samples))
+        state = found[:num_carry]
+        told.append(found[num_carry:])
+    if reverse:
+        told.reverse()
+    shapes = [v.aval for v in jaxpr.jaxpr.outvars[num_carry:]]
+    stacked = [
+        np.stack([each[k] for each in told]) if told else np.zeros((0, *shape.shape))
+        for k, shape in enumerate(shapes)
+    ]
+    return [*state, *stacked]
+
+
+def _linear_solve(*given: np.ndarray, const_lengths: Any, jaxprs: Any) -> list[np.ndarray]:
+    """As JAX solves it, which is exact where the way is a factorisation."""
+    begin = const_lengths.matvec + const_lengths.vecmat
+    consts, right = given[begin : begin + const_lengths.solve], given[sum(const_lengths) :]
+    return _closed(jaxprs.solve, *consts, *right)
+
+
+def _platform(*, platforms: Any) -> int:
+    """Which of several ways is that of this processor."""
+    return next(k for k, names in enumerate(platforms) if names is None or "cpu" in names)
+
+
+CONTROL: dict[str, Evaluate] = {
+    "jit": _called,
+    "pjit": _called,
+    "closed_call": _called,
+    "core_call": _called,
+    "checkpoint": _called,
+    "custom_jvp_call": _called,
+    "custom_vjp_call": _called,
+    "while": _while,
+    "cond": _cond,
+    "scan": _scan,
+    "custom_linear_solve": _linear_solve,
+    "platform_index": _platform,
+}
+KNOWN: dict[str, Evaluate] = {**ELEMENTWISE, **ARRAYS, **PLACES, **LINALG, **CONTROL}
