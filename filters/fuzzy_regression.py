@@ -5,16 +5,26 @@ e_j) and c >= 0, t_j with a leading 1 (Tanaka, Uejima and Asai, IEEE Trans. SMC 
 :func:`regression` takes any t; :func:`line` is the short way for crisp samples at equal distances.
 """
 
-from functools import cache
+from collections.abc import Callable, Sequence
+from functools import cache, partial
 from itertools import combinations
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
 from filters.linear_program import optimum
 
+Number: TypeAlias = int | Array
+"""The number of a sample of a window, or of one for each signal, ``(s,)``."""
+Groups: TypeAlias = Sequence[tuple[int, ...]]
+"""Numbers of samples that are looked at together."""
+Value: TypeAlias = Callable[[Sequence[Array], Sequence[Number]], Array]
+"""From the samples of a group and their numbers, ``(s,)``."""
+COMPARED = 64
+"""Groups that are compared one after another, three out of eight samples; more compile too long."""
 DECIDED = 1e-9
 """With t and x scaled to 1, a multiplier above this is more than rounding."""
 
@@ -132,19 +142,25 @@ def line(window: Array, dt: float, h: Array | float = 0.0) -> Line:
         crossed = (s1 < 0)[:, None]
         center = jnp.where(crossed, strip, center)
         spread = jnp.where(crossed, jnp.stack([width, 0 * width], axis=1), spread)
-    return Line(center, spread / (1 - h))
+    # A comparison passes over what is not a number.
+    broken = jnp.isnan(window).any(axis=0)[:, None]
+    return Line(jnp.where(broken, jnp.nan, center), jnp.where(broken, jnp.nan, spread / (1 - h)))
 
 
 def _support(window: Array, dt: float, sign: int) -> tuple[Array, Array]:
     """Height at the mean time and slope of the line that supports the hull there, ``(s,)`` each."""
-    m = window.shape[0]
-    half = (m - 1) / 2
-    left, right = (np.array(part) for part in zip(*_across(m), strict=True))
-    weight = jnp.asarray((right - half) / (right - left), window.dtype)[:, None]
-    heights = weight * window[left] + (1 - weight) * window[right]
-    slopes = (window[right] - window[left]) / _apart(window, dt * (right - left))
-    best = jnp.argmax(sign * heights, axis=0)[None]
-    return _picked(heights, best), _picked(slopes, best)
+    half = (window.shape[0] - 1) / 2
+
+    def height(samples: Sequence[Array], numbers: Sequence[Number]) -> Array:
+        (left, right), (i, j) = samples, numbers
+        weight = (j - half) / (j - i)
+        return weight * left + (1 - weight) * right
+
+    pairs = _across(window.shape[0])
+    numbers = _largest(window, pairs, lambda samples, at: sign * height(samples, at))
+    left, right = samples = [_chosen(window, number) for number in numbers]
+    i, j = numbers
+    return height(samples, numbers), (right - left) / (dt * (j - i))
 
 
 def _strip(window: Array, dt: float) -> tuple[Array, Array]:
@@ -152,22 +168,72 @@ def _strip(window: Array, dt: float) -> tuple[Array, Array]:
 
     It is decided by three samples: how far the middle one is from the chord of the others.
     """
-    i, j, k = (np.array(part) for part in zip(*_triples(window.shape[0]), strict=True))
-    slopes = (window[k] - window[i]) / _apart(window, dt * (k - i))
-    off = (window[j] - window[i] - slopes * _apart(window, dt * (j - i))) / 2
-    starts = window[i] + off - slopes * _apart(window, dt * i)
-    best = jnp.argmax(jnp.abs(off), axis=0)[None]
-    center = jnp.stack([_picked(starts, best), _picked(slopes, best)], axis=1)
-    return center, jnp.abs(_picked(off, best))
+    numbers = _largest(window, _triples(window.shape[0]), lambda *of: jnp.abs(_bend(*of)))
+    samples = [_chosen(window, number) for number in numbers]
+    (first, _, last), (i, _, k) = samples, numbers
+    slope, off = (last - first) / (dt * (k - i)), _bend(samples, numbers)
+    return jnp.stack([first + off - slope * (dt * i), slope], axis=1), jnp.abs(off)
 
 
-def _apart(window: Array, times: np.ndarray | Array) -> Array:
-    """Times beside samples, in the samples' precision, ``(n, 1)``."""
-    return jnp.asarray(times, window.dtype)[:, None]
+def _bend(samples: Sequence[Array], numbers: Sequence[Number]) -> Array:
+    """Half of what the middle one of three samples is above the chord of the others."""
+    (first, middle, last), (i, j, k) = samples, numbers
+    return (middle - first - (last - first) / (k - i) * (j - i)) / 2
 
 
-def _picked(values: Array, best: Array) -> Array:
-    return jnp.take_along_axis(values, best, axis=0)[0]
+def _largest(window: Array, groups: Groups, value: Value) -> tuple[Array, ...]:
+    """The numbers of the samples for which a value is largest, ``(s,)`` each.
+
+    Args:
+        window: the samples, ``(m, s)``.
+        groups: the numbers to choose from; of equal values the first counts.
+        value: of the samples of a group and their numbers.
+    """
+    if len(groups) == 1:
+        return tuple(jnp.full_like(window[0], number) for number in groups[0])
+    if len(groups) > COMPARED:
+        return _by_argmax(lax.stop_gradient(window), groups, value)
+    found: tuple[Array, ...] = _compared(window, groups, value)
+    return found
+
+
+@partial(jax.custom_jvp, nondiff_argnums=(1, 2))
+def _compared(window: Array, groups: Groups, value: Value) -> tuple[Array, ...]:
+    """The groups one after another: a quarter of the time of argmax and gather in a time loop.
+
+    Derivatives take argmax, beside which the comparisons would be long to compile.
+    """
+    values = [value([window[number] for number in group], group) for group in groups]
+    best, found = values[0], [jnp.full_like(values[0], number) for number in groups[0]]
+    for one, group in zip(values[1:], groups[1:], strict=True):
+        larger = one > best
+        best = jnp.where(larger, one, best)
+        found = [jnp.where(larger, new, old) for new, old in zip(group, found, strict=True)]
+    return tuple(found)
+
+
+@_compared.defjvp
+def _unmoved(
+    groups: Groups, value: Value, primals: tuple[Array], tangents: tuple[Array]
+) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
+    """Which samples are chosen has no derivative."""
+    numbers = _by_argmax(*primals, groups, value)
+    return numbers, tuple(jnp.zeros_like(number) for number in numbers)
+
+
+def _by_argmax(window: Array, groups: Groups, value: Value) -> tuple[Array, ...]:
+    columns = [np.array(column) for column in zip(*groups, strict=True)]
+    numbers = [jnp.asarray(column, window.dtype)[:, None] for column in columns]
+    at = jnp.argmax(value([window[column] for column in columns], numbers), axis=0)
+    return tuple(number[at, 0] for number in numbers)
+
+
+def _chosen(window: Array, number: Array) -> Array:
+    """One sample of each signal, by its number, ``(s,)``."""
+    sample = window[0]
+    for k in range(1, window.shape[0]):
+        sample = jnp.where(number == k, window[k], sample)
+    return sample
 
 
 @cache

@@ -3,7 +3,6 @@
 Equation numbers are the paper's; docs/chauhan2009.md reports the findings.
 """
 
-from studies.chauhan2009 import problems
 from studies.chauhan2009.claims import CLAIMS
 from studies.chauhan2009.figures import figures
 from studies.chauhan2009.settings import Settings
@@ -15,15 +14,14 @@ from tuner.solvers import NelderMead
 
 def plan(settings: Settings, records: tuple[Record, ...], seed: int, storage: str) -> Plan:
     """Every law tuned on the same steps by the same means, judged on others; and the sweep."""
-    made = problems.tuning_records(settings, settings.train, seed)
-    posed = problems.posed(settings, made)
+    sweep = Sweep(settings, seed)
     # The fuzzy law takes the largest of many lines, so its cost has kinks.
     simplex = NelderMead(seed=seed, starts=settings.starts, tolerance=1e-3)
     return Plan(
-        source=made.source,
-        tasks=tuple(Task(problem, simplex) for problem in posed.values()),
+        source=sweep.tuned_on.source,
+        tasks=tuple(Task(problem, simplex) for problem in sweep.posed.values()),
         exports=("constant", f"fuzzy_{settings.windows[-1]}"),
-        case=Sweep(settings, seed),
+        case=sweep,
         claims=CLAIMS,
         figures=figures,
     )

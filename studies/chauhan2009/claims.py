@@ -3,19 +3,19 @@
 import jax.numpy as jnp
 import numpy as np
 
-from filters import run
 from filters.gps_aided import GpsAidedKalman, GpsAidedSample
 from studies.chauhan2009.behaviour import Behaviour, behaviour
-from studies.chauhan2009.data import MOTIONS, Step, records
+from studies.chauhan2009.data import MOTIONS, Step
 from studies.chauhan2009.paper import DT, EVERY, STEADY, TRACKED
 from studies.chauhan2009.problems import (
     FUZZY,
     HELD_OUT,
     by_hand,
     estimated,
-    filters,
     judged,
+    judged_by_hand,
     parameters,
+    run_few,
     tuning_records,
 )
 from studies.chauhan2009.sweep import Holds, Sweep, ranges
@@ -66,7 +66,7 @@ def _turned(filter: GpsAidedKalman) -> float:
     count = round(4 / DT)
     rate = jnp.tile(jnp.array([0.0, 0.0, jnp.radians(10.0)]), (count, 1))
     samples = GpsAidedSample(rate, jnp.full((count, 3), jnp.nan))
-    found = run(filter, parameters({"angle": 1.0}), samples)[1]
+    found = run_few(filter, parameters({"angle": 1.0}), samples)
     return float(jnp.degrees(found.angles[-1, 2]))
 
 
@@ -74,9 +74,8 @@ def _behaviour_by_step(sweep: Sweep, angles: tuple[float, ...]) -> dict[Step, Be
     """Behaviour of the fuzzy law, by step."""
     found = {}
     for step in (Step(angle, motion) for angle in angles for motion in MOTIONS):
-        made = sweep.made(step)
-        pitch = np.asarray(sweep.fuzzy(made).angles)[:, :, 1]
-        found[step] = behaviour(pitch, made, sweep.settings, step.pitch)
+        pitch = np.asarray(sweep.fuzzy(step).angles)[:, :, 1]
+        found[step] = behaviour(pitch, sweep.made(step), sweep.settings, step.pitch)
     return found
 
 
@@ -158,17 +157,13 @@ def _driven(sweep: Sweep, name: str, where: str, holds: Holds) -> Comparison:
 
 def positive_definite(sweep: Sweep, solutions: Solutions) -> Comparison:
     """Without a floor and without noise, the residual is constant and Q is 0."""
-    made = records(sweep.settings, [Step(0.0, "silent")], [0])
-    still = made.inputs._replace(
-        angles=jnp.where(jnp.isnan(made.inputs.angles), jnp.nan, 0.0),
-        gyr=0 * made.inputs.gyr,
-    )
+    # As many as the steps have seeds, which share their compilation; they are all the same.
+    inputs = sweep.made(Step(0.0, "silent")).inputs
+    still = inputs._replace(angles=0 * inputs.angles, gyr=0 * inputs.gyr)
     found = estimated(FUZZY, still, by_hand(sweep.settings) | {"floor": 0.0})
-    least = float(np.asarray(found.Q)[-1].max())
+    least = float(np.asarray(found.Q)[-1, 0].max())
     # One of the seven is 0 by the projection.
-    second = [
-        float(np.linalg.eigvalsh(np.asarray(found.P).reshape(-1, 7, 7)[k])[1]) for k in (0, -1)
-    ]
+    second = [float(np.linalg.eigvalsh(np.asarray(found.P)[k, 0])[1]) for k in (0, -1)]
     return claim(
         "P.positive_definite_guaranteed",
         "4: the fuzzy process noise keeps P positive definite",
@@ -184,12 +179,13 @@ def fuzzy_or_constant(sweep: Sweep, solutions: Solutions) -> Comparison:
     """Both kinds of noise, tuned alike, on records that neither was tuned on."""
     settings = sweep.settings
     made = tuning_records(settings, settings.held_out, sweep.seed + HELD_OUT)
-    laws = filters(settings)
-    values = {name: tuned_values(best(name, solutions)) for name in laws}
-    error = {name: judged(laws[name][1], made, values[name]) for name in laws}
-    fuzzy = [name for name in laws if name != "constant"]
+    error = {
+        name: judged(problem, made, tuned_values(best(name, solutions)))
+        for name, problem in sweep.posed.items()
+    }
+    fuzzy = [name for name in error if name != "constant"]
     chosen = min(fuzzy, key=lambda name: best(name, solutions).value)
-    untuned = judged(FUZZY, made, by_hand(settings))
+    untuned = judged_by_hand(settings, made)
     each = ", ".join(f"{name} {e:.4f}" for name, e in error.items())
     return claim(
         "fuzzy_vs_tuned_fixed_Q_heldout",

@@ -1,14 +1,15 @@
 """Figures 2 to 9 as far as the text describes them, and the sweep over lambda."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
 from studies.chauhan2009.behaviour import Behaviour
-from studies.chauhan2009.data import Step, records, times
+from studies.chauhan2009.data import Step, times
 from studies.chauhan2009.paper import DRIVEN, EVERY, MAGNIFIED, STEADY, TRACKED
-from studies.chauhan2009.problems import CONSTANT, estimated, randomly
-from studies.chauhan2009.sweep import Sweep
+from studies.chauhan2009.problems import CONSTANT, estimated
+from studies.chauhan2009.sweep import SHOWN, Sweep
 from tuner.run.figure import Chart, Figure, Line, merged
 from tuner.run.study import Solutions, best, tuned_values
 
@@ -25,9 +26,8 @@ def figures(sweep: Sweep, solutions: Solutions) -> Iterator[Figure]:
 def _tracking(sweep: Sweep) -> Chart:
     lines = []
     for angle in TRACKED:
-        made = records(sweep.settings, [Step(angle, "seen")], [sweep.seed])
-        pitch = sweep.fuzzy(made).angles[:, 0, 1]
-        lines.append(Line(f"{angle:g} deg", times(sweep.settings), np.degrees(np.asarray(pitch))))
+        pitch = np.asarray(sweep.fuzzy(Step(angle, "seen")).angles)[:, 0, 1]
+        lines.append(Line(f"{angle:g} deg", times(sweep.settings), np.degrees(pitch)))
     title = "Figs 2 to 4: pitch tracked with fuzzy noise, one seed"
     return Chart("fig2_tracking", title, "t, s", "pitch, deg", tuple(lines))
 
@@ -38,9 +38,9 @@ def _steady(sweep: Sweep) -> Chart:
     late = t > sweep.settings.seconds - 60
     lines = []
     for angle in STEADY:
-        made = records(sweep.settings, [Step(angle, "seen")], [sweep.seed])
-        pitch = sweep.fuzzy(made).angles[:, 0, 1]
-        error = np.degrees(np.asarray(pitch - made.truth[:, 0]))[at][late]
+        step = Step(angle, "seen")
+        pitch = np.asarray(sweep.fuzzy(step).angles)[:, 0, 1]
+        error = np.degrees(pitch - np.asarray(sweep.made(step).truth)[:, 0])[at][late]
         lines.append(Line(f"{angle:g} deg", t[late], error))
     title = "Fig. 5 in degrees: the steady error does not depend on the angle"
     return Chart("fig5_steady", title, "t, s", "pitch error, deg", tuple(lines))
@@ -51,15 +51,14 @@ def _driven(sweep: Sweep, step: Step, solutions: Solutions) -> Chart:
     at = slice(EVERY - 1, None, EVERY)
     t = times(settings)[at]
     shown = (t > 50) & (t < 180)
-    fuzzy = sweep.fuzzy(made)
+    random = sweep.random(step)
     constant = tuned_values(best("constant", solutions))
-    found = {"fuzzy": fuzzy}
-    for factor in (0.1, 1.0, 10.0):
-        found[f"random, lambda {factor:g}"] = randomly(settings, made, fuzzy, factor, sweep.seed)
-    found["constant, tuned"] = estimated(CONSTANT, made.inputs, constant)
-    lines = []
-    for label, outputs in found.items():
-        error = np.degrees(np.asarray(outputs.angles[:, 0, 1] - made.truth[:, 0]))[at][shown]
+    found: dict[str, Any] = {"fuzzy": sweep.fuzzy(step).angles}
+    found |= {f"random, lambda {factor:g}": random[factor] for factor in SHOWN}
+    found["constant, tuned"] = estimated(CONSTANT, made.inputs, constant).angles
+    truth, lines = np.asarray(made.truth)[:, 0], []
+    for label, angles in found.items():
+        error = np.degrees(np.asarray(angles)[:, 0, 1] - truth)[at][shown]
         lines.append(Line(label, t[shown], 100 * error / step.pitch))
     title = f"Figs 6 to 9: driving noise at {step.pitch:g} deg, a step the gyroscopes do not see"
     return Chart(f"fig6_driven_{step.pitch:g}", title, "t, s", "pitch error, %", tuple(lines))

@@ -1,7 +1,7 @@
 """The competing filters, with constant, fuzzy and random process noise, and their tuning."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import jax
@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import AnyFilter, Batched, Lanes, assembled, parameter_facts, run, shared
+from filters import AnyFilter, Batched, Lanes, assembled, bare, parameter_facts, run, shared
 from filters.gps_aided import GpsAidedKalman, GpsAidedNoise, GpsAidedOutputs, GpsAidedSample
 from objectives import Data
 from objectives import Records as OverRecords
@@ -59,6 +59,14 @@ def estimated(
     return found
 
 
+def parted(made: Records, count: int) -> Iterator[Records]:
+    """As many records at a time; fewer at the end."""
+    for first in range(0, made.truth.shape[1], count):
+        which = slice(first, first + count)
+        part: Records = jax.tree.map(lambda leaf, at=which: np.asarray(leaf)[:, at], made)
+        yield part
+
+
 def random_scale(Q: np.ndarray, factor: float) -> np.ndarray:
     """Scale of the random law on the same data: lambda sqrt(3) times the fuzzy law's rms rate.
 
@@ -72,16 +80,25 @@ def random_scale(Q: np.ndarray, factor: float) -> np.ndarray:
 
 
 def randomly(
-    settings: Settings, made: Records, fuzzy: GpsAidedOutputs, factor: float, seed: int
-) -> GpsAidedOutputs:
-    """The random law's outputs on the same records, each with a scale of its own."""
-    late = np.asarray(fuzzy.Q)[round(BEFORE / DT) :]
+    settings: Settings, made: Records, Q: np.ndarray, factors: Sequence[float], seed: int
+) -> np.ndarray:
+    """The random law's estimates on the same records, each with a scale of its own.
+
+    Args:
+        settings: for the values without tuning.
+        made: k records.
+        Q: diagonals of a fuzzy run on them, ``(N, k, 7)``.
+        factors: F values of lambda, which run side by side.
+        seed: of the draws, the same for every lambda.
+
+    Returns:
+        Angles after the ticks, rad, ``(F, N, k, 3)``.
+    """
+    late = Q[round(BEFORE / DT) :]
     params = shared(parameters(by_hand(settings)), made.truth.shape[1])
-    params = params._replace(scale=jnp.asarray(random_scale(late, factor)))
+    params = params._replace(scale=np.stack([random_scale(late, factor) for factor in factors]))
     draw = np.random.default_rng([seed, 7]).uniform(size=(*made.truth.shape, 7))
-    inputs = made.inputs._replace(draw=jnp.asarray(draw))
-    found: GpsAidedOutputs = _run(Batched(RANDOM), params, inputs)
-    return found
+    return np.asarray(_angles(params, made.inputs._replace(draw=jnp.asarray(draw))))
 
 
 @dataclass(frozen=True)
@@ -164,13 +181,48 @@ def posed(settings: Settings, made: Records) -> dict[str, Problem]:
     }
 
 
-def judged(filter: GpsAidedKalman, made: Records, values: Mapping[str, Array | float]) -> float:
-    """The mean error over records, deg."""
-    return float(OBJECTIVE(estimated(filter, made.inputs, values), made.truth))
+def judged(problem: Problem, made: Records, values: Mapping[str, Any]) -> float:
+    """The mean error over other records than a problem's, deg.
+
+    As many at a time as the problem has, so that its compilation serves them as well.
+    """
+    z, total = problem.space.unconstrain(values), 0.0
+    for part in parted(made, problem.data.truth.shape[1]):
+        count = part.truth.shape[1]
+        lanes = Lanes(bare(problem.filter), count)
+        other = replace(problem, filter=lanes, data=Data(part.inputs, part.truth))
+        total += count * other.value(z)
+    return total / made.truth.shape[1]
+
+
+def judged_by_hand(settings: Settings, made: Records) -> float:
+    """The mean error of the fuzzy law as published, deg, a step's number of records at a time."""
+    skipped, squares = round(BEFORE / DT), []
+    for part in parted(made, settings.records):
+        found = estimated(FUZZY, part.inputs, by_hand(settings))
+        error = np.asarray(found.angles)[skipped:, :, 1] - np.asarray(part.truth)[skipped:]
+        squares.append((error**2).mean(axis=0))
+    return float(np.degrees(np.sqrt(np.concatenate(squares))).mean())
 
 
 def _passed(filter: AnyFilter, params: Any, inputs: Any) -> Any:
     return run(filter, params, inputs)[1]
 
 
+def _random(params: GpsAidedNoise, inputs: GpsAidedSample) -> Array:
+    """Angles by the random law for every lambda, each with scales of its own."""
+
+    def angles(one: GpsAidedNoise) -> Array:
+        found: Array = run(Batched(RANDOM), one, inputs)[1].angles
+        return found
+
+    axes: list[Any] = [0 if name == "scale" else None for name in params._fields]
+    return jax.vmap(angles, in_axes=(GpsAidedNoise(*axes),))(params)
+
+
 _run: Callable[..., Any] = jax.jit(_passed, static_argnums=0)
+run_few: Callable[..., Any] = jax.jit(
+    _passed, static_argnums=0, compiler_options={"xla_backend_optimization_level": 0}
+)
+"""A filter's outputs over a few samples, whose run takes less time than compilation."""
+_angles: Callable[..., Array] = jax.jit(_random)

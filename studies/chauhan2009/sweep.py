@@ -1,7 +1,7 @@
 """The paper's claims about the driving noise, over lambda: never at one of them."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
@@ -11,13 +11,25 @@ from filters.gps_aided import GpsAidedOutputs
 from studies.chauhan2009.behaviour import Behaviour, behaviour
 from studies.chauhan2009.data import MOTIONS, Records, Step, records
 from studies.chauhan2009.paper import DRIVEN, MAGNIFIED
-from studies.chauhan2009.problems import FUZZY, by_hand, estimated, randomly
+from studies.chauhan2009.problems import (
+    FUZZY,
+    by_hand,
+    estimated,
+    posed,
+    randomly,
+    tuning_records,
+)
 from studies.chauhan2009.settings import Settings
+from tuner.problem.problem import Problem
 
 Holds: TypeAlias = Callable[[Behaviour, Behaviour], np.ndarray]
 """A claim that compares the fuzzy and the random law: the records where it holds, ``(k,)``."""
 MOST = 0.5
 """Share of the records above which a claim holds at a lambda."""
+
+
+SHOWN = (0.1, 1.0, 10.0)
+"""The lambdas whose errors are drawn."""
 
 
 class Case(NamedTuple):
@@ -33,6 +45,8 @@ class Case(NamedTuple):
 class Sweep:
     """Every driven step, sensed by gyroscopes or not, with fuzzy and random noise over lambda.
 
+    Every lambda and seed of a step run side by side, and steps share one compilation.
+
     Attributes:
         settings: of the records.
         seed: of their noise.
@@ -40,6 +54,20 @@ class Sweep:
 
     settings: Settings
     seed: int
+    _fuzzy: dict[Step, GpsAidedOutputs] = field(default_factory=dict, init=False, repr=False)
+    _random: dict[Step, dict[float, np.ndarray]] = field(
+        default_factory=dict, init=False, repr=False
+    )
+
+    @cached_property
+    def tuned_on(self) -> Records:
+        """The records that every law is tuned on."""
+        return tuning_records(self.settings, self.settings.train, self.seed)
+
+    @cached_property
+    def posed(self) -> dict[str, Problem]:
+        """The problem of each law, by name."""
+        return posed(self.settings, self.tuned_on)
 
     @cached_property
     def cases(self) -> tuple[Case, ...]:
@@ -52,22 +80,31 @@ class Sweep:
         seeds = [self.seed + i for i in range(self.settings.records)]
         return records(self.settings, [step], seeds)
 
-    def fuzzy(self, made: Records) -> GpsAidedOutputs:
-        """Outputs of the fuzzy law as published."""
-        return estimated(FUZZY, made.inputs, by_hand(self.settings))
+    def fuzzy(self, step: Step) -> GpsAidedOutputs:
+        """Outputs of the fuzzy law as published on a step's records."""
+        if step not in self._fuzzy:
+            inputs = self.made(step).inputs
+            self._fuzzy[step] = estimated(FUZZY, inputs, by_hand(self.settings))
+        return self._fuzzy[step]
+
+    def random(self, step: Step) -> dict[float, np.ndarray]:
+        """Angles by the random law at each lambda, rad, ``(N, k, 3)``."""
+        if step not in self._random:
+            factors = sorted({*self.settings.factors, *SHOWN})
+            Q = np.asarray(self.fuzzy(step).Q)
+            found = randomly(self.settings, self.made(step), Q, factors, self.seed)
+            self._random[step] = dict(zip(factors, found, strict=True))
+        return self._random[step]
 
     def _case(self, step: Step) -> Case:
         made = self.made(step)
-        fuzzy = self.fuzzy(made)
 
-        def judged(found: GpsAidedOutputs) -> Behaviour:
-            return behaviour(np.asarray(found.angles)[:, :, 1], made, self.settings, step.pitch)
+        def judged(angles: np.ndarray) -> Behaviour:
+            return behaviour(angles[:, :, 1], made, self.settings, step.pitch)
 
-        random = tuple(
-            judged(randomly(self.settings, made, fuzzy, factor, self.seed))
-            for factor in self.settings.factors
-        )
-        return Case(step, made, judged(fuzzy), random)
+        by_factor = self.random(step)
+        random = tuple(judged(by_factor[factor]) for factor in self.settings.factors)
+        return Case(step, made, judged(np.asarray(self.fuzzy(step).angles)), random)
 
     def holds(self, case: Case, claim: Holds) -> tuple[float, ...]:
         """The lambdas at which a claim about (fuzzy, random) holds for most records."""
