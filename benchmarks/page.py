@@ -8,97 +8,97 @@ from benchmarks.table import NARROW, Row, markdown
 _TEXT = """\
 # Performance
 
-Made by `python -m benchmarks --write docs/performance.md`; the numbers below are one run's,
-and where the noise is above 10 % **at best** says more than **figure**.
+Written by `python -m benchmarks --write docs/performance.md`. The numbers come from one run;
+where the noise is above 10 %, **at best** is more reliable than **figure**.
 
 - Work: Kownacki's gyroscope filter, {samples} samples, 2 states, a scalar measurement, float64.
 - Machine: {machine}.
-- Noise: the time of one and the same pass varied by {noise:.0%} (distance of the quartiles).
+- Noise: repeated timings of the same pass varied by {noise:.0%} (interquartile range).
 
 ## How to read it
 
-The **C limit** is the same recursion in C (`benchmarks/*.c`), compiled for the very machine when
-the benchmark starts. A sequential filter cannot be faster than the chain of operations from one
-sample to the next; C spends its time waiting for that chain.
+The **C limit** is the same recursion in C (`benchmarks/*.c`), compiled for this machine when
+the benchmark starts. A sequential filter cannot be faster than the chain of dependent operations
+from one sample to the next, and C spends its time waiting for that chain.
 
 - All calls that are compared run in one process and take turns, A B C A B C. **figure** is the
-  median over the rounds of each call's time over that of its neighbours; **at best** is the ratio
-  of the shortest times, which is nearer to what an idle machine shows.
+  median over the rounds of each call's time divided by that of its neighbours; **at best** is the
+  ratio of the shortest times, which is closer to what an idle machine shows.
 - **target** is what the project set out to reach; **reached** is judged by the figure alone, and
-  *narrowly* where it is within {narrow:.0%} of the target: another run may fall on the other side.
-- Trust ratios; milliseconds depend on the machine and on what else it does. Ratios between code
-  that waits (C, one sequence) and code that is busy (gradients, batches) still move by a third from
-  one processor to another.
-- A pass is `filters.run`; cost and gradient are what `Problem.value` and
-  `Problem.value_and_gradient` evaluate; batches are `tuner.values` and
-  `tuner.values_and_gradients`, with C in as many threads. R1 and R6 are the readings of the cost
-  that docs/kownacki2010.md explains: R1 needs a pass over the data, R6 the spectrum as well, so it
-  is held against C's pass plus `numpy.fft.rfft` of the same segments.
-- Likelihoods by size are judged by the processor's time, with C's adjoint, which costs the same
-  for any number of parameters. **forwards** carries a tangent for each parameter, **backwards**
-  goes back once, in parts twice through each. By these rows a problem chooses
-  (`tuner.problem.paths`): a linear Kalman filter goes backwards from 5 parameters on, from 4 with
-  6 states and from 2 with 9; an extended one in parts from 6, and from 4 with 5 states. A
-  solution's `gradient_by` says which it was, and `Problem(way=...)` forces one.
+  is *narrowly* where it is within {narrow:.0%} of the target: another run may fall on the other side.
+- Compare ratios: milliseconds depend on the machine and on its load. Ratios between
+  latency-bound code (C, one sequence) and throughput-bound code (gradients, batches) still vary by
+  a third from one processor to another.
+- A pass is `filters.run`; cost and gradient are those of `Problem.value` and
+  `Problem.value_and_gradient`; batches are `tuner.values` and
+  `tuner.values_and_gradients`, compared with C in as many threads. R1 and R6 are the readings of
+  the cost explained in docs/kownacki2010.md: R1 needs a pass over the data, R6 the spectrum as
+  well, so it is compared with C's pass plus `numpy.fft.rfft` of the same segments.
+- Likelihoods by size are compared by processor time, with a hand-written adjoint in C, whose cost
+  does not depend on the number of parameters. **forwards** carries a tangent for each parameter,
+  **backwards** goes back over the record once, *in parts* computes each part twice. These rows
+  determine a problem's choice (`tuner.problem.paths`): a linear Kalman filter goes backwards from
+  5 parameters, from 4 with 6 states and from 2 with 9; an extended one in parts from 6
+  parameters, and from 4 with 5 states. A solution's `gradient_by` names the choice, and
+  `Problem(way=...)` overrides it.
 - Every output was compared with C's or, for the small R, with a loop that carries 40 digits.
 
 ## Two ways to a gradient
 
-A search spends its time in `Problem.value_and_gradient`. XLA works it out, and wherever the
-record is long enough C is compiled for it instead, by the compiler that `CC` names or `cc`: the
-time loop is traced to a graph of scalars with its derivatives, what never changes over time
-(structural zeros above all) is left out, symmetric matrices are kept by halves, and the
-derivatives by up to eight parameters lie in one vector of the processor. What comes before the
-loop (from a point to the filter's parameters) and after it (spectra, means) stays JAX. In
-`tuner.values_and_gradients` eight points share a vector, where the objective keeps no samples for
-after the loop. The first division of a sample, for which all that follows has to wait, is begun
-while the derivatives of the sample before are worked out, and factors of a derivative are
-multiplied with one another first, once for all directions.
+A search spends its time in `Problem.value_and_gradient`. XLA computes it at first; where the
+record is long enough, C is compiled for it, by the compiler that `CC` names or by `cc`. The
+time loop is traced to a graph of scalars with its derivatives. Whatever never changes over time
+(structural zeros above all) is left out, only one half of a symmetric matrix is stored, and the
+derivatives by up to eight parameters share one vector register. What precedes the
+loop (from a point to the filter's parameters) and what follows it (spectra, means) stays in JAX.
+In `tuner.values_and_gradients` eight points share a vector, unless the objective keeps samples
+until after the loop. The first division of a sample, on which everything else depends, is started
+while the derivatives of the previous sample are computed, and common factors of a derivative are
+multiplied once for all directions.
 
-- **XLA is the judge.** At the first point both work out value and gradient; where they differ by
-  more than 1e-9 of the largest of these numbers, XLA goes on alone. Values without gradient,
-  Hessians and the certificate are XLA's anyway.
+- **XLA is the judge.** At the first point both compute value and gradient; where they differ by
+  more than 1e-9 of the largest of these numbers, only XLA is used. Values without gradient,
+  Hessians and the certificate always come from XLA.
 - **When.** C pays where a search would spend more time in XLA's loop than the compiler takes: (N
-  (1 + n) - 20 000) times the operations of a step above 8 million, for N samples and n
-  parameters; with six parameters and 500 operations from about 5000 samples on. Where XLA goes
-  backwards through the loop, which costs about three passes for any n, C has to take at most half
-  as many operations as a step: so it does where matrices have zeros, and not where they are
-  dense. `TUNER_NATIVE=on` asks for it wherever it can be made, `off` never. `gradient_by` of a
-  `Solution`, in `result.json` too, says which way it was and why, as in `XLA, forwards: the
+  (1 + n) - 20 000) times the operations of a step is above 8 million, for N samples and n
+  parameters; with six parameters and 500 operations that is from about 5000 samples. Where XLA
+  goes backwards through the loop, which costs about three passes for any n, C must take at most
+  half as many operations as a step: it does where matrices have zeros, and does not where they
+  are dense. `TUNER_NATIVE=on` uses C wherever it can be compiled, `off` never. `gradient_by` of a
+  `Solution`, also in `result.json`, states the choice and the reason, as in `XLA, forwards: the
   record is too short for compiling C to pay`.
-- **What has no C.** A loop with an operation that scalars do not have (a while loop, a
-  decomposition), or of more than 12 000 operations with its derivatives, is XLA's. Without a
-  compiler, or with one that fails or takes more than 30 s, nothing changes.
-- **What is kept.** Libraries lie in `~/.cache/filter-tuner/native` (`TUNER_CACHE/native`), under
-  a hash of source, flags, compiler and processor and a hash of what is in them. Nothing is loaded
-  that another user owns or may write to, nor through a link: then, and where the folder cannot be
-  written, the code is compiled for the process alone.
+- **What has no C.** XLA runs loops with an operation that scalars do not have (a while loop, a
+  decomposition) and loops of more than 12 000 operations with their derivatives. Without a
+  compiler, or where it fails or takes more than 30 s, nothing changes.
+- **The cache.** Libraries are stored in `~/.cache/filter-tuner/native` (`TUNER_CACHE/native`),
+  under a hash of source, flags, compiler and processor and a hash of their contents. A file that
+  another user owns or may write to, or that is reached through a link, is never loaded: then, and
+  where the folder cannot be written, the code is compiled for the current process only.
 
-`python -m benchmarks.native` measures both ways in turns (the part *Gradients by compiled C*
+`python -m benchmarks.native` measures both ways in turns (see *Gradients by compiled C*
 below).
 
 ## Several starts
 
-The starts of `l-bfgs-b`, `trust-constr`, `nelder-mead` and `alternating` run side by side in
-threads, as many as there are processors: compiled code, XLA's and C's, runs without the
-interpreter's lock. The ends are the same as one after another, to the last bit. `python -m
+The starts of `l-bfgs-b`, `trust-constr`, `nelder-mead` and `alternating` run side by side in as
+many threads as there are processors: compiled code, XLA's and C's, runs without the
+interpreter's lock. The results equal those of one start after another, to the last bit. `python -m
 benchmarks.starts` measures both in turns:
 
-- A descent that ends within 20 ms is followed by the next one, for up to about 1000 samples of a
-  small filter: there Python takes a third of the time, which one thread runs at a time, and
-  threads would cost up to a fifth more. Of 100 000 samples two threads gained 1.7 to 2.0 x where
-  the starts end together, and 1.6 x of 1.8 x that unequal ones allowed, for the last one leaves a
-  processor idle.
+- A descent that ends within 20 ms is followed by the next one without threads, which is the case
+  for up to about 1000 samples of a small filter: there Python, of which only one thread runs at a
+  time, takes a third of the time, and threads would cost up to a fifth more. With 100 000 samples
+  two threads gained 1.7 to 2.0 x where the starts end together. Where they do not, the last start
+  leaves a processor idle: the gain was 1.6 x of the 1.8 x possible.
 - Starts as lanes of one call were measured and are not used. Four points in one call of XLA take
   twice the time of one, which would save 10 ms of 35 in four descents over 300 samples; the call
-  takes half a second more to compile. In C a vector is full with the derivatives of one point
-  already.
-- Meanwhile the linear algebra library of NumPy and SciPy has one thread: its systems are of a few
-  numbers, and its threads would wait at the expense of the objective, which took 1.4 to 2 x the
-  processor's time.
-- Where two runs at a time would need more than a quarter of the memory that may be used, there is
-  one.
-- `ipopt` holds the interpreter's lock, and takes its starts one after another. So do starts that
+  takes half a second longer to compile. In C the derivatives of one point already fill a vector.
+- Meanwhile the linear algebra library of NumPy and SciPy uses one thread: its systems have a few
+  unknowns, and its waiting threads would slow the objective, which then took 1.4 to 2 x the
+  processor time.
+- Where two runs at a time would need more than a quarter of the permitted memory, the starts run
+  one after another.
+- `ipopt` holds the interpreter's lock and runs its starts one after another. So do starts that
   several processes share.
 
 ## Results
@@ -112,10 +112,10 @@ benchmarks.starts` measures both in turns:
 ## The guard
 
 `python -m benchmarks.guard` runs in CI. It fails where the loop option has no effect, where a
-gradient costs far more than a pass, or where a pass is hardly faster than a loop in Python: the
-ways in which speed is lost without an error. It judges ratios, not milliseconds. What was compiled
-of larger filters is read, whose loops are the first to be lost; `python -m benchmarks.whole_loops`
-reads it of every filter.
+gradient costs far more than a pass, or where a pass is hardly faster than a loop in Python: these
+are the ways to lose speed without an error. It judges ratios, not milliseconds. For larger
+filters, whose loops are the first to be lost, it inspects the compiled code;
+`python -m benchmarks.whole_loops` inspects that of every filter.
 """
 
 
