@@ -25,7 +25,8 @@ from one sample to the next, and C spends its time waiting for that chain.
   median over the rounds of each call's time divided by that of its neighbours; **at best** is the
   ratio of the shortest times, which is closer to what an idle machine shows.
 - **target** is what the project set out to reach; **reached** is judged by the figure alone, and
-  is *narrowly* where it is within {narrow:.0%} of the target: another run may fall on the other side.
+  is *narrowly* where it is within {narrow:.0%} of the target: another run may fall on the other
+  side.
 - Compare ratios: milliseconds depend on the machine and on its load. Ratios between
   latency-bound code (C, one sequence) and throughput-bound code (gradients, batches) still vary by
   a third from one processor to another.
