@@ -54,7 +54,7 @@ def _derive(self: Any, params: Any) -> dict[str, Any]:
     step, *seen = in_numpy(_Matrices(model, self.dt), params)
     found: dict[str, Any] = {"Q": step.Q}
     if seen:
-        found["K"] = _steady(step, *seen, self.dt)
+        found["K"] = _steady(step, seen[0], seen[1], self.dt)
     plain = len(model.f) == len(model.h) == 1
     return {name: value[0, 0] if plain else value for name, value in found.items()}
 

@@ -58,7 +58,7 @@ class Native:
         folder: Path,
     ) -> None:
         self.objective, self.build, self.size, self.folder = objective, build, size, folder
-        runner = runner_of(filter, objective, build, np.zeros(size), data)
+        runner = runner_of(filter, objective, build, jax.device_put(np.zeros(size)), data)
         self._turn = scaled(turn(runner))
         moving = [leaf.any(-1) for leaf in runner.moved]
         self._places = [np.flatnonzero(leaf) for leaf in moving]
