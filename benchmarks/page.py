@@ -61,8 +61,8 @@ multiplied once for all directions.
   more than 1e-9 of the largest of these numbers, only XLA is used. Values without gradient,
   Hessians and the certificate always come from XLA.
 - **When.** C pays where a search would spend more time in XLA's loop than the compiler takes: (N
-  (1 + n) - 20 000) times the operations of a step is above 8 million, for N samples and n
-  parameters; with six parameters and 500 operations that is from about 5000 samples. Where XLA
+  (1 + n) - 20 000) times the operations of a step is above 70 million, for N samples and n
+  parameters; with six parameters and 500 operations that is from about 23 000 samples. Where XLA
   goes backwards through the loop, which costs about three passes for any n, C must take at most
   half as many operations as a step: it does where matrices have zeros, and does not where they
   are dense. `TUNER_NATIVE=on` uses C wherever it can be compiled, `off` never. `gradient_by` of a

@@ -182,6 +182,7 @@ def test_a_short_record_goes_by_xla(monkeypatch):
 def test_a_long_record_goes_by_c(monkeypatch):
     needed("cc")
     monkeypatch.delenv("TUNER_NATIVE")
+    monkeypatch.setattr(route, "PAYS", 8e6)
     z = np.tile(measured(), (40, 1))
     long = posed(data=Data(Sample(z), np.zeros(len(z))))
     long.value_and_gradient(np.zeros(3))

@@ -53,13 +53,17 @@ def single_precision(form: str, filter: AnyFilter, params: Any, inputs: Any) -> 
         TypeError: where the filter falls back to float64, for then nothing would be tested.
     """
     exact = _compared(filter, run_filter(filter, params, inputs))
-    with np.errstate(over="ignore"):  # overflow gives infinity, and counts as such
-        halved = jax.tree.map(_half, (params, inputs))
-    rounded = _compared(filter, run_filter(filter, *halved))
+    rounded = _compared(filter, run_filter(filter, *halved((params, inputs))))
     found = [_strays(form, name, exact[name], rounded[name]) for name in exact]
     if not found:
         raise TypeError(f"{type(filter).__name__} has no output that can be compared")
     return max(found, key=lambda each: (each.share != each.share, each.share))
+
+
+def halved(tree: Any) -> Any:
+    """Arrays in single precision; a number beyond it is infinite, and counts as such."""
+    with np.errstate(over="ignore"):
+        return jax.tree.map(_half, tree)
 
 
 def _half(leaf: Any) -> np.ndarray:

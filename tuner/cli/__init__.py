@@ -1,5 +1,6 @@
 """The command line: results on stdout, everything else on stderr."""
 
+import gc
 import os
 import sys
 from pathlib import Path
@@ -446,6 +447,8 @@ def main() -> None:
     from tuner.cli.leaving import leave
     from tuner.stop import heed, interrupt
 
+    # Looking for cycles among a million objects of JAX takes a tenth of a fit.
+    gc.set_threshold(100_000, 50, 100)
     heed(interrupt)
     leave(invoke(sys.argv[1:], alone=True))
 

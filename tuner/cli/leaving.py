@@ -12,8 +12,8 @@ from tuner.stop import clean_up, finish, is_interrupted
 def leave(code: int) -> NoReturn:
     """End the process.
 
-    After an interruption or an error threads may still be in compiled code, which nobody waits for:
-    all that is kept was written before.
+    After an interruption or an error threads may still be in compiled code, which nobody waits for,
+    and JAX takes a quarter second to take itself apart: all that is kept was written before.
     """
     for stream in (sys.stdout, sys.stderr):
         try:
@@ -22,7 +22,7 @@ def leave(code: int) -> NoReturn:
             with suppress(OSError):
                 os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
     finish()
-    if is_interrupted(code) or threading.active_count() > 1:
+    if is_interrupted(code) or threading.active_count() > 1 or "jax" in sys.modules:
         clean_up()
         os._exit(code)
     sys.exit(code)

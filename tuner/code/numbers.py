@@ -6,6 +6,7 @@ from typing import Any, TypeAlias
 import jax
 import numpy as np
 
+from objectives.in_numpy.places import PLACES
 from tuner.code.operations import BINARY
 from tuner.code.refused import no_counterpart
 
@@ -49,6 +50,8 @@ def _in_numpy(name: str, given: Sequence[Any], params: Params) -> Any:
         return _SUMS[name][0].reduce(given[0], axis=tuple(params["axes"]), dtype=given[0].dtype)
     if name in MOVED:
         return MOVED[name](given[0], params)
+    if name in PLACES:
+        return PLACES[name](*given, **params)
     return _OTHERS[name](given, params) if name in _OTHERS else None
 
 

@@ -1,5 +1,6 @@
 """Linear models for the rank test, the start of a search, and derived quantities."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import jax.numpy as jnp
@@ -9,6 +10,7 @@ from jax import Array
 from filters import Channel, Measured, Transition
 from filters.linear import LinearForm
 from filters.small_linalg import matmul
+from objectives.in_numpy import in_numpy
 from tuner.model.algebra import names_in, separated
 from tuner.model.covariance import Rows
 from tuner.model.description import Model, coefficients
@@ -49,14 +51,29 @@ def _settles(model: Model) -> bool:
 def _derive(self: Any, params: Any) -> dict[str, Any]:
     """The covariance a sample, and the steady gain; NaN where there is none. Of one state plain."""
     model: Model = self.model
-    at = values(params, dt=self.dt)
-    step = one_step(model, at, self.dt)
+    step, *seen = in_numpy(_Matrices(model, self.dt), params)
     found: dict[str, Any] = {"Q": step.Q}
-    if _settles(model):
-        assert model.seen is not None
-        found["K"] = _steady(step, at.matrix(model.seen[0]), at.matrix(model.R.rows), self.dt)
+    if seen:
+        found["K"] = _steady(step, seen[0], seen[1], self.dt)
     plain = len(model.f) == len(model.h) == 1
     return {name: value[0, 0] if plain else value for name, value in found.items()}
+
+
+@dataclass(frozen=True)
+class _Matrices:
+    """The step of a model for its parameters; H and R too, where a steady gain is possible."""
+
+    model: Model
+    dt: float
+
+    def __call__(self, params: Any) -> tuple[Any, ...]:
+        """Step, H and R."""
+        at = values(params, dt=self.dt)
+        step = one_step(self.model, at, self.dt)
+        if not _settles(self.model):
+            return (step,)
+        assert self.model.seen is not None
+        return step, at.matrix(self.model.seen[0]), at.matrix(self.model.R.rows)
 
 
 def _steady(step: Step, H: Array, R: Array, dt: float) -> np.ndarray:

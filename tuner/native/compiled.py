@@ -58,13 +58,13 @@ class Native:
         folder: Path,
     ) -> None:
         self.objective, self.build, self.size, self.folder = objective, build, size, folder
-        runner = runner_of(filter, objective, build, jnp.zeros(size), data)
+        runner = runner_of(filter, objective, build, jax.device_put(np.zeros(size)), data)
         self._turn = scaled(turn(runner))
         moving = [leaf.any(-1) for leaf in runner.moved]
         self._places = [np.flatnonzero(leaf) for leaf in moving]
         self._moves = np.vstack([x[m] for x, m in zip(runner.moved, moving, strict=True)])
         self._folds, self._keeps = is_fold(objective), runner.keeps
-        params = jax.eval_shape(build, jnp.zeros(size))
+        params = jax.eval_shape(build, np.zeros(size))
         self._total = jax.eval_shape(objective.init) if is_fold(objective) else None
         self._kept = _kept(filter, objective, params, data)
         self._numbers = jax.jit(self._number)

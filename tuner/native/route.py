@@ -19,7 +19,7 @@ from tuner.native.compiler import NoCodeError, compiler, use
 if TYPE_CHECKING:
     from tuner.native.compiled import Native
 
-PAYS, COMPILED = 8e6, 2e4
+PAYS, COMPILED = 7e7, 2e4
 """Operations of a gradient from which compiling pays over a search, and the same for
 each operation of a step."""
 AGREED = 1e-9

@@ -10,6 +10,7 @@ from jax import Array
 
 from filters import AnyFilter, run
 from objectives import Data, Folded, Objective, is_fold
+from objectives.in_numpy import in_numpy
 from tuner.code.straight import Slot, straight
 from tuner.code.walk import Arrays
 from tuner.native.active import moved
@@ -90,7 +91,7 @@ def runner_of(
     """
     folds = is_fold(objective)
     whole = Folded(filter, objective) if is_fold(objective) else filter
-    params, params_tree = jax.tree.flatten(jax.jit(build)(z))
+    params, params_tree = jax.tree.flatten(in_numpy(build, z))
     record = data if folds else data.inputs
     sample, sample_tree = jax.tree.flatten(record)
     sample = [np.zeros(leaf.shape[1:], leaf.dtype) for leaf in sample]

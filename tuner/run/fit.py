@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,6 +26,7 @@ from tuner.run.fit_shown import shown_of
 from tuner.run.front import Against, picture_of, trade
 from tuner.run.held_out import judge_held_out
 from tuner.run.judged import Judged, filter_name, judge
+from tuner.run.meanwhile import compile_for, meanwhile
 from tuner.run.noise_told import gains_told, noise_told
 from tuner.run.parting import HeldOutBy, Parting, parting
 from tuner.run.posed import Posed, check_channels, pose
@@ -128,10 +130,11 @@ def _source(parts: list[Source]) -> Source:
 def plan_fit(posed: Posed, request: Request, other: Posed | None = None) -> Plan:
     """The tasks, exports and figures; against another objective the front of both."""
     solver = _solver(request)
-    parted = parting(posed.problem, request.held_out)
-    posed = replace(posed, problem=screened(posed.problem, request))
-    main = ThenRescaled(solver) if may_be_rescaled(posed) else solver
-    tasks = [Task(posed.problem, main), *_second_fits(parted, request, _quick(solver))]
+    with meanwhile(partial(compile_for, posed.problem)):
+        parted = parting(posed.problem, request.held_out)
+        posed = replace(posed, problem=screened(posed.problem, request))
+        main = ThenRescaled(solver) if may_be_rescaled(posed) else solver
+        tasks = [Task(posed.problem, main), *_second_fits(parted, request, _quick(solver))]
     against = None if other is None else Against.by(other, solver, posed.problem)
     case = Fitting(posed, parted, against)
     return Plan(

@@ -1,7 +1,8 @@
 """A tuned filter as C: in both precisions, with its numbers fixed or to be set."""
 
-from collections.abc import Mapping
-from functools import cache, partial
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
+from functools import partial
 from typing import NamedTuple
 
 from tuner.code.document import files
@@ -9,9 +10,10 @@ from tuner.code.files import Files
 from tuner.code.form import Form, Ready, ready
 from tuner.code.literal import Precision
 from tuner.code.names import identifier
-from tuner.code.size import size
+from tuner.code.size import Size, size
 from tuner.export.tuned import Tuned
 from tuner.problem.exported import Trial
+from tuner.run.at_once import at_once
 from tuner.run.code_files import VARIANTS, Variant, kept
 from tuner.run.result import CodeRecord
 
@@ -78,35 +80,40 @@ def in_all_variants(
     What has no code is told with the reason: it ends no run.
     """
     found: dict[str, bytes] = {}
-    records = []
-    in_precision = cache(partial(_ready, tuned, trials))
-    for variant in VARIANTS:
-        include = f"{tuned.name}.h"
-        names = [f"{kept(tuned.name, variant)}{end}" for end in (".h", ".c", "_selftest.c")]
-        try:
-            code = _code(tuned, in_precision(variant.precision), variant, include)
-        except ValueError as error:
-            record = CodeRecord(
-                problem=tuned.name,
-                precision=variant.precision,
-                file="",
-                forms=[],
-                operations=0,
-                refused=str(error),
-            )
-        else:
-            texts = zip(names, code.files.in_order, strict=True)
-            found |= {name: text.encode("ascii") for name, text in texts}
-            record = _record(tuned.name, variant, names[0], code, include)
-        if not variant.tunable:
-            records.append(record)
-    return found, records
+    records: list[Callable[[], CodeRecord]] = []
+    # Both compilers, JAX's of the trial and that of C, work without the interpreter's lock.
+    with at_once(2) as pool:
+        precisions = dict.fromkeys(variant.precision for variant in VARIANTS)
+        ready = {one: pool.submit(_ready, tuned, trials, one) for one in precisions}
+        for variant in VARIANTS:
+            include = f"{tuned.name}.h"
+            names = [f"{kept(tuned.name, variant)}{end}" for end in (".h", ".c", "_selftest.c")]
+            try:
+                code = _code(tuned, ready[variant.precision].result(), variant, include)
+            except ValueError as error:
+                record = partial(_refused, tuned.name, variant, str(error))
+            else:
+                texts = zip(names, code.files.in_order, strict=True)
+                found |= {name: text.encode("ascii") for name, text in texts}
+                measured = None
+                if not variant.tunable:
+                    measured = pool.submit(size, code.files.header, code.files.source, include)
+                record = partial(_record, tuned.name, variant, names[0], code, measured)
+            if not variant.tunable:
+                records.append(record)
+        return found, [record() for record in records]
 
 
-def _record(name: str, variant: Variant, file: str, code: Code, include: str) -> CodeRecord:
-    measured = None
-    if not variant.tunable:
-        measured = size(code.files.header, code.files.source, include)
+def _refused(name: str, variant: Variant, why: str) -> CodeRecord:
+    return CodeRecord(
+        problem=name, precision=variant.precision, file="", forms=[], operations=0, refused=why
+    )
+
+
+def _record(
+    name: str, variant: Variant, file: str, code: Code, size: Future[Size | None] | None
+) -> CodeRecord:
+    measured = None if size is None else size.result()
     return CodeRecord(
         problem=name,
         precision=variant.precision,

@@ -28,6 +28,7 @@ from tuner.run.environment import environment
 from tuner.run.figure import Figure
 from tuner.run.fit_record import FitRecord
 from tuner.run.folder import RunFolder
+from tuner.run.meanwhile import import_later, meanwhile
 from tuner.run.progress import SCHEMA, Finished, check_again, digest_of, key_of
 from tuner.run.progress import Progress as KeptProgress
 from tuner.run.recipe import Recipe
@@ -101,7 +102,7 @@ class Run:
         open_tasks = [task for task in self.plan.tasks if key_of(task) not in solutions]
         self.progress("solving", len(solutions), len(self.plan.tasks))
         self._save(solutions, digests)  # a run that is interrupted at once can go on as well
-        with at_once(jobs) as pool:
+        with meanwhile(import_later), at_once(jobs) as pool:
             futures = {pool.submit(_solved, task): task for task in open_tasks}
             for future in as_completed(futures):
                 task = futures[future]
