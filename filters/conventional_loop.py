@@ -9,12 +9,12 @@ the channel diverges (by a factor e in 571 s), so errors are propagated, never t
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
 from filters.declared import Channel
+from filters.exponential import expm
 from filters.small_linalg import matmul
 
 GRAVITY_GRADIENT = 3.07e-6
@@ -87,7 +87,7 @@ def loop_step(gains: LoopGains, dt: float, k_gh: ArrayLike = GRAVITY_GRADIENT) -
     K1, K2, K3 = (jnp.asarray(gain, dtype=float) for gain in gains)
     L = jnp.stack([K3, K2, K1])
     held = jnp.zeros((4, 4)).at[:3, :3].set(vertical_channel(k_gh)).at[:3, 3].set(L)
-    over = jax.scipy.linalg.expm(held * dt)
+    over = expm(held * dt)
     return LoopStep(over[:3, :3], over[:3, 3])
 
 

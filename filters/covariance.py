@@ -8,10 +8,10 @@ are building blocks of designs: they take a model and no measurements, and decla
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import jax
 import jax.numpy as jnp
 from jax import Array
 
+from filters.exponential import expm
 from filters.kalman import Estimate, decorrelate, predict, update
 from filters.linear import LinearModel
 from filters.small_linalg import matmul, product, solve
@@ -148,7 +148,7 @@ def riccati_flow(A: Array, C: Array, W: Array, V: Array, dt: Array) -> Array:
         dt: step, s, short against the time in which the fastest mode changes by a factor of 1e8.
     """
     seen = C.T @ jnp.linalg.solve(V, C)
-    flow: Array = jax.scipy.linalg.expm(jnp.block([[-A.T, seen], [W, A]]) * dt)
+    flow: Array = expm(jnp.block([[-A.T, seen], [W, A]]) * dt)
     return flow
 
 

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from filters.exponential import expm
 from filters.linear import Transition
 
 _MOST_DOUBLINGS = 20  # enough for a step a million times as long as the fastest time constant
@@ -39,7 +40,7 @@ def van_loan(A: Array, G: Array, S: Array, dt: Array) -> Transition:
     size = jax.lax.stop_gradient(jnp.abs(noise).max())
     unit = jnp.where(size > 0, size, 1.0)  # the unit of S must not cost digits of F
     block = jnp.block([[-A * part, noise / unit], [jnp.zeros((n, n)), A.T * part]])
-    exponential = jax.scipy.linalg.expm(block)
+    exponential = expm(block)
     F = exponential[n:, n:].T
 
     def double(i: Array, step: tuple[Array, Array]) -> tuple[Array, Array]:

@@ -7,8 +7,8 @@ functions are differentiable and can be batched with ``jax.vmap``.
 import jax
 import jax.numpy as jnp
 from jax import Array
-from jax.scipy.linalg import expm
 
+from filters.exponential import expm
 from objectives.linear_systems.lyapunov import lyapunov, stein
 
 HORIZON = 40.0

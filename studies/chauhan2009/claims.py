@@ -4,6 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from filters.gps_aided import GpsAidedKalman, GpsAidedSample
+from objectives import Data
 from studies.chauhan2009.behaviour import Behaviour, behaviour
 from studies.chauhan2009.data import MOTIONS, Step
 from studies.chauhan2009.paper import DT, EVERY, STEADY, TRACKED
@@ -12,13 +13,13 @@ from studies.chauhan2009.problems import (
     HELD_OUT,
     by_hand,
     estimated,
-    judged,
     judged_by_hand,
     parameters,
     run_few,
     tuning_records,
 )
 from studies.chauhan2009.sweep import Holds, Sweep, ranges
+from tuner.problem.other_records import mean_on
 from tuner.regression import tanaka
 from tuner.run.comparison import Comparison, Verdict, claim, number
 from tuner.run.study import Claim, Solutions, best, tuned_values
@@ -179,8 +180,9 @@ def fuzzy_or_constant(sweep: Sweep, solutions: Solutions) -> Comparison:
     """Both kinds of noise, tuned alike, on records that neither was tuned on."""
     settings = sweep.settings
     made = tuning_records(settings, settings.held_out, sweep.seed + HELD_OUT)
+    other = Data(made.inputs, made.truth)
     error = {
-        name: judged(problem, made, tuned_values(best(name, solutions)))
+        name: mean_on(problem, tuned_values(best(name, solutions)), other)
         for name, problem in sweep.posed.items()
     }
     fuzzy = [name for name in error if name != "constant"]

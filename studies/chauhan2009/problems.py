@@ -1,7 +1,7 @@
 """The competing filters, with constant, fuzzy and random process noise, and their tuning."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import jax
@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import AnyFilter, Batched, Lanes, assembled, bare, parameter_facts, run, shared
+from filters import AnyFilter, Batched, Lanes, assembled, parameter_facts, run, shared
 from filters.gps_aided import GpsAidedKalman, GpsAidedNoise, GpsAidedOutputs, GpsAidedSample
 from objectives import Data
 from objectives import Records as OverRecords
@@ -179,20 +179,6 @@ def posed(settings: Settings, made: Records) -> dict[str, Problem]:
         )
         for name, (law, filter) in filters(settings).items()
     }
-
-
-def judged(problem: Problem, made: Records, values: Mapping[str, Any]) -> float:
-    """The mean error over other records than a problem's, deg.
-
-    As many at a time as the problem has, so that its compilation serves them as well.
-    """
-    z, total = problem.space.unconstrain(values), 0.0
-    for part in parted(made, problem.data.truth.shape[1]):
-        count = part.truth.shape[1]
-        lanes = Lanes(bare(problem.filter), count)
-        other = replace(problem, filter=lanes, data=Data(part.inputs, part.truth))
-        total += count * other.value(z)
-    return total / made.truth.shape[1]
 
 
 def judged_by_hand(settings: Settings, made: Records) -> float:

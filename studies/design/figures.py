@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import jax.numpy as jnp
 import numpy as np
-from jax.scipy.linalg import expm
 
+from filters.exponential import expm
 from studies.design.designed import Designed
 from studies.design.problems import Posed
 from tuner.run.figure import Chart, Figure, Line

@@ -1,6 +1,7 @@
 """The paper's vertical channel with its numbers, and its error dynamics."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -137,7 +138,7 @@ class Gains:
     @property
     def error(self) -> np.ndarray:
         """The loop's dynamics without the given altitude's error, ``(3, 3)``."""
-        return np.asarray(loop_error(self.loop(0.0), 0.0))[:3, :3]
+        return np.asarray(_error(self.loop(0.0), 0.0))[:3, :3]
 
 
 FORMS = {
@@ -154,6 +155,13 @@ def noise_share(K1: Array | float, K2p: Array | float, K3: Array | float) -> Arr
     return K1 * K3 / (2 * (K1 * K2p - K3))
 
 
+class History(NamedTuple):
+    """Covariances P(+) ``(N, n, n)`` and gains K ``(N, n, 1)`` over time."""
+
+    P: np.ndarray
+    K: np.ndarray
+
+
 def times(seconds: float, Ts: float) -> np.ndarray:
     """The sampling times from 0 to an end, ``(N,)``, s."""
     check_amount(f"{seconds / Ts:.4g} steps", 512 * seconds / Ts, "take fewer seconds")
@@ -164,39 +172,42 @@ def times(seconds: float, Ts: float) -> np.ndarray:
 SHORTEST = 256
 
 
-def _counted(samples: int) -> Array:
-    return jnp.zeros(max(SHORTEST, 2 ** (samples - 1).bit_length()))
+def _counted(samples: int) -> np.ndarray:
+    return np.zeros(max(SHORTEST, 2 ** (samples - 1).bit_length()))
 
 
-def kalman_history(channel: Channel, Ts: float, seconds: float) -> Uncertainty:
+def kalman_history(channel: Channel, Ts: float, seconds: float) -> History:
     """(14) to (17): P(+) and gains, the first measurement at t = 0; stacked along time."""
     samples = len(times(seconds, Ts))
-    P, K = _kalman(channel.model(Ts), _counted(samples))
-    return Uncertainty(P[:samples], K[:samples])
+    found = _kalman(channel.model(Ts), _counted(samples))
+    return History(np.asarray(found.P)[:samples], np.asarray(found.K)[:samples])
 
 
-def riccati_history(channel: Channel, dt: float, seconds: float) -> Uncertainty:
+def riccati_history(channel: Channel, dt: float, seconds: float) -> History:
     """The continuous filter with q_b as a spectral density; gains P H' / q_b."""
     system = channel.system(channel.q_b)
-    A, C, W, V = map(jnp.asarray, (system.A, system.C, system.W, system.V))
-    flow = Flow(riccati_flow(A, C, W, V, jnp.asarray(dt)), channel.model(1.0).P0)
     samples = len(times(seconds, dt))
-    P = _riccati(flow, _counted(samples))[:samples]
-    return Uncertainty(P, P[:, :, 2:] / channel.q_b)
+    parts = (system.A, system.C, system.W, system.V)
+    found = _riccati(parts, dt, channel.model(1.0).P0, _counted(samples))
+    P = np.asarray(found)[:samples]
+    return History(P, P[:, :, 2:] / channel.q_b)
 
 
-def replayed(truth: LinearModel, K: Array) -> Array:
+def replayed(truth: LinearModel, K: np.ndarray) -> np.ndarray:
     """(19): P11(+) when gains ``(N, 3, 1)`` are applied to a given truth, ``(N,)``."""
-    samples = len(K)
-    missing = len(_counted(samples)) - samples
-    found: Array = _given(truth, jnp.pad(K, ((0, missing), (0, 0), (0, 0))))
-    return found[:samples]
+    return np.asarray(variance(truth, lengthened(K)))[: len(K)]
+
+
+def lengthened(K: np.ndarray) -> np.ndarray:
+    """Gains with zeros after them, of one of the few lengths that are compiled."""
+    missing = len(_counted(len(K))) - len(K)
+    return np.pad(np.asarray(K), ((0, missing), (0, 0), (0, 0)))
 
 
 def loop_history(channel: Channel, gains: Gains, dt: float, seconds: float) -> np.ndarray:
     """sigma_epsilon^2(t) of the conventional loop by (10), ``(N,)``."""
     samples = len(times(seconds, dt))
-    return np.asarray(replayed(channel.loop(gains, dt), jnp.zeros((samples, 4, 1))))
+    return replayed(channel.loop(gains, dt), np.zeros((samples, 4, 1)))
 
 
 @jax.jit
@@ -233,12 +244,18 @@ def _kalman(model: LinearModel, count: Array) -> Uncertainty:
 
 
 @jax.jit
-def _given(model: LinearModel, K: Array) -> Array:
+def variance(model: LinearModel, K: Array) -> Array:
+    """P11(+) of a model under gains, ``(N,)``."""
     found: Array = run(GainCovariance(), model, K)[1].P[:, 0, 0]
     return found
 
 
 @jax.jit
-def _riccati(flow: Flow, count: Array) -> Array:
+def _riccati(parts: tuple[Array, ...], dt: Array, P0: Array, count: Array) -> Array:
+    A, C, W, V = parts
+    flow = Flow(riccati_flow(A, C, W, V, dt), P0)
     found: Array = run(RiccatiCovariance(), flow, count)[1]
     return found
+
+
+_error = jax.jit(loop_error)

@@ -3,9 +3,8 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
-import jax.numpy as jnp
 import numpy as np
-from jax.scipy.linalg import expm
+from scipy.linalg import expm
 
 from studies.ha1981 import scheme
 from studies.ha1981.channel import (
@@ -63,13 +62,12 @@ def _steps(channel: Channel, designed: Gains) -> Chart:
     at = np.linspace(0, 2.5 / channel.eta, 501)
     lines = []
     for name, gains in _designs(channel, designed).items():
-        A = jnp.asarray(gains.error)
-        F = expm(A * (at[1] - at[0]))
-        x, rows = jnp.array([-1.0, 0.0, 0.0]), []
+        F = expm(gains.error * (at[1] - at[0]))
+        x, rows = np.array([-1.0, 0.0, 0.0]), []
         for _ in at:
             rows.append(x[0])
             x = F @ x
-        lines.append(Line(name, at, 1 + np.asarray(jnp.stack(rows))))
+        lines.append(Line(name, at, 1 + np.array(rows)))
     return Chart(
         name="step_response",
         title="Estimated bias over the true one, forms of one steady variance",
@@ -154,13 +152,13 @@ def _stored(channel: Channel, settings: Settings, solutions: Solutions) -> Chart
     at = np.arange(len(storage.which)) * settings.Ts
     tuned = tuned_values(best("kalman_stored", solutions))
     tables = {
-        "tuned gains": storage.table(tuned),
-        "mean gains": jnp.asarray(storage.means)[:, :, None],
+        "tuned gains": np.asarray(storage.table(tuned)),
+        "mean gains": storage.means[:, :, None],
     }
     model = channel.model(settings.Ts)
     optimal = np.asarray(storage.optimal.P)[:, 0, 0]
     lines = [
-        Line(name, at[1:], np.asarray(replayed(model, K[storage.which]) / optimal)[1:])
+        Line(name, at[1:], (replayed(model, K[storage.which]) / optimal)[1:])
         for name, K in tables.items()
     ]
     count = len(storage.edges) - 2

@@ -95,7 +95,7 @@ def _stored_quantities(
 
 
 def _stored_runs(channel: Channel, storage: scheme.Storage, params: GainTable) -> dict[str, Trial]:
-    gains = params.K[storage.which]
+    gains = np.asarray(params.K)[storage.which]
     z = _uncorrected_altitude(channel, np.arange(len(gains)) * storage.Ts)
-    inputs = GainedSample(jnp.asarray(z)[:, None], gains)
+    inputs = GainedSample(jnp.asarray(z[:, None]), jnp.asarray(gains))
     return {"stored gains": Trial(Weighed(StoredGains(), BIAS), params.model, inputs)}

@@ -7,10 +7,20 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import GainTable, TableCovariance, Uncertainty
+from filters import GainTable, TableCovariance
 from objectives import Data, LinearSystem, VarianceRatio, steady_kalman
 from studies.ha1981 import paper
-from studies.ha1981.channel import ERRORS, MEASURED, Channel, kalman_history, replayed, times
+from studies.ha1981.channel import (
+    ERRORS,
+    MEASURED,
+    Channel,
+    History,
+    kalman_history,
+    lengthened,
+    replayed,
+    times,
+    variance,
+)
 from tuner.problem.parameters import Limited, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.space import Space
@@ -95,7 +105,7 @@ class Storage:
 
     channel: Channel
     Ts: float
-    optimal: Uncertainty
+    optimal: History
     edges: tuple[int, ...]
 
     @classmethod
@@ -150,7 +160,7 @@ class Storage:
 
     def table(self, values: dict[str, Array]) -> Array:
         """The gains as a table, ``(M + 1, 3, 1)``; the first is the Kalman filter's."""
-        rows = [self.optimal.K[0, :, 0]]
+        rows = [jnp.asarray(self.optimal.K[0, :, 0])]
         for s in range(1, len(self.edges) - 1):
             rows.append(jnp.stack([jnp.asarray(values[f"K{i}_{s}"]) for i in (1, 2, 3)]))
         return jnp.stack(rows)[:, :, None]
@@ -192,7 +202,7 @@ def reaches(channel: Channel, Ts: float) -> float:
 def sensitivities(channel: Channel, Ts: float, seconds: float) -> dict[str, np.ndarray]:
     """d ln P11(t) / d ln p by (19) with the gains held, for p = q_a, q_b, sigma^2_AB; ``(N,)``."""
     gains = kalman_history(channel, Ts, seconds).K
-    slopes = np.asarray(_sensitivities(channel, Ts, gains))
+    slopes = np.asarray(_sensitivities(channel, Ts, lengthened(gains)))[: len(gains)]
     return {name: slopes[:, i] for i, name in enumerate(_UNCERTAIN)}
 
 
@@ -203,7 +213,7 @@ _UNCERTAIN = ("q_a", "q_b", "sigma2_ab")
 def _sensitivities(channel: Channel, Ts: float, gains: Array) -> Array:
     def logarithm(logs: Array) -> Array:
         numbers = {n: getattr(channel, n) * jnp.exp(logs[i]) for i, n in enumerate(_UNCERTAIN)}
-        return jnp.log(replayed(replace(channel, **numbers).model(Ts), gains))
+        return jnp.log(variance(replace(channel, **numbers).model(Ts), gains))
 
     slopes: Array = jax.jacfwd(logarithm)(jnp.zeros(3))
     return slopes
@@ -222,5 +232,5 @@ def replay(channel: Channel, Ts: float, seconds: float, *, by: str) -> np.ndarra
     at = times(seconds, REPLAY)
     index = np.arange(len(at)) if by == "sample" else np.floor(at / Ts + 1e-9).astype(int)
     gains = kalman_history(channel, Ts, (index[-1] + 1) * Ts).K[index]
-    ratio: np.ndarray = np.asarray(replayed(channel.model(REPLAY), gains) / own.P[:, 0, 0])
+    ratio: np.ndarray = replayed(channel.model(REPLAY), gains) / own.P[:, 0, 0]
     return ratio

@@ -3,9 +3,8 @@
 Equation numbers are the paper's; docs/suh2004.md reports the findings.
 """
 
-from studies.suh2004 import problems
+from studies.suh2004.bench import bench
 from studies.suh2004.claims import CLAIMS
-from studies.suh2004.data import bench
 from studies.suh2004.figures import figures
 from studies.suh2004.settings import Settings
 from tuner.data.record import Record
@@ -16,7 +15,7 @@ from tuner.solvers import Gradient, NelderMead
 def plan(settings: Settings, records: tuple[Record, ...], seed: int, storage: str) -> Plan:
     """All three filters tuned on the same records by the same means, judged on others."""
     made = bench(settings, seed)
-    posed = problems.posed(made.tuned_on)
+    posed = made.problems
     smooth = Gradient("l-bfgs-b", seed=seed, starts=settings.starts)
     simplex = NelderMead(seed=seed, starts=1, tolerance=1e-4)
     return Plan(

@@ -13,13 +13,10 @@ from objectives import Data
 from studies.suh2004.paper import ACC_VARIANCE, DT, GYR_VARIANCE, SAMPLES, GyroUnit
 from studies.suh2004.settings import Settings
 from tuner.data.simulation import GRAVITY, Bursts, Motion, Sensor, Swing, measure, simulate
-from tuner.data.source import Source
 
 SWING = Swing(size=(np.radians(15.0), np.radians(12.0), np.radians(60.0)))
 EVERY = 10.0
 """Mean interval of bursts, s."""
-HELD_OUT = 1000
-"""Offset of the held-out records' seeds from those that are tuned on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,36 +35,6 @@ class Recordings:
     def data(self) -> Data:
         """The records as a problem's data."""
         return Data(self.inputs, self.truth)
-
-
-@dataclass(frozen=True, eq=False)
-class Bench:
-    """The records to tune on and to judge by, as a study's settings say.
-
-    Attributes:
-        settings: the study's.
-        tuned_on: records of the seeds from the run's own.
-        judged_on: the held-out records.
-        source: of the records that are tuned on.
-    """
-
-    settings: Settings
-    tuned_on: Recordings
-    judged_on: Recordings
-    source: Source
-
-
-def bench(settings: Settings, seed: int) -> Bench:
-    """The records of a run."""
-    tuned_on = recordings(settings, settings.train, seed)
-    if settings.tune_on == "experiment2":
-        inputs = experiment_2(settings.gyro_unit)
-        still = jnp.zeros((len(inputs.gyr), 1, 2))
-        tuned_on = Recordings(jax.tree.map(lambda leaf: leaf[:, None], inputs), still)
-    name = f"{tuned_on.count} simulated motions with pushes and bias, seeds from {seed}"
-    source = Source.simulated(name, [np.asarray(tuned_on.inputs.acc)], 1 / DT)
-    judged_on = recordings(settings, settings.held_out, seed + HELD_OUT)
-    return Bench(settings, tuned_on, judged_on, source)
 
 
 def experiment_1(unit: GyroUnit, samples: int = SAMPLES) -> TiltSample:
@@ -90,18 +57,18 @@ def experiment_2(unit: GyroUnit) -> TiltSample:
         begin = 3.0 + 4 * i
         on = (t >= begin) & (t < begin + 2)
         push[on] += 0.1 * (i + 1) * (-1) ** i * np.sin(2 * np.pi * (t[on] - begin))
-    return still._replace(acc=still.acc.at[:, 1].add(push))
+    return still._replace(acc=jnp.asarray(np.asarray(still.acc) + push[:, None] * [0.0, 1.0, 0.0]))
 
 
 def recordings(settings: Settings, count: int, seed: int) -> Recordings:
     """Random motions of their own seeds, measured with the paper's noise and a random bias."""
     made = [_record(settings, seed + i) for i in range(count)]
     inputs = [sample for sample, _ in made]
-    stacked = jax.tree.map(lambda *leaves: jnp.stack(leaves, axis=1), *inputs)
-    return Recordings(stacked, jnp.stack([truth for _, truth in made], axis=1))
+    stacked = jax.tree.map(lambda *leaves: jnp.asarray(np.stack(leaves, axis=1)), *inputs)
+    return Recordings(stacked, jnp.asarray(np.stack([truth for _, truth in made], axis=1)))
 
 
-def _record(settings: Settings, seed: int) -> tuple[TiltSample, Array]:
+def _record(settings: Settings, seed: int) -> tuple[TiltSample, np.ndarray]:
     bursts = Bursts(round(settings.seconds / EVERY), settings.burst) if settings.burst else None
     motion = simulate(seconds=settings.seconds, dt=DT, seed=seed, swing=SWING, bursts=bursts)
     unit = np.radians(1.0) if settings.gyro_unit == "deg/s" else 1.0
@@ -112,7 +79,7 @@ def _record(settings: Settings, seed: int) -> tuple[TiltSample, Array]:
         accelerometer=Sensor(float(np.sqrt(np.mean(ACC_VARIANCE))) * GRAVITY),
         seed=seed,
     )
-    return TiltSample(measured.acc / GRAVITY, measured.gyr), jnp.asarray(_tilt(motion))
+    return TiltSample(measured.acc / GRAVITY, measured.gyr), _tilt(motion)
 
 
 def _tilt(motion: Motion) -> np.ndarray:

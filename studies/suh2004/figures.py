@@ -5,7 +5,8 @@ from collections.abc import Iterator
 import jax
 import numpy as np
 
-from studies.suh2004.data import Bench, Recordings, experiment_2
+from studies.suh2004.bench import Bench
+from studies.suh2004.data import experiment_2
 from studies.suh2004.paper import DT, FILTERS, TWO_STEP
 from studies.suh2004.problems import noise, outputs
 from tuner.run.figure import Chart, Figure, Line, merged
@@ -18,7 +19,8 @@ def figures(bench: Bench, solutions: Solutions) -> Iterator[Figure]:
     """All figures."""
     inputs = experiment_2(bench.settings.gyro_unit)
     t = DT * np.arange(1, len(inputs.gyr) + 1)
-    found = {name: outputs(filter, inputs, noise({})) for name, filter in FILTERS.items()}
+    by_hand, beside = noise({}), bench.tuned_on
+    found = {name: outputs(one, inputs, by_hand, beside) for name, one in FILTERS.items()}
     for at, name in ((1, "roll"), (0, "pitch")):
         lines = tuple(
             Line(LABELS[each], t, np.degrees(np.asarray(o.angles)[:, at]))
@@ -41,18 +43,19 @@ def figures(bench: Bench, solutions: Solutions) -> Iterator[Figure]:
             ),
             log="y",
         )
-    yield _held_out(bench.judged_on, solutions)
+    yield _held_out(bench, solutions)
 
 
-def _held_out(judged_on: Recordings, solutions: Solutions) -> Chart:
+def _held_out(bench: Bench, solutions: Solutions) -> Chart:
     """The roll error on the first held-out record."""
-    inputs = jax.tree.map(lambda leaf: leaf[:, 0], judged_on.inputs)
-    truth = np.asarray(judged_on.truth)[:, 0, 1]
+    inputs = jax.tree.map(lambda leaf: np.asarray(leaf)[:, 0], bench.judged_on.inputs)
+    truth = np.asarray(bench.judged_on.truth)[:, 0, 1]
     t = DT * np.arange(len(truth))
-    heuristic = outputs(TWO_STEP, inputs, noise({}))
+    heuristic = outputs(TWO_STEP, inputs, noise({}), bench.tuned_on)
     lines = [Line("two-step, by hand", t, np.degrees(np.asarray(heuristic.angles)[:, 1] - truth))]
     for name, filter in FILTERS.items():
-        tuned = outputs(filter, inputs, noise(tuned_values(best(name, solutions))))
+        values = noise(tuned_values(best(name, solutions)))
+        tuned = outputs(filter, inputs, values, bench.tuned_on)
         error = np.degrees(np.asarray(tuned.angles)[:, 1] - truth)
         lines.append(Line(f"{LABELS[name]}, tuned", t, error))
     title = "Roll error on a held-out record with motion, pushes and bias"

@@ -10,8 +10,9 @@ import pytest
 
 from filters.tilt_euler import TO_PAPER
 from studies.suh2004 import problems
+from studies.suh2004.bench import bench
 from studies.suh2004.claims import CLAIMS
-from studies.suh2004.data import Recordings, bench, experiment_1, experiment_2, recordings
+from studies.suh2004.data import Recordings, experiment_1, experiment_2, recordings
 from studies.suh2004.paper import HEURISTIC
 from studies.suh2004.problems import held_out
 from studies.suh2004.settings import Settings
@@ -249,7 +250,8 @@ def test_held_out_error_is_the_textbooks():
     error = np.stack([found["theta"], found["phi"]], axis=1) - np.asarray(judged_on.truth)[:, 0]
     by_hand = np.degrees(np.sqrt((error**2).sum(axis=1).mean()))
     # 400 samples' rounding
-    assert held_out("two_step", {}, judged_on) == pytest.approx(by_hand, rel=1e-9)
+    problem = bench(SHORT, 0).problems["two_step"]
+    assert held_out(problem, {}, judged_on) == pytest.approx(by_hand, rel=1e-9)
     assert 0.1 < by_hand < 20
 
 

@@ -6,10 +6,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.scipy.linalg import expm
 from numpy.typing import ArrayLike
 
 from filters import run
+from filters.exponential import expm
 from objectives import LinearSystem, require_detectable
 from tuner.observers.gains import Entries, Observer, Variance
 from tuner.observers.prescribed_decay import gain_of_decay
