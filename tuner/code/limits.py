@@ -15,7 +15,7 @@ from tuner.code.states import Around, Arrays, placed
 
 _BESIDE = (-3e-2, -5e-4, 5e-4, 3e-2)
 """Distances from a limit, over the limit; one that is changed is passed by the inner ones."""
-_POOL, _PAIRS, _HALVINGS, _BATCH = 256, 6, 32, 128
+_POOL, _PAIRS, _HALVINGS, _BATCH = 256, 6, 26, 128
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,10 +47,12 @@ def beside_limits(
     states, samples = around.drawn(draw, _POOL)
     samples = [np.nan_to_num(x) if x.dtype.kind == "f" else x for x in samples]
     pairs = _pairs(step, states, samples, draw)
+    if not len(pairs.goal):
+        return
+    near, with_them = _halved(step, states, samples, pairs)
     for at in range(0, len(pairs.goal), _BATCH):
         part = slice(at, at + _BATCH)
-        own = _Pairs(pairs.nodes[part], pairs.goal[part], pairs.low[part], pairs.high[part])
-        yield _halved(step, states, samples, own)
+        yield [x[part] for x in near], [x[part] for x in with_them]
 
 
 def _compared(step: Step) -> list[tuple[int, int]]:

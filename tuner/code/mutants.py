@@ -1,15 +1,15 @@
 """A filter's step in NumPy on many states at once, with a constant changed in each lane."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from tuner.code.graph import Graph
 from tuner.code.nodes import Node
-from tuner.code.operations import LOGIC, in_numpy
+from tuner.code.operations import BINARY, LOGIC, UNARY
 from tuner.code.program import Program
 
 CHANGE = 1e-3
@@ -32,6 +32,20 @@ class Mutant(NamedTuple):
     node: int
     at: int
     limit: bool = False
+
+
+class Noise(NamedTuple):
+    """Random errors of every operation.
+
+    Attributes:
+        draw: a generator.
+        size: of an error, over the result.
+        repeats: number of times that each step is worked out with errors of its own.
+    """
+
+    draw: np.random.Generator
+    size: float
+    repeats: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +105,7 @@ class Step:
         self,
         given: Given,
         mutants: list[Mutant] | None = None,
-        noise: tuple[np.random.Generator, float] | None = None,
+        noise: Noise | None = None,
         watched: dict[int, np.ndarray] | None = None,
         change: float = CHANGE,
     ) -> list[np.ndarray]:
@@ -100,36 +114,48 @@ class Step:
         Args:
             given: the inputs.
             mutants: constants to be changed, one in each of M lanes.
-            noise: a generator, and the relative size of random errors of every operation.
+            noise: rounding errors of every operation; the roots are ``(repeats, B)`` then.
             watched: nodes whose values are filled in.
             change: of a constant, as a share of itself.
         """
-        nodes, keep = self.graph.nodes, set(self.roots)
+        keep = set(self.roots)
         lanes: dict[tuple[int, int, bool], list[int]] = {}
         for lane, one in enumerate(mutants or ()):
             lanes.setdefault(one, []).append(lane)
         count, changed = len(mutants or ()), {one[0] for one in lanes}
         known: dict[int, np.ndarray] = {}
-        for k in self.order:
-            node = nodes[k]
-            args = [known[part] for part in node.args]
-            if node.op == "input":
-                known[k] = given[k]
-            elif node.op == "constant":
-                known[k] = np.array([node.value])
-            elif k in changed:
-                known[k] = self._changed(k, args, lanes, count, 1 + change)
-            else:
-                known[k] = _worked_out(node, args, nodes)
-            if noise is not None and node.kind == "real" and node.args and node.op not in _EXACT:
-                draw, size = noise
-                known[k] = known[k] * (1 + size * draw.uniform(-1, 1, known[k].shape))
-            if watched is not None and k in watched:
-                watched[k] = known[k]
-            for part in self._done.get(k, ()):
-                if part not in keep:
-                    del known[part]
+        with np.errstate(all="ignore"):
+            for k in self.order:
+                node, function = self.graph.nodes[k], self._functions[k]
+                args = [known[part] for part in node.args]
+                if function is None:
+                    found = given[k] if node.op == "input" else np.array([node.value])
+                elif k in changed:
+                    found = self._changed(k, args, lanes, count, 1 + change)
+                else:
+                    found = function(*args)
+                if noise is not None and k in self._rounded:
+                    errors = noise.draw.uniform(-1, 1, (noise.repeats, found.shape[-1]))
+                    found = found * (1 + noise.size * errors)
+                known[k] = found
+                if watched is not None and k in watched:
+                    watched[k] = found
+                for part in self._done.get(k, ()):
+                    if part not in keep:
+                        del known[part]
         return [known[k] for k in self.roots]
+
+    @cached_property
+    def _functions(self) -> dict[int, Callable[..., Any] | None]:
+        """What makes each node of its operands; None for inputs and constants."""
+        return {k: _function(self.graph.nodes[k], self.graph.nodes) for k in self.order}
+
+    @cached_property
+    def _rounded(self) -> set[int]:
+        """The nodes that have a rounding error."""
+        nodes = self.graph.nodes
+        real = (k for k in self.order if nodes[k].kind == "real" and nodes[k].args)
+        return {k for k in real if nodes[k].op not in _EXACT}
 
     def _changed(
         self,
@@ -146,11 +172,12 @@ class Step:
             own = lanes.get((k, at, False), [])
             if own:
                 args[at] = np.repeat(args[at][None], M, axis=0) * np.ones((M, 1))
-                with np.errstate(over="ignore"):
-                    args[at][own] *= by
+                args[at][own] *= by
             if (k, at, True) in lanes:
                 limit = at, lanes[k, at, True]
-        found = _worked_out(node, args, self.graph.nodes)
+        function = self._functions[k]
+        assert function is not None
+        found = np.asarray(function(*args))
         if limit is not None:
             at, own = limit
             x, plain = args[1 - at], np.asarray(self.graph.nodes[node.args[at]].value)
@@ -169,16 +196,23 @@ def _changes(node: Node) -> bool:
     return bool(np.isfinite(node.value)) and node.value != 0
 
 
-def _worked_out(node: Node, args: list[np.ndarray], nodes: list[Node]) -> np.ndarray:
-    with np.errstate(all="ignore"):
-        if node.op == "choose":
-            return np.where(*args)
-        if node.op == "convert":
-            if node.kind == "whole" and nodes[node.args[0]].kind == "real":
-                whole = np.nan_to_num(np.trunc(args[0]), posinf=2**31 - 1, neginf=-(2**31))
-                return np.asarray(np.clip(whole, -(2**31), 2**31 - 1).astype(int))
-            return np.asarray(args[0], {"real": float, "whole": int, "truth": bool}[node.kind])
-        found = in_numpy(node.op, *args)
-        if node.kind == "whole" and node.op == "div":
-            found = np.nan_to_num(np.trunc(found)).astype(int)
-        return np.asarray(found)
+def _function(node: Node, nodes: list[Node]) -> Callable[..., Any] | None:
+    """The function of arrays that an operation is."""
+    if node.op in ("input", "constant"):
+        return None
+    if node.op == "choose":
+        return np.where
+    if node.op == "convert":
+        if node.kind == "whole" and nodes[node.args[0]].kind == "real":
+            return _whole
+        kind = {"real": float, "whole": int, "truth": bool}[node.kind]
+        return lambda x: np.asarray(x, kind)
+    if node.kind == "whole" and node.op == "div":
+        return lambda x, y: np.nan_to_num(np.trunc(x / y)).astype(int)
+    return (UNARY if len(node.args) == 1 else BINARY)[node.op]
+
+
+def _whole(x: np.ndarray) -> np.ndarray:
+    """Real numbers made whole, as in C."""
+    whole = np.nan_to_num(np.trunc(x), posinf=2**31 - 1, neginf=-(2**31))
+    return np.asarray(np.clip(whole, -(2**31), 2**31 - 1).astype(int))
