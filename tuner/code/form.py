@@ -14,7 +14,7 @@ from tuner.code.graph import TooLargeError
 from tuner.code.literal import Precision
 from tuner.code.looped import looped
 from tuner.code.names import in_comment
-from tuner.code.program import as_graph
+from tuner.code.program import Program, as_graph
 from tuner.code.refused import NoCounterpartError
 from tuner.code.trace import Traced, traced
 from tuner.code.tried import Tried, tried
@@ -25,6 +25,7 @@ FLAT = 1500
 NUMBERS = 400
 """Most numbers in state, inputs and outputs of a step without loops."""
 _GRAPH = 6000
+_FORMULAS = 16_000
 _LARGEST = 20_000
 
 
@@ -42,11 +43,13 @@ class Ready(NamedTuple):
         traced: the filter.
         tried: its test samples.
         note: a sentence about this form; "" for none.
+        program: its graph; None where that is too large, or has no counterpart.
     """
 
     traced: Traced
     tried: Tried
     note: str
+    program: Program | None
 
     def form(self, stem: str, *, tunable: bool = False) -> Form:
         """The filter in C.
@@ -58,7 +61,9 @@ class Ready(NamedTuple):
         Raises:
             ValueError: for an operation that C has no counterpart for.
         """
-        return Form(_noted(_written(self.traced, stem, tunable=tunable), self.note), self.tried)
+        program = None if tunable else self.program
+        code = _written(self.traced, stem, tunable=tunable, program=program)
+        return Form(_noted(code, self.note), self.tried)
 
 
 def form(
@@ -97,8 +102,19 @@ def ready(filter: Any, params: Any, inputs: Any, precision: Precision = "double"
     filter, inputs = one_record(filter, inputs)
     sample = jax.tree.map(lambda leaf: np.asarray(leaf)[0], inputs)
     whole = traced(filter, params, sample, precision, _wanted(filter))
-    ran = tried(filter, params, inputs, whole.kept, precision)
-    return Ready(whole, ran, getattr(filter, "note", ""))
+    program = formulas(whole)
+    ran = tried(filter, params, inputs, whole.kept, precision, program)
+    return Ready(whole, ran, getattr(filter, "note", ""), program)
+
+
+def formulas(traced: Traced) -> Program | None:
+    """The graph of a filter; None where it is too large, or an operation has no counterpart."""
+    if sum(field.size for field in traced.state) > NUMBERS:
+        return None
+    try:
+        return as_graph(traced, most=_FORMULAS)
+    except (TooLargeError, NoCounterpartError):
+        return None
 
 
 def write_form(
@@ -154,14 +170,17 @@ def _wanted(filter: Any) -> Collection[str] | None:
     return [name for name, fact in facts.items() if fact.kind != "detail"] or None
 
 
-def _written(whole: Traced, stem: str, *, tunable: bool) -> Written:
+def _written(whole: Traced, stem: str, *, tunable: bool, program: Program | None = None) -> Written:
     """The flat form where it is short, else one with loops, else the flat form after all."""
     code = None
     numbers = sum(field.size for field in (*whole.state, *whole.inputs, *whole.outputs))
     try:
         if numbers > NUMBERS:
             raise TooLargeError("its arrays are loops of their own")
-        code = written(as_graph(whole, tunable=tunable, most=_GRAPH), stem, whole.values)
+        if program is not None and len(program.graph.nodes) > _GRAPH:
+            raise TooLargeError("its operations are loops")
+        program = program or as_graph(whole, tunable=tunable, most=_GRAPH)
+        code = written(program, stem, whole.values)
         if code.operations <= FLAT:
             return code
     except TooLargeError:

@@ -8,6 +8,7 @@ from tuner.code.fields import Field
 from tuner.code.flat import wrapped
 from tuner.code.form import Form
 from tuner.code.literal import Precision, literal
+from tuner.code.steps import Steps
 from tuner.code.tried import Tried
 from tuner.code.written import Written
 
@@ -36,7 +37,11 @@ def selftest(include: str, forms: Sequence[Form]) -> str:
     ]
     for written, tried in forms:
         lines += _form(written, tried)
-    calls = [f"{written.stem}_run_selftest()" for written, _ in forms]
+    calls = []
+    for written, tried in forms:
+        calls.append(f"{written.stem}_run_selftest()")
+        if tried.steps is not None:
+            calls.append(f"{written.stem}_step_selftest()")
     lines += [f"int {stem}_selftest(void)", "{", f"    int off = {calls[0]};"]
     for call in calls[1:]:
         lines += ["    if (off == 0) {", f"        off = {call};", "    }"]
@@ -59,13 +64,92 @@ int main(void)
 
 def _form(written: Written, tried: Tried) -> Iterator[str]:
     stem, real = written.stem, written.precision
-    samples = np.hstack(_flat(written.inputs, tried.samples))
-    expected = np.hstack(_flat(written.outputs, tried.expected))
-    allowed = np.hstack(_flat(written.outputs, tried.allowed))
-    after, most = (
-        np.hstack([row[0] for row in _flat(written.state, [np.asarray(a)[None] for a in part])])
-        for part in (tried.after, tried.allowed_after)
+    begun = f"{stem}_init(&state{', &params' if written.params else ''});"
+    yield from _off(stem, real)
+    yield f"static int {stem}_run_selftest(void)"
+    yield "{"
+    yield from _table("samples", real, np.hstack(_flat(written.inputs, tried.samples)))
+    for name, outputs in (("expected", tried.expected), ("allowed", tried.allowed)):
+        yield from _table(name, real, np.hstack(_flat(written.outputs, outputs)))
+    for name, state in (
+        ("start", tried.start),
+        ("allowed_start", tried.allowed_start),
+        ("after", tried.after),
+        ("allowed_after", tried.allowed_after),
+    ):
+        alone = [np.asarray(one)[None] for one in state]
+        yield from _table(name, real, np.hstack([x[0] for x in _flat(written.state, alone)]))
+    yield from _locals(written)
+    yield "    int first = 1;"
+    yield f"    {begun}"
+    yield from _compared("state", written.state, stem, real, "start", "allowed_start", "    ")
+    yield f"    for (int k = 0; (k < {len(tried.samples[0])}) && (off == 0); k++) {{"
+    yield from _placed("input", written.inputs, "samples", real)
+    yield from _stepped(written)
+    yield from _compared(
+        "output", written.outputs, stem, real, "expected[k]", "allowed[k]", "        "
     )
+    yield "        first = k + 1;"
+    yield "    }"
+    yield from _compared("state", written.state, stem, real, "after", "allowed_after", "    ")
+    yield "    return (off != 0) ? first : 0;"
+    yield from ("}", "")
+    if tried.steps is not None:
+        yield from _steps(written, tried.steps, len(tried.samples[0]))
+
+
+def _steps(written: Written, steps: Steps, before: int) -> Iterator[str]:
+    """The function of single steps from given states, which are numbered on."""
+    stem, real, count = (
+        written.stem,
+        written.precision,
+        len(steps.states[0] if steps.states else steps.samples[0]),
+    )
+    yield from _told(steps)
+    yield f"static int {stem}_step_selftest(void)"
+    yield "{"
+    for name, fields, arrays in (
+        ("given", written.state, steps.states),
+        ("samples", written.inputs, steps.samples),
+        ("expected", written.outputs, steps.expected),
+        ("allowed", written.outputs, steps.allowed),
+        ("after", written.state, steps.after),
+        ("allowed_after", written.state, steps.allowed_after),
+    ):
+        yield from _table(name, real, np.hstack(_flat(fields, arrays)))
+    yield from _locals(written)
+    yield "    int first = 0;"
+    yield f"    for (int k = 0; (k < {count}) && (off == 0); k++) {{"
+    yield from _placed("state", written.state, "given", real)
+    yield from _placed("input", written.inputs, "samples", real)
+    yield from _stepped(written)
+    for part, fields, right, most in (
+        ("output", written.outputs, "expected[k]", "allowed[k]"),
+        ("state", written.state, "after[k]", "allowed_after[k]"),
+    ):
+        yield from _compared(part, fields, stem, real, right, most, "        ")
+    yield f"        first = {before + 1} + k;"
+    yield "    }"
+    yield "    return (off != 0) ? first : 0;"
+    yield from ("}", "")
+
+
+def _told(steps: Steps) -> Iterator[str]:
+    """What the single steps show, as a comment."""
+    yield "/*"
+    yield " * Single steps from given states."
+    if steps.constants:
+        yield f" * Of {steps.constants} constants in its formulas {steps.shown} show in them:"
+        yield " * changed by a thousandth, each of these moves a result further than is allowed."
+    if steps.shown < steps.constants:
+        yield f" * The other {steps.constants - steps.shown} move none beyond rounding,"
+        idle = f"; {steps.idle} not even when doubled" if steps.idle else ""
+        yield f" * in {steps.looked_at} steps from states near and far{idle}."
+    yield " */"
+
+
+def _off(stem: str, real: Precision) -> Iterator[str]:
+    """The function that compares two numbers."""
     fabs = "fabs" if real == "double" else "fabsf"
     yield f"static int {stem}_off(const {real} found, const {real} right, const {real} allowed)"
     yield "{"
@@ -75,35 +159,27 @@ def _form(written: Written, tried: Tried) -> Iterator[str]:
     yield "    if ((isnan(right) != 0) && (isnan(found) != 0)) {"
     yield from ("        off = 0;", "    }", "    return off;")
     yield from ("}", "")
-    yield f"static int {stem}_run_selftest(void)"
-    yield "{"
-    yield from _table("samples", real, samples)
-    yield from _table("expected", real, expected)
-    yield from _table("allowed", real, allowed)
-    yield from _table("after", real, after)
-    yield from _table("allowed_after", real, most)
+
+
+def _locals(written: Written) -> Iterator[str]:
+    stem = written.stem
     for name in ("state", "input", "output"):
         yield f"    {stem}_{name} {name};"
     yield "    int off = 0;"
-    yield "    int first = 0;"
     if written.params:
         yield from (f"    {stem}_params params;", f"    {stem}_tables tables;")
         yield f"    {stem}_defaults(&params);"
         yield f"    {stem}_set(&tables, &params);"
-    yield f"    {stem}_init(&state{', &params' if written.params else ''});"
-    yield f"    for (int k = 0; (k < {len(samples)}) && (off == 0); k++) {{"
-    for at, (place, field) in enumerate(_places("input", written.inputs)):
-        yield f"        {place} = {_given(f'samples[k][{at}]', field, real)};"
+
+
+def _placed(part: str, fields: Sequence[Field], table: str, real: Precision) -> Iterator[str]:
+    for at, (place, field) in enumerate(_places(part, fields)):
+        yield f"        {place} = {_given(f'{table}[k][{at}]', field, real)};"
+
+
+def _stepped(written: Written) -> Iterator[str]:
     tables = ", &tables" if written.params else ""
-    yield f"        {stem}_step(&state, &input, &output{tables});"
-    yield from _compared(
-        "output", written.outputs, stem, real, "expected[k]", "allowed[k]", "        "
-    )
-    yield "        first = k + 1;"
-    yield "    }"
-    yield from _compared("state", written.state, stem, real, "after", "allowed_after", "    ")
-    yield "    return (off != 0) ? first : 0;"
-    yield from ("}", "")
+    yield f"        {written.stem}_step(&state, &input, &output{tables});"
 
 
 def _compared(

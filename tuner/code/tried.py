@@ -1,25 +1,23 @@
-"""Test data of a filter for its target: a few samples, and JAX's results."""
+"""Test data of a filter for its target: samples, single steps, and JAX's results."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import jax
 import numpy as np
 
-from filters import run
-from objectives.in_numpy import in_numpy
+from tuner.code.literal import Precision
+from tuner.code.program import Program
+from tuner.code.ran import SAMPLES, Own
+from tuner.code.states import Arrays
+from tuner.code.steps import Steps, drawn_steps, searched_steps
 from tuner.code.trace import in_precision
 
-SAMPLES = 50
 _SHARE = {"double": 1e-9, "float": 4e-6}
 """Tolerance of a number relative to its size, however the filter amplifies rounding errors."""
 _ROUNDING = {"double": 1e-12, "float": 1e-6}
 """Values this far below the largest number of the state are due to rounding."""
-
-
-_FAST_COMPILATION = {"xla_backend_optimization_level": 0, "xla_llvm_disable_expensive_passes": True}
-"""Compiler options for a few samples, whose run takes less time than compilation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,21 +28,33 @@ class Tried:
         samples: the inputs, ``(N, inputs)``.
         expected: the outputs, a field each, ``(N, ...)``.
         allowed: tolerance of the outputs in each sample, a field each, ``(N, ...)``.
-        after: the state after the last sample, a field each.
-        allowed_after: its tolerance.
+        start, after: the state before the first sample and after the last, a field each.
+        allowed_start, allowed_after: their tolerances.
+        steps: single steps that show what the samples do not; None where no state gives numbers.
     """
 
-    samples: list[np.ndarray]
-    expected: list[np.ndarray]
-    allowed: list[np.ndarray]
-    after: list[np.ndarray]
-    allowed_after: list[np.ndarray]
+    samples: Arrays
+    expected: Arrays
+    allowed: Arrays
+    start: Arrays
+    allowed_start: Arrays
+    after: Arrays
+    allowed_after: Arrays
+    steps: Steps | None = None
 
 
-def tried(filter: Any, params: Any, inputs: Any, kept: Sequence[bool], precision: str) -> Tried:
+def tried(
+    filter: Any,
+    params: Any,
+    inputs: Any,
+    kept: Sequence[bool],
+    precision: Precision,
+    program: Program | None = None,
+) -> Tried:
     """Run a filter over some of its samples, in the target's precision.
 
-    The first samples and some of all the others, with holes where the filter takes them.
+    The first samples and some of all the others, with holes where the filter takes them; then
+    single steps from states in which a wrong constant shows.
 
     Args:
         filter: the filter.
@@ -52,26 +62,33 @@ def tried(filter: Any, params: Any, inputs: Any, kept: Sequence[bool], precision
         inputs: its inputs, time first.
         kept: which of its outputs, flat, are included.
         precision: double or float.
+        program: its formulas; None: single steps are not searched for.
     """
-    samples = _with_holes(filter, params, _selected_samples(inputs))
-    dtype = np.float32 if precision == "float" else np.float64
-    state, outputs = _ran(filter, params, samples, dtype)
-    others = [_ran(filter, params, near, dtype) for near in _beside(samples, dtype)]
-    others.append(_ran(filter, params, samples, np.float64))
-    start = [np.asarray(leaf) for leaf in jax.tree.leaves(in_numpy(filter.init, params))]
-    rest = _ROUNDING[precision] * max(map(_size, (*start, *state)), default=0.0)
+    own = Own(filter, params, np.float32 if precision == "float" else np.float64)
+    samples = _with_holes(own, _selected_samples(inputs))
+    states, outputs = own.ran(samples)
+    others = [own.ran(near) for near in _beside(samples, own.dtype)]
+    others.append(replace(own, dtype=np.float64).ran(samples))
+    rest = _ROUNDING[precision] * max(map(_size, (*own.start, *(x[-1] for x in states))), default=0)
     wanted = [k for k, put_out in enumerate(kept) if put_out]
     share = _SHARE[precision]
-    return Tried(
-        [np.asarray(leaf) for leaf in jax.tree.leaves(in_precision(samples, dtype))],
+    double = replace(own, dtype=np.float64).start
+    found = Tried(
+        [np.asarray(leaf) for leaf in jax.tree.leaves(in_precision(samples, own.dtype))],
         [outputs[k] for k in wanted],
         [_allowed(outputs[k], [other[1][k] for other in others], share) for k in wanted],
-        state,
+        own.start,
+        [_allowed(a[None], [b[None]], share)[0] for a, b in zip(own.start, double, strict=True)],
+        [one[-1] for one in states],
         [
-            _allowed(one[None], [other[0][k][None] for other in others], share)[0] + rest
-            for k, one in enumerate(state)
+            _allowed(one[-1:], [other[0][k][-1:] for other in others], share)[0] + rest
+            for k, one in enumerate(states)
         ],
     )
+    met = own.met(states)
+    if program is None:
+        return replace(found, steps=drawn_steps(own, met, samples, wanted, share))
+    return replace(found, steps=searched_steps(own, program, met, samples, wanted))
 
 
 def _beside(samples: Any, dtype: type[np.floating]) -> Iterator[Any]:
@@ -97,32 +114,20 @@ def _selected_samples(inputs: Any) -> Any:
     return jax.tree.map(lambda leaf: np.asarray(leaf)[which], inputs)
 
 
-def _with_holes(filter: Any, params: Any, samples: Any) -> Any:
+def _with_holes(own: Own, samples: Any) -> Any:
     """The samples with gaps in every channel that may be missing."""
     leaves, tree = jax.tree.flatten(samples)
     whole: Any = tree
+    double = replace(own, dtype=np.float64)
     for k, leaf in enumerate(leaves):
         if leaf.dtype.kind != "f" or np.isnan(leaf).any() or len(leaf) < SAMPLES:
             continue
         holed = leaf.copy()
         holed[4 + k % 5 :: 13] = np.nan
-        other = whole.unflatten([*leaves[:k], holed, *leaves[k + 1 :]])
-        if all(np.isfinite(part).all() for part in _ran(filter, params, other, np.float64)[0]):
+        other = jax.tree.unflatten(whole, [*leaves[:k], holed, *leaves[k + 1 :]])
+        if all(np.isfinite(part[-1]).all() for part in double.ran(other)[0]):
             leaves[k] = holed
-    return whole.unflatten(leaves)
-
-
-def _ran(
-    filter: Any, params: Any, samples: Any, dtype: type[np.floating]
-) -> list[list[np.ndarray]]:
-    """State and outputs, flat, as real numbers."""
-    found = _run(filter, in_precision(params, dtype), in_precision(samples, dtype))
-    return [[np.asarray(x, dtype) for x in jax.tree.leaves(part)] for part in found]
-
-
-@jax.jit(static_argnums=0, compiler_options=_FAST_COMPILATION)
-def _run(filter: Any, params: Any, samples: Any) -> Any:
-    return run(filter, params, samples)
+    return jax.tree.unflatten(whole, leaves)
 
 
 def _allowed(found: np.ndarray, others: Sequence[np.ndarray], share: float) -> np.ndarray:

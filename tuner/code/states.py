@@ -1,0 +1,112 @@
+"""States and samples to try a filter's step on: near those of a record, and far from them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from tuner.code.fields import Field
+from tuner.code.program import Program
+
+Arrays: TypeAlias = list[np.ndarray]
+_FAR, _NOTHING, _SPARSE = 0.5, 0.03, 0.3
+
+
+@dataclass(frozen=True, eq=False)
+class Around:
+    """Where states and samples are drawn.
+
+    Attributes:
+        state: the fields of the state.
+        inputs: those of a sample.
+        states: states that a filter was in, a field each, ``(S, ...)``.
+        samples: of a record, a field each, ``(N, ...)``.
+    """
+
+    state: Sequence[Field]
+    inputs: Sequence[Field]
+    states: Arrays
+    samples: Arrays
+
+    def drawn(self, draw: np.random.Generator, count: int) -> tuple[Arrays, Arrays]:
+        """States and samples, a field each, ``(count, ...)``."""
+        at = draw.integers(len(self.states[0]) if self.states else 1, size=count)
+        row = draw.integers(len(self.samples[0]) if self.samples else 1, size=count)
+        far = draw.choice([0.0, 0.3, 1.0, 3.0], count)
+        states = [_drawn(draw, f, x[at], far) for f, x in zip(self.state, self.states, strict=True)]
+        far = draw.choice([0.0, 0.3, 1.0, 3.0], count)
+        samples = [
+            _with_holes(draw, _drawn(draw, f, x[row], far))
+            for f, x in zip(self.inputs, self.samples, strict=True)
+        ]
+        return states, samples
+
+
+def _drawn(
+    draw: np.random.Generator, field: Field, near: np.ndarray, far: np.ndarray
+) -> np.ndarray:
+    """Values near given ones, or farther off by some powers of ten, or without some entries."""
+    count, axes = len(near), (slice(None), *[None] * (near.ndim - 1))
+    if field.kind == "truth":
+        return np.where((draw.random(near.shape) < 0.3) & (far[axes] > 0), ~near, near)
+    if field.kind == "whole":
+        other = draw.integers(0, 2 * np.abs(near).max(initial=1) + 2, near.shape)
+        return np.where(far[axes] > _FAR, other, near)
+    whole = (10 ** (far * draw.uniform(-1, 1, count)) * (draw.random(count) > _NOTHING))[axes]
+    if len(field.shape) == 2 and field.shape[0] == field.shape[1]:
+        return _matrix(draw, near, far) * whole
+    each = 10 ** (
+        (draw.choice([0.0, 0.5, 1.0], count) * far)[axes] * draw.uniform(-1, 1, near.shape)
+    )
+    size = _size(near)[axes]
+    moved = draw.choice([0.0, 0.01, 1.0], count)[axes] * (far[axes] > 0)
+    empty = (
+        (draw.random(near.shape) < 1 / 2) & (draw.random(count) < _SPARSE)[axes] & (far[axes] > 0)
+    )
+    found = (near + moved * size * draw.normal(size=near.shape)) * whole * each
+    return np.where(empty, 0.0, found)
+
+
+def _size(near: np.ndarray) -> np.ndarray:
+    """The largest number in each, or one."""
+    size = np.abs(np.nan_to_num(near)).max(axis=tuple(range(1, near.ndim)), initial=0)
+    return np.where(size > 0, size, 1.0)
+
+
+def _matrix(draw: np.random.Generator, near: np.ndarray, far: np.ndarray) -> np.ndarray:
+    """Matrices that stay symmetric and definite where the given ones are."""
+    count, n = near.shape[:2]
+    scales = 10 ** (0.5 * far[:, None] * draw.uniform(-1, 1, (count, n)))
+    root = draw.normal(size=(count, n, n)) * np.sqrt(_size(near) / n)[:, None, None]
+    more = root @ root.transpose(0, 2, 1) * draw.choice([0.0, 0.1, 1.0], count)[:, None, None]
+    whole = near + more * (far[:, None, None] > 0)
+    return np.asarray(whole * scales[:, :, None] * scales[:, None, :])
+
+
+def _with_holes(draw: np.random.Generator, values: np.ndarray) -> np.ndarray:
+    if values.dtype.kind != "f":
+        return values
+    holes = (draw.random(values.shape) < 0.3) & (draw.random(len(values)) < 0.2).reshape(
+        (-1,) + (1,) * (values.ndim - 1)
+    )
+    return np.where(holes, np.nan, values)
+
+
+def placed(program: Program, states: Arrays, samples: Arrays) -> dict[int, np.ndarray]:
+    """States and samples by the nodes of their stored entries."""
+    found = {}
+    for group, fields, arrays in (
+        ("state", program.state, states),
+        ("in", program.inputs, samples),
+    ):
+        for f, nodes, array in zip(fields, program.known[group], arrays, strict=True):
+            for index in f.entries():
+                found[int(nodes[index])] = column(array, index)
+    return found
+
+
+def column(array: np.ndarray, index: tuple[int, ...]) -> np.ndarray:
+    """An entry of each of many arrays, which are stacked along the first axis."""
+    flat = array.reshape(len(array), int(np.prod(array.shape[1:])))
+    return np.asarray(flat[:, int(np.ravel_multi_index(index, array.shape[1:])) if index else 0])

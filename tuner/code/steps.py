@@ -1,0 +1,170 @@
+"""Single steps of a filter in which a wrong constant shows, with JAX's results."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import jax
+import numpy as np
+
+from tuner.code.fields import Field
+from tuner.code.mutants import Step
+from tuner.code.operations import kind_of
+from tuner.code.program import Program
+from tuner.code.ran import SAMPLES, Own
+from tuner.code.shown import Found, allowed, expected, search, shown, unplaced
+from tuner.code.states import Around, Arrays, column, placed
+
+STEPS, _UNSEARCHED = 16, 4
+"""Most single steps, and their number where there are no formulas to search by."""
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """Single steps from given states, a field each, ``(C, ...)``.
+
+    Attributes:
+        states, samples: what is given.
+        expected, after: the outputs, and the next state.
+        allowed, allowed_after: their tolerances.
+        constants: number of constants in the formulas of a step.
+        shown: number of those that show in these steps when changed by a thousandth.
+        idle: number of those that moved no result even when doubled.
+        looked_at: number of steps among which these were found.
+    """
+
+    states: Arrays
+    samples: Arrays
+    expected: Arrays
+    after: Arrays
+    allowed: Arrays
+    allowed_after: Arrays
+    constants: int
+    shown: int
+    idle: int
+    looked_at: int
+
+
+def searched_steps(
+    own: Own, program: Program, met: Arrays, samples: Any, wanted: Sequence[int]
+) -> Steps | None:
+    """Steps in which constants show, with JAX's results."""
+    leaves, tree = jax.tree.flatten(samples)
+    step = Step(program)
+    around = Around(program.state, program.inputs, met, [np.asarray(leaf) for leaf in leaves])
+    found = search(step, around, STEPS)
+    if found.count == 0:
+        return None
+    states, outputs = own.ran(
+        jax.tree.unflatten(
+            tree, [x.astype(leaf.dtype) for x, leaf in zip(found.samples, leaves, strict=True)]
+        ),
+        found.states,
+    )
+    return _judged(step, found, states, [outputs[k] for k in wanted])
+
+
+def _judged(step: Step, found: Found, after: Arrays, outputs: Arrays) -> Steps:
+    """The steps with their tolerances, which take in how far JAX is from the formulas."""
+    program = step.program
+    given = placed(program, found.states, found.samples)
+    right = expected(step, given, np.random.default_rng(1))
+    fields = [*program.state, *program.outputs]
+    by_jax = np.array(
+        [
+            column(x, i)
+            for f, x in zip(fields, [*after, *outputs], strict=True)
+            for i in f.entries()
+        ],
+        float,
+    )
+    with np.errstate(invalid="ignore"):
+        apart = np.nan_to_num(np.abs(by_jax - right.exact), posinf=0, neginf=0)
+    right = replace(right, strays=np.maximum(right.strays, apart))
+    same = (np.isnan(by_jax) == np.isnan(right.exact)).all(axis=0)
+    shows = shown(step, given, list(step.mutants), right, 1.0) & same
+    most, rest = unplaced(program.state, allowed(right, program.precision)[:, same])
+    most_out, _ = unplaced(program.outputs, rest)
+    return Steps(
+        [x[same] for x in found.states],
+        [x[same] for x in found.samples],
+        [x[same] for x in outputs],
+        [x[same] for x in after],
+        most_out,
+        most,
+        len(step.mutants),
+        int(shows.any(axis=1).sum()),
+        found.idle,
+        found.tried,
+    )
+
+
+def drawn_steps(
+    own: Own, met: Arrays, samples: Any, wanted: Sequence[int], share: float
+) -> Steps | None:
+    """Steps from states of all sizes, without a search; what is allowed is told by JAX alone.
+
+    Args:
+        own: the filter.
+        met: states that it was in, a field each, time first.
+        samples: its inputs, time first.
+        wanted: which of its outputs, flat, are included.
+        share: tolerance of a number relative to its size.
+    """
+    leaves, tree = jax.tree.flatten(samples)
+    state, inputs = (
+        [Field("", x.shape[1:], kind_of(x.dtype)) for x in part] for part in (met, leaves)
+    )
+    draw = np.random.default_rng(0)
+    drawn = [
+        [_near(x, own.dtype, 0 * x) for x in part]
+        for part in Around(state, inputs, met, leaves).drawn(draw, SAMPLES)
+    ]
+
+    def ran(by: Own, errors: float) -> Arrays:
+        before, given = (
+            [_near(x, by.dtype, errors * draw.uniform(-1, 1, x.shape)) for x in part]
+            for part in drawn
+        )
+        after, outputs = by.ran(jax.tree.unflatten(tree, given), before)
+        return [np.asarray(x, float) for x in (*after, *(outputs[k] for k in wanted))]
+
+    found = ran(own, 0.0)
+    others = [ran(own, 4 * float(np.finfo(own.dtype).eps)) for _ in range(3)]
+    others.append(ran(replace(own, dtype=np.float64), 0.0))
+    good = _finite(found, others, len(met))
+    if not len(good):
+        return None
+    size = [np.abs(x.reshape(SAMPLES, int(np.prod(x.shape[1:])))).max(axis=1) for x in found]
+    order = good[np.argsort(np.max(size[: len(met)], axis=0)[good])]
+    which = order[np.linspace(0, len(order) - 1, _UNSEARCHED).astype(int)]
+    allowed = [_allowed(x, [other[k] for other in others], share) for k, x in enumerate(found)]
+    right, most = ([x[which] for x in part] for part in (found, allowed))
+    starts, given = ([x[which] for x in part] for part in drawn)
+    n = len(met)
+    return Steps(starts, given, right[n:], right[:n], most[n:], most[:n], 0, 0, 0, SAMPLES)
+
+
+def _near(x: np.ndarray, dtype: type[np.floating], errors: np.ndarray) -> np.ndarray:
+    with np.errstate(all="ignore"):
+        return np.asarray((x * (1 + errors)).astype(dtype) if x.dtype.kind == "f" else x)
+
+
+def _allowed(found: np.ndarray, others: Arrays, share: float) -> np.ndarray:
+    """One tolerance for all entries of a field, whose small ones are differences of large ones."""
+    with np.errstate(invalid="ignore"):
+        apart = [np.abs(np.nan_to_num(other - found)) for other in others]
+    each = 4 * np.max(apart, axis=0) + share * np.abs(np.nan_to_num(found))
+    axes = tuple(range(1, found.ndim))
+    return np.asarray(np.broadcast_to(each.max(axis=axes, keepdims=True), found.shape))
+
+
+def _finite(found: Arrays, others: Sequence[Arrays], states: int) -> np.ndarray:
+    """Steps to a finite state, whatever the rounding errors are; outputs may be missing."""
+    good = np.ones(SAMPLES, bool)
+    for k, x in enumerate(found):
+        missing = np.isnan(x) & (k >= states)
+        for other in (found, *others):
+            same = np.where(missing, np.isnan(other[k]), np.isfinite(other[k]))
+            good &= same.reshape(SAMPLES, int(np.prod(x.shape[1:]))).all(axis=1)
+    return np.flatnonzero(good)
