@@ -20,6 +20,7 @@ from tuner.native.route import Route
 from tuner.problem.constraint import Constraint
 from tuner.problem.exported import Exported, Trial, exported_of, held_of, once, quantities_of
 from tuner.problem.identity import identity_of
+from tuner.problem.lines import Lines, OneRecord, lines_of
 from tuner.problem.paths import turns_round, way_of
 from tuner.problem.physics import check_leaf, check_present, check_start
 from tuner.problem.programs import (
@@ -124,6 +125,8 @@ class Problem:
 
     def value(self, z: np.ndarray) -> float:
         """The objective at z ``(space.size,)``; infinite where it is not a number."""
+        if self.in_lines is not None:
+            return _finite(self.in_lines.value(*self._at(z)[1:-1]))
         return _finite(float(value_of(*self._at(z))))
 
     def _at(self, z: np.ndarray) -> tuple[Any, ...]:
@@ -133,6 +136,11 @@ class Problem:
     @cached_property
     def _begun(self) -> dict[str, np.ndarray]:
         return self.parameters(self.space.start())
+
+    @cached_property
+    def in_lines(self) -> Lines | None:
+        """Its recordings end to end, where there are many samples; they are evaluated then."""
+        return lines_of(self.static, self.data)
 
     def value_and_gradient(self, z: np.ndarray) -> tuple[float, np.ndarray]:
         """The objective and its gradient in z, ``(space.size,)``; see :attr:`gradient_by`."""
@@ -145,7 +153,11 @@ class Problem:
         """Whether its gradient is computed by compiled C, where that pays, or by XLA."""
         if not self._routes:
             back = self.gradient_way != "forwards"
-            self._routes.append(Route(self.static, self.data, self.space.size, self.by_xla, back))
+            one = OneRecord(self.static, self.data)
+            if self.in_lines is not None:
+                one = self.in_lines.end_to_end()
+            route = Route(one.static, one.data, self.space.size, self.by_xla, back, one.at)
+            self._routes.append(route)
         return self._routes[0]
 
     @property
@@ -165,6 +177,8 @@ class Problem:
         return value, gradient
 
     def _along(self, way: Way, z: np.ndarray) -> tuple[float, np.ndarray]:
+        if self.in_lines is not None:
+            return self.in_lines.value_and_gradient(way, np.asarray(z, float))
         value, gradient = value_and_gradient_of(self.static, way, np.asarray(z, float), self.data)
         return float(value), np.asarray(gradient)
 
@@ -233,6 +247,8 @@ class Problem:
         if missing:
             raise ValueError(f"{self.name} has no value for {', '.join(missing)}: give them all")
         values = {name: np.asarray(parameters[name], float) for name in self.space.names}
+        if self.in_lines is not None:
+            return self.in_lines.value(self.space.start(), values, True)
         return float(value_of(self.static, self.space.start(), values, True, self.data))
 
     def parameters(self, z: np.ndarray) -> dict[str, np.ndarray]:
