@@ -1,13 +1,14 @@
 """What is compiled for problems: functions of a static part, shared by equal problems."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias, cast
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
-from filters import AnyFilter, run
+from filters import AnyFilter, assembled, run
 from objectives import (
     Data,
     Fold,
@@ -23,6 +24,17 @@ from tuner.problem.space import Space
 
 Build: TypeAlias = Callable[[dict[str, Array]], Any]
 """Makes the filter's parameters from values by name."""
+
+
+@dataclass(frozen=True)
+class Assemble:
+    """Makes the parameters of a filter that declares them, from values by name."""
+
+    filter: Any
+
+    def __call__(self, values: dict[str, Array]) -> Any:
+        """The parameters that the filter's ``init`` and ``step`` take."""
+        return assembled(self.filter, values)
 
 
 class Static(NamedTuple):
