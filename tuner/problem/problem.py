@@ -28,6 +28,7 @@ from tuner.problem.programs import (
     Build,
     Static,
     excesses_of,
+    finite,
     run_filter,
     value_and_gradient_of,
     value_of,
@@ -115,7 +116,7 @@ class Problem:
 
     def value(self, z: np.ndarray) -> float:
         """The objective at z ``(space.size,)``; infinite where it is not a number."""
-        return _finite(self._scored(*self._at(z)[1:-1]))
+        return finite(self._scored(*self._at(z)[1:-1]))
 
     def _scored(self, z: np.ndarray, values: dict[str, np.ndarray], given: bool) -> float:
         if self.in_lines is not None:
@@ -138,7 +139,7 @@ class Problem:
         """The objective and its gradient in z, ``(space.size,)``; see :attr:`gradient_by`."""
         found = None if self.way is not None else self.route.value_and_gradient(z)
         value, gradient = found or self.by_xla(z)
-        return _finite(value), gradient
+        return finite(value), gradient
 
     @property
     def route(self) -> Route:
@@ -345,7 +346,3 @@ class Problem:
         """The static part for which code is compiled: everything but the numbers."""
         build = Assemble(self.filter) if self.build is None else self.build
         return Static(self.space, self.filter, self.objective, build, self.constraints)
-
-
-def _finite(value: float) -> float:
-    return value if np.isfinite(value) else float("inf")

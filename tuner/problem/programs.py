@@ -6,6 +6,7 @@ from typing import Any, NamedTuple, TypeAlias, cast
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from filters import AnyFilter, assembled, run
@@ -122,3 +123,8 @@ def excesses_of(static: Static, z: Array, data: Data) -> tuple[Array, Array]:
 
     slopes, excess = jax.jacfwd(twice, has_aux=True)(z)
     return excess, slopes
+
+
+def finite(value: float) -> float:
+    """A value, or infinity where it is not a number."""
+    return value if np.isfinite(value) else float("inf")
