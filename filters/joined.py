@@ -6,6 +6,7 @@ from typing import Any, NamedTuple, cast
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from filters.protocol import AnyFilter
@@ -59,8 +60,9 @@ def joined(records: Sequence[Any]) -> JoinedSample:
     Raises:
         ValueError: where there is no record, or one without samples.
     """
-    begins = jnp.concatenate([jnp.arange(length) == 0 for length in _lengths(records)])
-    return JoinedSample(begins, jax.tree.map(lambda *parts: jnp.concatenate(parts), *records))
+    begins = np.concatenate([np.arange(length) == 0 for length in _lengths(records)])
+    inputs = jax.tree.map(_one_after_another, *records)
+    return _given(JoinedSample(jnp.asarray(begins), inputs))
 
 
 def packed(records: Sequence[Any], lanes: int) -> JoinedSample:
@@ -93,7 +95,7 @@ def packed(records: Sequence[Any], lanes: int) -> JoinedSample:
         lines[shortest].append(records[i])
         taken[shortest] += lengths[i]
     each = [joined(line) for line in lines]
-    return cast("JoinedSample", jax.tree.map(lambda *ends: _side_by_side(ends), *each))
+    return _given(jax.tree.map(lambda *ends: _side_by_side(ends), *each))
 
 
 def _lengths(records: Sequence[Any]) -> list[int]:
@@ -103,12 +105,21 @@ def _lengths(records: Sequence[Any]) -> list[int]:
     return lengths
 
 
-def _side_by_side(ends: Sequence[Array]) -> Array:
+def _one_after_another(*parts: Any) -> np.ndarray:
+    # NumPy's, for XLA would compile one for every choice of lengths.
+    return np.concatenate([np.asarray(part) for part in parts])
+
+
+def _side_by_side(ends: Sequence[Any]) -> np.ndarray:
     longest = max(len(end) for end in ends)
-    fill = jnp.nan if jnp.issubdtype(ends[0].dtype, jnp.floating) else 0
+    fill = np.nan if np.issubdtype(ends[0].dtype, np.floating) else 0
 
-    def whole(end: Array) -> Array:
+    def whole(end: Any) -> np.ndarray:
         missing = [(0, longest - len(end)), *[(0, 0)] * (end.ndim - 1)]
-        return jnp.pad(end, missing, constant_values=fill)
+        return np.pad(np.asarray(end), missing, constant_values=fill)
 
-    return jnp.stack([whole(end) for end in ends], axis=1)
+    return np.stack([whole(end) for end in ends], axis=1)
+
+
+def _given(sample: Any) -> JoinedSample:
+    return cast("JoinedSample", jax.tree.map(jnp.asarray, sample))

@@ -53,6 +53,7 @@ from objectives.score import (
     score,
     score_and_gradient,
     scores_and_gradients,
+    sum_and_gradient,
 )
 from objectives.step_response import (
     Crossing,
@@ -125,6 +126,7 @@ __all__ = [
     "steady_kalman",
     "steady_variance",
     "stein",
+    "sum_and_gradient",
     "tracker_gains",
     "undriven_modes",
     "unobservable",

@@ -74,10 +74,10 @@ class HeavyTails:
         """Each number's term, nats, and whether it counts, ``(m,)``."""
         seen = wanted & (output.predicted != 0)
         s = jnp.where(seen, output.predicted, 1.0)
-        k = jnp.cumsum(seen) - seen  # those before it
+        k = jnp.cumsum(seen, axis=-1) - seen  # those before it
         size = jnp.where(seen, output.offered**2 / s, 0.0)
-        c = self.nu * spreads(self.nu, len(s), s.dtype)[seen.sum()]
-        after = c + jnp.cumsum(size)
+        c = self.nu * spreads(self.nu, s.shape[-1], s.dtype)[seen.sum(axis=-1, keepdims=True)]
+        after = c + jnp.cumsum(size, axis=-1)
         free = (self.nu + k) / 2
         each = (jnp.log(s) + log(pi)) / 2 + gammaln(free) - gammaln(free + 0.5)
         each += (free + 0.5) * jnp.log(after) - free * jnp.log(after - size)

@@ -130,6 +130,30 @@ def score_and_gradient(
     return judged(objective, data, collected, tangents)
 
 
+def sum_and_gradient(
+    filter: AnyFilter, objective: Fold, build: Build, z: Array, data: Data, *, way: Way = "forwards"
+) -> tuple[Any, Array]:
+    """The sum of an objective that keeps nothing else, and the gradient of its first number.
+
+    Sums of parts of the data add up, and so do their gradients. Arguments as of
+    :func:`score_and_gradient`.
+
+    Returns:
+        The sum, and the gradient ``(n,)``.
+    """
+    if way != "forwards":
+        over = partial(run_kept, parts=way == "backwards in parts")
+
+        def first(at: Array) -> tuple[Array, Any]:
+            total, _ = _collect(filter, objective, build(at), data, over)
+            return total[0], total
+
+        (_, total), gradient = jax.value_and_grad(first, has_aux=True)(z)
+        return total, gradient
+    total, tangents = _forwards(lambda at: _collect(filter, objective, build(at), data)[0], z)
+    return total, tangents[0]
+
+
 def judged(
     objective: Objective, data: Data, collected: tuple[Any, Any], tangents: tuple[Any, Any]
 ) -> tuple[Array, Array]:

@@ -98,6 +98,19 @@ def test_student_is_the_multivariate_distribution_of_scipy():
     assert float(amounts[3]) == 0.0
 
 
+def test_student_of_recordings_side_by_side_is_that_of_each():
+    draw, law = np.random.default_rng(1), HeavyTails(4.0)
+    y, s = draw.normal(size=(3, 2)), draw.uniform(0.5, 2.0, (3, 2))
+    s[1, 0] = 0.0  # is missing
+    together = law.added(Seen(jnp.array(y), jnp.array(s)), jnp.ones((3, 1), bool))
+    apart = [
+        law.added(Seen(jnp.array(a), jnp.array(b)), jnp.ones(1, bool))
+        for a, b in zip(y, s, strict=True)
+    ]
+    for found, *wanted in zip(together, *apart, strict=True):
+        np.testing.assert_allclose(found, wanted, rtol=1e-14)
+
+
 def test_student_of_many_degrees_is_normal():
     seen = Seen(jnp.array([1.3]), jnp.array([2.0]))
     amount = InnovationLikelihood(HeavyTails(1e7)).added(seen, jnp.zeros(1))[0][0]

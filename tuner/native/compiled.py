@@ -2,7 +2,7 @@
 
 import ctypes
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
 from math import prod
@@ -85,9 +85,16 @@ class Native:
         return np.ascontiguousarray(whole)
 
     def value_and_gradient(
-        self, z: np.ndarray, rows: np.ndarray, data: Data
+        self, z: np.ndarray, rows: np.ndarray, data: Data, at: Sequence[int] = ()
     ) -> tuple[float, np.ndarray]:
         """The objective and its gradient at z ``(n,)``.
+
+        Args:
+            z: the point.
+            rows: the record, of :meth:`rows`.
+            data: the record.
+            at: rows where the loop begins anew, and another thread takes over; for an objective
+                that keeps nothing but sums, which begin at 0.
 
         Raises:
             NoCodeError: where there is no compiler that works.
@@ -99,12 +106,21 @@ class Native:
         for block, part in enumerate(padded):
             own = slopes[:, block * lanes : (block + 1) * lanes]
             part[:, : own.shape[1]] = own
-        ends = np.empty((blocks, len(self._turn.total), 1 + lanes))
+        ends = np.empty((1 + len(at), blocks, len(self._turn.total), 1 + lanes))
         count = len(self._turn.kept)
         kept = np.empty((blocks, len(rows) if count else 0, count, 1 + lanes))
-        for directions, end, keep in zip(padded, ends, kept, strict=True):
-            run(*rows.shape, *map(_address, (numbers, directions, rows, end, keep)))
-        value, gradient = self._judge(ends, kept, None if self._folds else data.truth)
+
+        def go(rows: np.ndarray, ends: np.ndarray) -> None:
+            for directions, end, keep in zip(padded, ends, kept, strict=True):
+                run(*rows.shape, *map(_address, (numbers, directions, rows, end, keep)))
+
+        if at:
+            with ThreadPoolExecutor(os.cpu_count()) as pool:
+                list(pool.map(go, np.split(rows, at), ends))
+        else:
+            go(rows, ends[0])
+        truth = None if self._folds else data.truth
+        value, gradient = self._judge(ends.sum(axis=0), kept, truth)
         return float(value), np.asarray(gradient)
 
     def values_and_gradients(

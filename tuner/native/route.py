@@ -61,6 +61,7 @@ class Route:
         size: of a point.
         exact: value and gradient by XLA, with which C is compared once.
         backwards: whether XLA goes backwards through the loop, at the price of a few passes.
+        at: samples where the loop begins anew, and another thread takes over.
         told: the choice in words; "" before it is made.
     """
 
@@ -69,6 +70,7 @@ class Route:
     size: int
     exact: Callable[[np.ndarray], Both]
     backwards: bool = False
+    at: tuple[int, ...] = ()
     told: str = ""
     _single: "Native | None" = None
     _many: bool | None = None
@@ -83,13 +85,13 @@ class Route:
                     return self._decided(z)
         if self._single is None:
             return None
-        return self._single.value_and_gradient(z, self._rows, self.data)
+        return self._single.value_and_gradient(z, self._rows, self.data, self.at)
 
     def _decided(self, z: np.ndarray) -> Both | None:
         """Both at z by C where that is possible and pays; otherwise the reason is kept."""
         try:
             native = self._native(1)
-            found = native.value_and_gradient(z, self._rows, self.data)
+            found = native.value_and_gradient(z, self._rows, self.data, self.at)
             if not self._agrees(found, z):
                 return None
         except _FAILURES as error:

@@ -9,7 +9,7 @@ import jax
 import numpy as np
 from jax import Array
 
-from filters import AnyFilter, Lanes, assembled, bare
+from filters import AnyFilter, Lanes, bare
 from objectives import Data, Objective, Way, kept_bytes
 from objectives.in_numpy import Method, in_numpy
 from tuner.certificate.single_precision import SinglePrecision, single_precision
@@ -20,12 +20,15 @@ from tuner.native.route import Route
 from tuner.problem.constraint import Constraint
 from tuner.problem.exported import Exported, Trial, exported_of, held_of, once, quantities_of
 from tuner.problem.identity import identity_of
+from tuner.problem.lines import Lines, OneRecord, lines_of
 from tuner.problem.paths import turns_round, way_of
 from tuner.problem.physics import check_leaf, check_present, check_start
 from tuner.problem.programs import (
+    Assemble,
     Build,
     Static,
     excesses_of,
+    finite,
     run_filter,
     value_and_gradient_of,
     value_of,
@@ -36,17 +39,6 @@ from tuner.problem.trial import try_out
 
 NO_DATA = Data(None, None)
 """The empty data of a design."""
-
-
-@dataclass(frozen=True)
-class Assemble:
-    """Makes the parameters of a filter that declares them, from values by name."""
-
-    filter: Any
-
-    def __call__(self, values: dict[str, Array]) -> Any:
-        """The parameters that the filter's ``init`` and ``step`` take."""
-        return assembled(self.filter, values)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,28 +116,39 @@ class Problem:
 
     def value(self, z: np.ndarray) -> float:
         """The objective at z ``(space.size,)``; infinite where it is not a number."""
-        return _finite(float(value_of(*self._at(z))))
+        return finite(self._scored(*self._at(z)[1:-1]))
+
+    def _scored(self, z: np.ndarray, values: dict[str, np.ndarray], given: bool) -> float:
+        if self.in_lines is not None:
+            return self.in_lines.value(z, values, given)
+        return float(value_of(self.static, z, values, given, self.data))
 
     def _at(self, z: np.ndarray) -> tuple[Any, ...]:
-        """What the objective at z is worked out from."""
         return self.static, np.asarray(z, float), self._begun, False, self.data
 
     @cached_property
     def _begun(self) -> dict[str, np.ndarray]:
         return self.parameters(self.space.start())
 
+    @cached_property
+    def in_lines(self) -> Lines | None:
+        """Its recordings end to end, where there are many samples; they are evaluated then."""
+        return lines_of(self.static, self.data)
+
     def value_and_gradient(self, z: np.ndarray) -> tuple[float, np.ndarray]:
         """The objective and its gradient in z, ``(space.size,)``; see :attr:`gradient_by`."""
         found = None if self.way is not None else self.route.value_and_gradient(z)
-        value, gradient = self.by_xla(z) if found is None else found
-        return _finite(value), gradient
+        value, gradient = found or self.by_xla(z)
+        return finite(value), gradient
 
     @property
     def route(self) -> Route:
         """Whether its gradient is computed by compiled C, where that pays, or by XLA."""
         if not self._routes:
             back = self.gradient_way != "forwards"
-            self._routes.append(Route(self.static, self.data, self.space.size, self.by_xla, back))
+            lines, whole = self.in_lines, OneRecord(self.static, self.data)
+            static, data, at = whole if lines is None else lines.end_to_end()
+            self._routes.append(Route(static, data, self.space.size, self.by_xla, back, at))
         return self._routes[0]
 
     @property
@@ -165,6 +168,8 @@ class Problem:
         return value, gradient
 
     def _along(self, way: Way, z: np.ndarray) -> tuple[float, np.ndarray]:
+        if self.in_lines is not None:
+            return self.in_lines.value_and_gradient(way, np.asarray(z, float))
         value, gradient = value_and_gradient_of(self.static, way, np.asarray(z, float), self.data)
         return float(value), np.asarray(gradient)
 
@@ -233,7 +238,7 @@ class Problem:
         if missing:
             raise ValueError(f"{self.name} has no value for {', '.join(missing)}: give them all")
         values = {name: np.asarray(parameters[name], float) for name in self.space.names}
-        return float(value_of(self.static, self.space.start(), values, True, self.data))
+        return self._scored(self.space.start(), values, True)
 
     def parameters(self, z: np.ndarray) -> dict[str, np.ndarray]:
         """The parameters that z stands for, by name, fixed ones included."""
@@ -341,7 +346,3 @@ class Problem:
         """The static part for which code is compiled: everything but the numbers."""
         build = Assemble(self.filter) if self.build is None else self.build
         return Static(self.space, self.filter, self.objective, build, self.constraints)
-
-
-def _finite(value: float) -> float:
-    return value if np.isfinite(value) else float("inf")

@@ -1,19 +1,41 @@
 """What is compiled for problems: functions of a static part, shared by equal problems."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple, TypeAlias
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeAlias, cast
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
-from filters import AnyFilter, run
-from objectives import Data, Objective, Way, score, score_and_gradient
+from filters import AnyFilter, assembled, run
+from objectives import (
+    Data,
+    Fold,
+    Folded,
+    Objective,
+    Way,
+    score,
+    score_and_gradient,
+    sum_and_gradient,
+)
 from tuner.problem.constraint import Constraint
 from tuner.problem.space import Space
 
 Build: TypeAlias = Callable[[dict[str, Array]], Any]
 """Makes the filter's parameters from values by name."""
+
+
+@dataclass(frozen=True)
+class Assemble:
+    """Makes the parameters of a filter that declares them, from values by name."""
+
+    filter: Any
+
+    def __call__(self, values: dict[str, Array]) -> Any:
+        """The parameters that the filter's ``init`` and ``step`` take."""
+        return assembled(self.filter, values)
 
 
 class Static(NamedTuple):
@@ -28,6 +50,16 @@ class Static(NamedTuple):
     def built(self, z: Array) -> Any:
         """The filter's parameters at z."""
         return self.build(self.space.constrain(z))
+
+    @property
+    def summing(self) -> tuple[AnyFilter, Fold]:
+        """The filter and the objective of a problem that has both in its time loop."""
+        return cast("tuple[AnyFilter, Fold]", (self.filter, self.objective))
+
+    def chosen(self, z: Array, values: dict[str, Array], given: Array) -> Any:
+        """The filter's parameters at z, or of values by name where these are given."""
+        at = self.space.constrain(z)
+        return self.build({name: jnp.where(given, values[name], own) for name, own in at.items()})
 
     def score(self, z: Array, data: Data) -> Array:
         """The objective at z, inside ``jax.jit``."""
@@ -49,9 +81,30 @@ def run_filter(filter: AnyFilter, params: Any, inputs: Any) -> Any:
 @jax.jit(static_argnums=0)
 def value_of(static: Static, z: Array, values: dict[str, Array], given: Array, data: Data) -> Array:
     """The objective at z, or of values by name where these are given: one program for both."""
-    at = static.space.constrain(z)
-    chosen = {name: jnp.where(given, values[name], own) for name, own in at.items()}
-    return score(static.filter, static.objective, static.build(chosen), data)
+    return score(static.filter, static.objective, static.chosen(z, values, given), data)
+
+
+@jax.jit(static_argnums=0)
+def sum_of(static: Static, z: Array, values: dict[str, Array], given: Array, data: Data) -> Any:
+    """The sum of an objective that keeps nothing else; arguments as of :func:`value_of`."""
+    loop = Folded(*static.summing)
+    return run(loop, static.chosen(z, values, given), data)[0][1]
+
+
+@jax.jit(static_argnums=(0, 1))
+def sum_and_gradient_of(static: Static, way: Way, z: Array, data: Data) -> tuple[Any, Array]:
+    """The sum at z, and the gradient ``(n,)`` of its first number."""
+    return sum_and_gradient(*static.summing, static.built, z, data, way=way)
+
+
+@jax.jit(static_argnums=0)
+def judged_of(objective: Fold, total: Any) -> tuple[Array, Array]:
+    """The objective of a sum, and its derivative by the sum's first number."""
+
+    def value(first: Array) -> Array:
+        return objective.value(type(total)(first, *total[1:]), None)
+
+    return jax.value_and_grad(value)(total[0])
 
 
 @jax.jit(static_argnums=(0, 1))
@@ -70,3 +123,8 @@ def excesses_of(static: Static, z: Array, data: Data) -> tuple[Array, Array]:
 
     slopes, excess = jax.jacfwd(twice, has_aux=True)(z)
     return excess, slopes
+
+
+def finite(value: float) -> float:
+    """A value, or infinity where it is not a number."""
+    return value if np.isfinite(value) else float("inf")

@@ -26,8 +26,11 @@ def values(problem: Problem, Z: np.ndarray) -> np.ndarray:
     """The objective at each of the points ``(B, n)``, as ``(B,)``; infinite where not a number.
 
     The points run side by side in one time loop and in as many threads as there are processors;
-    memory stays below :data:`MEMORY`.
+    memory stays below :data:`MEMORY`. Where the problem has many recordings they run side by side,
+    and the points one after another.
     """
+    if problem.in_lines is not None:
+        return np.array([problem.value(z) for z in Z])
     found = np.concatenate(_batches(problem, Z, _values))
     return np.where(np.isfinite(found), found, np.inf)
 
@@ -37,6 +40,9 @@ def values_and_gradients(problem: Problem, Z: np.ndarray) -> tuple[np.ndarray, n
     native = problem.route.values_and_gradients(Z)
     if native is not None:
         return np.where(np.isfinite(native[0]), native[0], np.inf), native[1]
+    if problem.in_lines is not None:
+        values, gradients = zip(*map(problem.value_and_gradient, Z), strict=True)
+        return np.array(values), np.array(gradients)
     scores, gradients = zip(*_batches(problem, Z, _values_and_gradients), strict=True)
     found = np.concatenate(scores)
     return np.where(np.isfinite(found), found, np.inf), np.concatenate(gradients)
