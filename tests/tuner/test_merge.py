@@ -197,3 +197,11 @@ def test_twenty_tracks():
     both = stacked(lines)
     assert sum(both.counts) == np.isfinite(both.channels["x"]).sum() == len(raw) == 975
     assert sorted(both.channels["x"][np.isfinite(both.channels["x"])]) == sorted(raw[:, 2])
+
+
+def test_recordings_that_one_long_one_makes_too_long_are_refused(monkeypatch):
+    monkeypatch.setenv("TUNER_MEMORY", "1GB")
+    short, long = (timeline(Record.of({"z": np.ones(n)}, rate_hz=10.0)) for n in (10, 40_000))
+    assert stacked([short] * 9 + [long]).counts == (10,) * 9 + (40_000,)
+    with pytest.raises(ValueError, match="^1001 recordings .* longest has 40000 .* leave out the"):
+        stacked([short] * 1000 + [long])

@@ -1,5 +1,6 @@
 """Channels of different rates on one clock, and recordings side by side."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -9,6 +10,7 @@ from tuner.data.logs.clock import Clock
 from tuner.data.logs.error import LogError, counted, quoted
 from tuner.data.record import Record
 from tuner.data.signal import Floats, Signal
+from tuner.limits import check_amount
 
 _FASTER = 2.0
 _NEAR_S = 0.1
@@ -91,6 +93,7 @@ def stacked(timelines: Sequence[Timeline]) -> Timeline:
 
     Raises:
         LogError: where they do not have the same channels.
+        ValueError: where memory does not hold them all at the length of the longest.
 
     >>> short, long = (Record.of({"z": np.ones(n)}, rate_hz=10.0) for n in (2, 4))
     >>> both = stacked([timeline(short), timeline(long)])
@@ -107,6 +110,7 @@ def stacked(timelines: Sequence[Timeline]) -> Timeline:
                     f"one recording has {quoted(sorted(ours))} and another "
                     f"{quoted(sorted(theirs))}; give all of them the same channels"
                 )
+    _check_size(timelines)
     rate = _one_rate([line.rate_hz for line in timelines])
     counts = tuple(len(line.times) for line in timelines)
     medians = [float(np.median(line.dt)) for line in timelines]
@@ -235,6 +239,19 @@ def _one_rate(rates: Sequence[float | None]) -> float | None:
         return None
     mean = float(np.mean(known))
     return mean if np.ptp(known) <= _SAME_RATE * mean else None
+
+
+def _check_size(timelines: Sequence[Timeline]) -> None:
+    """Refuse recordings of which a long one makes the others too long."""
+    longest = max(len(line.times) for line in timelines)
+    first = timelines[0]
+    values = (*first.channels.values(), *first.truth.values())
+    width = 2 + sum(math.prod(value.shape[1:]) for value in values)
+    check_amount(
+        f"{len(timelines)} recordings side by side, of which the longest has {longest} samples,",
+        8 * longest * len(timelines) * width,
+        "leave out the longest, or cut it into several",
+    )
 
 
 def _padded(arrays: Sequence[Floats], fills: Sequence[float] | None = None) -> Floats:
