@@ -129,6 +129,7 @@ gradient costs far more than a pass, or where a pass is hardly faster than a loo
 are the ways to lose speed without an error. It judges ratios, not milliseconds. For larger
 filters, whose loops are the first to be lost, it inspects the compiled code;
 `python -m benchmarks.whole_loops` inspects that of every filter.
+`python -m benchmarks.studies` runs studies from an empty cache and counts their compilations.
 """
 
 

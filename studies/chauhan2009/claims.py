@@ -4,7 +4,6 @@ import jax.numpy as jnp
 import numpy as np
 
 from filters.gps_aided import GpsAidedKalman, GpsAidedSample
-from objectives import Data
 from studies.chauhan2009.behaviour import Behaviour, behaviour
 from studies.chauhan2009.data import MOTIONS, Step
 from studies.chauhan2009.paper import DT, EVERY, STEADY, TRACKED
@@ -12,6 +11,7 @@ from studies.chauhan2009.problems import (
     FUZZY,
     HELD_OUT,
     by_hand,
+    data_of,
     estimated,
     judged_by_hand,
     parameters,
@@ -180,9 +180,8 @@ def fuzzy_or_constant(sweep: Sweep, solutions: Solutions) -> Comparison:
     """Both kinds of noise, tuned alike, on records that neither was tuned on."""
     settings = sweep.settings
     made = tuning_records(settings, settings.held_out, sweep.seed + HELD_OUT)
-    other = Data(made.inputs, made.truth)
     error = {
-        name: mean_on(problem, tuned_values(best(name, solutions)), other)
+        name: mean_on(problem, tuned_values(best(name, solutions)), data_of(settings, name, made))
         for name, problem in sweep.posed.items()
     }
     fuzzy = [name for name in error if name != "constant"]

@@ -1,7 +1,7 @@
 """The competing filters, with constant, fuzzy and random process noise, and their tuning."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import jax
@@ -16,6 +16,7 @@ from objectives import Records as OverRecords
 from studies.chauhan2009.data import BEFORE, MOTIONS, Records, Step, records
 from studies.chauhan2009.paper import DT, EVERY
 from studies.chauhan2009.settings import Settings
+from studies.chauhan2009.windows import Windowed, exported, windowed
 from tuner.problem.parameters import Bounded, Fixed, Parameter, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.space import Space
@@ -166,19 +167,29 @@ def filters(settings: Settings) -> dict[str, tuple[str, GpsAidedKalman]]:
 
 
 def posed(settings: Settings, made: Records) -> dict[str, Problem]:
-    """A problem for each filter, on the same records."""
-    return {
-        name: Problem(
-            name=name,
-            space=space(law, settings.noise),
-            filter=Lanes(filter, made.truth.shape[1]),
-            build=parameters,
-            objective=OBJECTIVE,
-            data=Data(made.inputs, made.truth),
-            source=made.source,
-        )
-        for name, (law, filter) in filters(settings).items()
-    }
+    """A problem for each filter, on the same records; those of one law share a compilation."""
+    return {name: _posed(settings, name, made) for name in filters(settings)}
+
+
+def _posed(settings: Settings, name: str, made: Records) -> Problem:
+    law, own = filters(settings)[name]
+    longest = replace(own, samples=max(settings.windows))
+    return Problem(
+        name=name,
+        space=space(law, settings.noise),
+        filter=Lanes(Windowed(longest) if law == "fuzzy" else own, made.truth.shape[1]),
+        build=parameters,
+        objective=OBJECTIVE,
+        data=data_of(settings, name, made),
+        source=made.source,
+        exported=exported(own, made) if law == "fuzzy" else None,
+    )
+
+
+def data_of(settings: Settings, name: str, made: Records) -> Data:
+    """Records as the problem of a filter takes them."""
+    law, own = filters(settings)[name]
+    return windowed(made, own.samples) if law == "fuzzy" else Data(made.inputs, made.truth)
 
 
 def judged_by_hand(settings: Settings, made: Records) -> float:

@@ -1,11 +1,13 @@
 """The study of Chauhan et al. 2009: its records, what is said of errors, and rows that can flip."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import jax
 import numpy as np
 import pytest
 
+from filters import Lanes
 from filters.gps_aided import euler_angles
 from studies.chauhan2009 import claims, plan, problems
 from studies.chauhan2009.behaviour import Behaviour, behaviour
@@ -21,6 +23,7 @@ from studies.chauhan2009.problems import (
 )
 from studies.chauhan2009.settings import Settings
 from studies.chauhan2009.sweep import Case, Sweep, ranges
+from studies.chauhan2009.windows import Windowed, windowed
 from tests import oracles_chauhan2009 as oracle
 from tuner.cli import invoke
 from tuner.run.comparison import Verdict
@@ -131,6 +134,16 @@ def test_both_laws_are_the_textbooks_on_a_record():
         wanted = oracle.run(rate, z, "random", R=R, scale=scale, draws=draws[3::4, i])
         angles = jax.vmap(euler_angles)(wanted["x"][:, :4])
         np.testing.assert_allclose(random[:, i], angles, atol=1e-11)
+
+
+@pytest.mark.parametrize("samples", [2, 4])
+def test_a_window_that_comes_with_the_data_is_the_filter_with_that_window(samples):
+    made = records(SHORT, [Step(14.1, "silent")], [0, 1])
+    params = parameters({"angle": 1.0, "floor": 1e-9})
+    own = problems._run(Lanes(replace(FUZZY, samples=samples), 2), params, made.inputs)
+    found = problems._run(Lanes(Windowed(FUZZY), 2), params, windowed(made, samples).inputs)
+    for one, other in zip(found, own, strict=True):
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-12)
 
 
 def test_at_lambda_one_both_laws_have_one_mean():
