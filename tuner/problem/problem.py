@@ -30,6 +30,7 @@ from tuner.problem.programs import (
     excesses_of,
     finite,
     run_filter,
+    text_of,
     value_and_gradient_of,
     value_of,
 )
@@ -108,23 +109,23 @@ class Problem:
 
         It does not depend on names, solvers or their starts.
         """
-        programs = [value_of.lower(*self._at(self.space.start())).as_text()]
+        programs = [text_of(value_of, *self._at(self.space.start()))]
         if self.constraints:
-            lowered = excesses_of.lower(self.static, self.space.start(), self.data)
-            programs.append(lowered.as_text())
+            programs.append(text_of(excesses_of, self.static, self.space.start(), self.data))
         return identity_of(programs, self.space, self.data)
 
     def value(self, z: np.ndarray) -> float:
         """The objective at z ``(space.size,)``; infinite where it is not a number."""
         return finite(self._scored(*self._at(z)[1:-1]))
 
-    def _scored(self, z: np.ndarray, values: dict[str, np.ndarray], given: bool) -> float:
+    def _scored(self, z: np.ndarray, values: dict[str, np.ndarray], given: np.bool) -> float:
         if self.in_lines is not None:
-            return self.in_lines.value(z, values, given)
+            return self.in_lines.value(z, values, bool(given))
         return float(value_of(self.static, z, values, given, self.data))
 
     def _at(self, z: np.ndarray) -> tuple[Any, ...]:
-        return self.static, np.asarray(z, float), self._begun, False, self.data
+        """What the objective at z is worked out from."""
+        return self.static, np.asarray(z, float), self._begun, np.False_, self.data
 
     @cached_property
     def _begun(self) -> dict[str, np.ndarray]:
@@ -238,7 +239,7 @@ class Problem:
         if missing:
             raise ValueError(f"{self.name} has no value for {', '.join(missing)}: give them all")
         values = {name: np.asarray(parameters[name], float) for name in self.space.names}
-        return self._scored(self.space.start(), values, True)
+        return self._scored(self.space.start(), values, np.True_)
 
     def parameters(self, z: np.ndarray) -> dict[str, np.ndarray]:
         """The parameters that z stands for, by name, fixed ones included."""

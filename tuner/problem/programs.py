@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NamedTuple, TypeAlias, cast
 
 import jax
@@ -70,6 +71,19 @@ class Static(NamedTuple):
         params = self.built(z)
         found = [c.excess(score(self.filter, c.measure, params, data)) for c in self.constraints]
         return jnp.stack(found) if found else jnp.zeros(0)
+
+
+def text_of(program: Any, static: Static, *arguments: Any) -> str:
+    """A program as text with all its constants; it is made once for arrays of the same shapes."""
+    leaves, tree = jax.tree.flatten(arguments)
+    shapes = tuple(jax.ShapeDtypeStruct(np.shape(x), np.asarray(x).dtype) for x in leaves)
+    return _lowered(program, static, shapes, tree)
+
+
+@lru_cache(maxsize=64)
+def _lowered(program: Any, static: Static, shapes: tuple[Any, ...], tree: Any) -> str:
+    text: str = program.lower(static, *jax.tree.unflatten(tree, shapes)).as_text()
+    return text
 
 
 @jax.jit(static_argnums=0)

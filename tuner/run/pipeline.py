@@ -235,7 +235,9 @@ class Run:
             return {}, [], []
         found, records = in_all_variants(tuned, problem.on_machine(solution))
         own = {name: data for name, data in found.items() if name == f"exports/{tuned.name}.h"}
-        more = [self.folder.write(name, found[name]) for name in found if name not in own]
+        others = [name for name in found if name not in own]
+        with at_once(len(others) or 1) as pool:  # each waits for the disk
+            more = list(pool.map(lambda name: self.folder.write(name, found[name]), others))
         return own, more, records
 
     def _outputs(self, problem: Problem, solution: Solution) -> str:
