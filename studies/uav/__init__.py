@@ -72,8 +72,10 @@ def _field(settings: Settings) -> Field:
 
 def _left_out(field: Field) -> Iterator[Problem]:
     """The constant law without each flight in turn, and on each alone: its own optimum."""
-    for flight in field.left_out:
-        yield joint(fold_name(flight.name), field.others(flight), "constant", field.measured)
+    folds = {flight.name: field.others(flight) for flight in field.left_out}
+    longest = max((sum(len(one.t) for one in others) for others in folds.values()), default=0)
+    for name, others in folds.items():
+        yield joint(fold_name(name), others, "constant", field.measured, longest)
     for flight in field.left_out:
         if flight is not field.tuned:
             yield joint(alone_name(flight.name), [flight], "constant", field.measured)

@@ -18,6 +18,9 @@ from studies.uav.settings import Angle
 from tuner.data.source import Source
 from tuner.problem.problem import Problem
 
+LEVEL = (0.0, 0.0, 0.0)
+"""Roll, pitch and yaw before the first flight, rad."""
+
 
 class InTurn(NamedTuple):
     """A tick of successive flights: the sample, and at a flight's start its attitude ``(4,)``.
@@ -50,16 +53,19 @@ class OneAfterAnother:
         return self.filter.step(params, begun, inputs.sample)
 
 
-def joint(name: str, flights: Sequence[Flight], law: Tuned, measured: tuple[Angle, ...]) -> Problem:
+def joint(
+    name: str, flights: Sequence[Flight], law: Tuned, measured: tuple[Angle, ...], ticks: int = 0
+) -> Problem:
     """A law tuned on several flights by the likelihood of all their innovations.
 
-    GPS measurements in a glitch do not count.
+    GPS measurements in a glitch do not count. Problems of as many ticks share one compilation.
 
     Args:
         name: of the problem.
         flights: at least one, all with the same ticks.
         law: of the process noise.
         measured: which angles are used.
+        ticks: as many ticks at least; those after the flights measure nothing.
 
     Raises:
         ValueError: for no flights, and where a glitch leaves no measurement.
@@ -67,18 +73,27 @@ def joint(name: str, flights: Sequence[Flight], law: Tuned, measured: tuple[Angl
     if not flights:
         raise ValueError(f"{name} has no flight to tune on; give at least one")
     parts = [_in_turn(flight, measured) for flight in flights]
-    inputs = jax.tree.map(lambda *leaves: jnp.concatenate(leaves), *parts)
+    inputs = _filled(jax.tree.map(lambda *leaves: np.concatenate(leaves), *parts), ticks)
     first = flights[0]
     return Problem(
         name=name,
         space=space(law, measured),
         filter=OneAfterAnother(filter_of(law, first.dt, first.every)),
-        build=Build(law, tuple(first.first.tolist())),
+        build=Build(law, LEVEL),  # the first tick brings its own attitude
         objective=InnovationLikelihood(),
         data=Data(inputs, inputs.sample.angles),
         known_starts=(livelier(law, measured),),
         source=Source.joined(f"{len(flights)} flights", [each.source for each in flights]),
     )
+
+
+def _filled(inputs: InTurn, ticks: int) -> InTurn:
+    """The ticks, and as many after them as are missing, without turn and measurement."""
+    missing = max(ticks - len(inputs.begins), 0)
+    still, nothing = jnp.zeros((missing, 3)), jnp.full((missing, 3), jnp.nan)
+    after = InTurn(GpsAidedSample(still, nothing), jnp.full((missing, 4), jnp.nan))
+    filled: InTurn = jax.tree.map(lambda *both: jnp.asarray(np.concatenate(both)), inputs, after)
+    return filled
 
 
 def _in_turn(flight: Flight, measured: tuple[Angle, ...]) -> InTurn:

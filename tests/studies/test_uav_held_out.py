@@ -52,6 +52,9 @@ def test_flights_in_turn_count_as_they_do_alone(flown):
     # sums in another order
     assert value(joint("j", [short], "constant", ANGLES)) == pytest.approx(alone, rel=1e-12)
     assert value(joint("j", [short, short], "constant", ANGLES)) == pytest.approx(alone, rel=1e-12)
+    longer = joint("j", [short], "constant", ANGLES, ticks=len(short.t) + 50)
+    assert value(longer) == pytest.approx(alone, rel=1e-12)
+    assert len(longer.data.truth) == len(short.t) + 50
     both = value(joint("j", [short, other], "constant", ANGLES))
     turned_round = value(joint("j", [other, short], "constant", ANGLES))
     assert both == pytest.approx(turned_round, rel=1e-12)
