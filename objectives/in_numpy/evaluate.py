@@ -53,24 +53,42 @@ def in_numpy(function: Callable[..., Any], *arguments: Any) -> Any:
     >>> in_numpy(lambda a: {"root": jnp.sqrt(a)}, np.array([4.0, 9.0]))
     {'root': array([2., 3.])}
     """
-    jitted = _jitted(function)
+    jitted, order = _jitted(function)
     try:
         traced = jitted.trace(*arguments)
     except (jax.errors.JAXTypeError, jax.errors.JAXIndexError):
-        return jax.tree.map(np.asarray, function(*arguments))
+        found = function(*arguments)
+        return _in_order(jax.tree.map(np.asarray, found), [*found] if _named(found) else [])
     closed, shapes = traced.jaxpr, traced.out_info
     leaves = [np.asarray(leaf) for leaf in jax.tree.leaves(arguments)]
     try:
         with np.errstate(all="ignore"):
             found = _evaluated(closed.jaxpr, closed.consts, leaves)
     except _UnknownError:
-        return jax.tree.map(np.asarray, jitted(*arguments))
-    return jax.tree.unflatten(jax.tree.structure(shapes), found)
+        return _in_order(jax.tree.map(np.asarray, jitted(*arguments)), order)
+    return _in_order(jax.tree.unflatten(jax.tree.structure(shapes), found), order)
 
 
 @lru_cache(maxsize=256)
-def _jitted(function: Callable[..., Any]) -> Any:
-    return jax.jit(function)
+def _jitted(function: Callable[..., Any]) -> tuple[Any, list[str]]:
+    """The function to be traced, and the order of its results' names, once it was."""
+    order: list[str] = []
+
+    def called(*arguments: Any) -> Any:
+        found = function(*arguments)
+        order[:] = found if _named(found) else []
+        return found
+
+    return jax.jit(called), order
+
+
+def _named(found: Any) -> bool:
+    return type(found) is dict
+
+
+def _in_order(found: Any, order: list[str]) -> Any:
+    """Results in the order of their function; JAX sorts their names."""
+    return {name: found[name] for name in order} if _named(found) and order else found
 
 
 def _evaluated(jaxpr: Any, consts: Sequence[Any], given: Sequence[np.ndarray]) -> list[np.ndarray]:

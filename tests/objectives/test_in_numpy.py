@@ -162,6 +162,12 @@ def test_equal_methods_are_traced_once() -> None:
     assert len(times) == 1
 
 
+def test_names_keep_their_order() -> None:
+    assert [*in_numpy(lambda a: {"Q": a, "K": a + 1}, np.array(2.0))] == ["Q", "K"]
+    asked = in_numpy(lambda a: {"Q": float(a), "K": 1.0}, np.array(2.0))
+    assert [*asked] == ["Q", "K"]
+
+
 def test_missing_numbers_stay_missing() -> None:
     gone = np.array([1.0, np.nan, np.inf])
     found = in_numpy(lambda a: (jnp.where(jnp.isnan(a), 0.0, a), jnp.maximum(a, 0), a.sum()), gone)
