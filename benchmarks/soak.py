@@ -1,9 +1,9 @@
 """``python -m benchmarks.soak``: one process that fits again and again, and the memory it holds.
 
 Every round fits fresh data of the same length: by each solver, trials kept in a database of its
-own, the solution drawn and exported; and tries what is refused. Memory is what the process holds
-(resident set) after each round. After the rounds of a warm-up, in which all is compiled that will
-be, it has to stay within 5 %.
+own, the solution drawn and exported; and tries what is refused. Every fifth writes a whole run's
+folder. Memory is what the process holds (resident set) after each round. After the rounds of a
+warm-up, in which all is compiled that will be, it has to stay within 5 %.
 """
 
 import argparse
@@ -25,6 +25,8 @@ SAMPLES = 400
 WARM = 0.2
 """The warm-up is this share of the time."""
 ALLOWED = 0.05
+FOLDERS = 5
+"""Every so many rounds a folder is written."""
 
 
 def held() -> int:
@@ -54,7 +56,8 @@ def once(number: int, folder: Path) -> None:
     found.plot()
     if plt.get_fignums():
         raise SystemExit(f"{len(plt.get_fignums())} figures of pyplot are open")
-    found.save(folder / "run", force=True)
+    if number % FOLDERS == 0:
+        found.save(folder / "run", force=True)
     url = f"sqlite:///{folder / f'{number}.sqlite3'}"
     Sampler("tpe", seed=number, storage=url, trials=8)(found.posed.problem)
     (folder / f"{number}.sqlite3").unlink()

@@ -191,7 +191,7 @@ def _descend(
     if broken or best_of(ends).value - begun > WORSE * abs(begun):
         # Where it breaks off, or follows derivatives of steps, it may lose what it started from.
         excess = float(problem.excesses(z)[0].max(initial=-np.inf))
-        ends.append(Minimum(z, begun, 0, False, ends[-1].message, excess))
+        ends.append(Minimum(z, begun, 0, ends[-1].finished, ends[-1].message, excess))
     return replace(best_of(ends), evaluations=evaluations)
 
 
