@@ -14,13 +14,13 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 WORDS = ("seconds=0.2", "cutoff_hz=50", "grid=2", "starts=2", 'solvers=["l-bfgs-b", "tpe"]')
 """A small run: descents and a sampler on two sensors."""
-LOOK = 0.01
+LOOK = 0.03
 """Between looks at a process, s."""
 CODE = "import sys; from tuner.cli import invoke; sys.exit(invoke(sys.argv[1:]))"
 
@@ -52,29 +52,31 @@ def processor_time(number: int) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def left_alone(out: Path) -> float:
+def left_alone(out: Path, *words: str) -> float:
     """A run that nobody kills, and the processor time it took, s."""
-    process, last = subprocess.Popen(command(out), **_QUIET), 0.0
+    process, last = subprocess.Popen(command(out, *words), **_QUIET), 0.0
     while process.poll() is None:
         last = max(last, processor_time(process.pid))
         time.sleep(LOOK)
     return last
 
 
-def disturbed(folder: Path, times: int, whole: float, seed: int) -> Iterator[tuple[float, Path]]:
+def disturbed(
+    folder: Path, times: int, whole: float, seed: int, words: Sequence[str]
+) -> Iterator[tuple[float, Path]]:
     """Runs that were killed after so much processor time, and went on."""
     dice = random.Random(seed)
     for i in range(times):
         out, moment = folder / f"{i}", dice.uniform(0.0, whole)
-        run = subprocess.Popen(command(out), **_QUIET)
+        run = subprocess.Popen(command(out, *words), **_QUIET)
         while run.poll() is None and processor_time(run.pid) < moment:
             time.sleep(LOOK)
         run.kill()
         run.wait()
         if not (out / "study.toml").exists():
-            subprocess.run(command(out), check=False, **_QUIET)
+            subprocess.run(command(out, *words), check=False, **_QUIET)
         elif (out / "progress.json").exists() or not (out / "result.json").exists():
-            subprocess.run(command(out, "--resume"), check=False, **_QUIET)
+            subprocess.run(command(out, *words, "--resume"), check=False, **_QUIET)
         yield moment, out
 
 
@@ -83,12 +85,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--times", type=int, default=40)
     parser.add_argument("--seed", type=int, default=0, help="of the moments")
+    parser.add_argument("--claim", help="solve what this claim takes alone, a quarter of the time")
     asked = parser.parse_args(arguments)
+    words = () if asked.claim is None else ("--claim", asked.claim)
     equal = 0
     with tempfile.TemporaryDirectory() as folder:
-        left_alone(Path(folder) / "compiled")
-        whole, expected = left_alone(Path(folder) / "whole"), found(Path(folder) / "whole")
-        for moment, out in disturbed(Path(folder), asked.times, whole, asked.seed):
+        left_alone(Path(folder) / "compiled", *words)
+        whole, expected = left_alone(Path(folder) / "whole", *words), found(Path(folder) / "whole")
+        for moment, out in disturbed(Path(folder), asked.times, whole, asked.seed, words):
             same = (out / "result.json").exists() and found(out) == expected
             equal += same
             told = "equal" if same else "DIFFERS"

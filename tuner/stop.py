@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 MOMENT = 0.05
 """A signal that comes at a bad moment is sent again after so long, s."""
 NAMES = ("SIGINT", "SIGTERM", "SIGHUP")
+NOTHING = "interrupted before anything was saved"
 _UNREAD = (OSError, ValueError, RuntimeError)
 """Raised where nobody reads a stream, it is closed, or the signal came as it was written to."""
 Heard = Callable[[int, FrameType | None], None]
@@ -148,7 +149,7 @@ def is_interrupted(code: int) -> bool:
 def say_interrupted() -> None:
     """The last line where nothing had begun."""
     with suppress(*_UNREAD):
-        print("tuner: interrupted before anything was saved", file=sys.stderr)
+        print(f"tuner: {NOTHING}", file=sys.stderr)
 
 
 def number_of(interruption: KeyboardInterrupt) -> int:

@@ -119,6 +119,17 @@ def test_a_limit_that_no_point_reaches_is_unattained(objective, limit):
     assert solution.value > 2.0  # a point that was found, not the limit
 
 
+def test_no_end_is_worse_than_its_start():
+    """Derivatives know nothing of steps: followed alone they lead up the stairs."""
+
+    def stairs(p, _):
+        return 1.0 + jnp.sum(p["x"] < jnp.arange(5.0)) + 0.1 * p["x"] + (p["y"] - 2.0) ** 2
+
+    solution = Ipopt(seed=0, starts=1)(design(stairs, x=free(4.5), y=free()))
+    assert solution.value <= 2.45
+    assert not solution.status.trusted or solution.status is Status.STAIRCASE
+
+
 def test_an_objective_without_a_floor_is_unbounded():
     solution = Ipopt(seed=0, starts=2)(design(lambda p, _: 30.0 - jnp.log(p["x"]), x=positive()))
     assert solution.status is Status.UNBOUNDED

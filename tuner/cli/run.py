@@ -28,7 +28,7 @@ from tuner.run.result import Result
 from tuner.run.sharing import shared_plan
 from tuner.run.study import Plan, Solutions, Study, find_study
 from tuner.run.together import Together, workers
-from tuner.stop import code_of
+from tuner.stop import NOTHING, code_of
 from tuner.trials.database import DatabaseError, use_database, without_password
 
 SHOWN = 3
@@ -85,10 +85,11 @@ def execute(request: Request) -> int:
                 solutions = _solve(run, request, recipe, finished)
                 result = run.finish(solutions, FORMATS, begun)
         except KeyboardInterrupt as stopped:
-            print(f"tuner: {_how_to_go_on(request, folder)}", file=sys.stderr)
+            how = [*_saved(request, folder), NOTHING][0]
+            print(f"tuner: {how}", file=sys.stderr)
             return code_of(stopped)
         except DatabaseError as error:
-            raise ValueError(f"{error}; {_how_to_go_on(request, folder)}") from None
+            raise ValueError("; ".join([str(error), *_saved(request, folder)])) from None
     with _all_is_saved(folder):
         _show(result, folder, request)
     return 0 if trusted(plan, solutions) else 1
@@ -198,15 +199,16 @@ def _own_database(folder: RunFolder) -> str:
     return f"sqlite:///{folder.path / 'trials.sqlite3'}"
 
 
-def _how_to_go_on(request: Request, folder: RunFolder) -> str:
+def _saved(request: Request, folder: RunFolder) -> Iterator[str]:
+    """How to go on with what is saved, where anything is."""
     if not (folder.path / "study.toml").exists():
-        return "interrupted before anything was saved"
+        return
     words = ["tuner", "run", str(folder.path / "study.toml"), "--out", str(folder.path)]
     words += [word for log in request.logs for word in ("--log", str(log))]
     if request.which.file is not None:
         words += ["--filter", str(request.which.filter)]
     again = f"finished parts are saved; go on with: {shlex.join([*words, '--resume'])}"
-    return again + (" and the same --storage" if request.storage else "")
+    yield again + (" and the same --storage" if request.storage else "")
 
 
 def _say_notes(plan: Plan) -> None:

@@ -187,13 +187,16 @@ def _descend(
     if ends[0].allowed and 0 < reached < REFINED * begin:
         ends.append(_once(problem, ends[0].z, reached, statement, tolerance, iterations))
     evaluations = 1 + sum(end.evaluations for end in ends)
-    if problem.constraints and not all(end.finished for end in ends):
-        # Where it breaks off it may have lost what it started from.
-        excess = float(problem.excesses(z)[0].max())
-        ends.append(Minimum(z, problem.value(z), 0, False, ends[-1].message, excess))
+    broken = problem.constraints and not all(end.finished for end in ends)
+    if broken or best_of(ends).value - begun > WORSE * abs(begun):
+        # Where it breaks off, or follows derivatives of steps, it may lose what it started from.
+        excess = float(problem.excesses(z)[0].max(initial=-np.inf))
+        ends.append(Minimum(z, begun, 0, ends[-1].finished, ends[-1].message, excess))
     return replace(best_of(ends), evaluations=evaluations)
 
 
+WORSE = 1e-9
+"""An end that is worse than its start by more than this share is not where the value is least."""
 REFINED = 0.1
 """A value below this share of that at the start is worth a second run with its own scale."""
 

@@ -202,7 +202,8 @@ def without_password(url: str) -> str:
     return make_url(url).render_as_string(hide_password=True)
 
 
-def close(storage: "optuna.storages.RDBStorage") -> None:
+def close(storage: "optuna.storages.BaseStorage") -> None:
     """Close the connections of this thread and those that are idle."""
     storage.remove_session()
-    storage.engine.dispose()
+    if hasattr(storage, "engine"):  # memory has none
+        storage.engine.dispose()

@@ -9,7 +9,7 @@ import contextlib
 import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from threading import Event, Thread
@@ -235,22 +235,20 @@ def opened(
     """
     import optuna
 
-    storage = open_storage(url)
-    with told(url):
-        study = _entered(storage, name, sampler)
-        if _READY not in study.user_attrs:
-            _furnish(study, facts, first, marks)
-    if not isinstance(storage, optuna.storages.RDBStorage):
-        yield Trials(url, storage, study, total, None, bool(marks))
-        return
-    over_it = watched(url)
-    try:
+    with ExitStack() as stack:
+        storage = open_storage(url)
+        stack.callback(close, storage)
         with told(url):
-            watch = optuna.load_study(study_name=name, storage=over_it)
+            study = _entered(storage, name, sampler)
+            if _READY not in study.user_attrs:
+                _furnish(study, facts, first, marks)
+        watch = None
+        if isinstance(storage, optuna.storages.RDBStorage):
+            over_it = watched(url)
+            stack.callback(close, over_it)
+            with told(url):
+                watch = optuna.load_study(study_name=name, storage=over_it)
         yield Trials(url, storage, study, total, watch, bool(marks))
-    finally:
-        for each in (storage, over_it):
-            close(each)
 
 
 def _entered(
