@@ -85,17 +85,17 @@ def test_starts_that_lead_to_no_number_are_replaced_and_no_others_made(monkeypat
 @pytest.mark.parametrize("error", [KeyboardInterrupt, ValueError])
 def test_a_search_that_is_given_up_ends_in_every_thread(error, monkeypatch):
     monkeypatch.setattr(side_by_side, "ALONE", 0.0)
-    before, going, ended = threading.active_count(), threading.Semaphore(0), []
+    ended = []
+    going = {1: threading.Event(), 2: threading.Event()}
 
     def descend(problem, z):
         if z == 0:
-            assert going.acquire(timeout=PATIENCE)
-            assert going.acquire(timeout=PATIENCE)
+            assert all(each.wait(PATIENCE) for each in going.values())
             return end(z)
         try:
             while True:
                 problem.value(np.zeros(2))
-                going.release()
+                going[z].set()
         finally:
             ended.append(z)
 
@@ -104,9 +104,8 @@ def test_a_search_that_is_given_up_ends_in_every_thread(error, monkeypatch):
     with pytest.raises(error):
         ends.throw(error)
     until = time.monotonic() + PATIENCE
-    while threading.active_count() > before and time.monotonic() < until:
+    while len(ended) < len(going) and time.monotonic() < until:
         time.sleep(0.01)
-    assert threading.active_count() <= before
     assert sorted(ended) == [1, 2]
 
 
