@@ -140,6 +140,14 @@ def _calls(filter: AnyFilter, build: Any, inputs: Any, free: int) -> dict[str, C
     }
 
 
+def over_c(n: int, m: int, rounds: int = 5) -> tuple[float, float]:
+    """The time of a value and of a gradient in all parameters, each over C's."""
+    calls = _calls(*linear(n, m, n + m), n + m)
+    ours = {name: calls[name] for name in ("value", "backwards")}
+    times = interleave(ours | in_c(n, m), rounds, clock=time.process_time)
+    return times.ratio("value", "C, value").median, times.ratio("backwards", "C, gradient").median
+
+
 def _against_c(n: int, m: int, most_value: float, most_gradient: float) -> list[Row]:
     calls = _calls(*linear(n, m, n + m), n + m)
     c = in_c(n, m)

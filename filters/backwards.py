@@ -8,6 +8,8 @@ from jax import Array
 
 from filters.invariant import invariant
 from filters.protocol import AnyFilter, over_time
+from filters.small_linalg import unfolded
+from filters.way_back import STEPS
 
 KEPT = 4
 """About how many times a state's size a step keeps for the way back."""
@@ -43,10 +45,11 @@ def run_kept(
     >>> bool(abs(slopes[1] - slopes[0]) < 1e-12 * abs(slopes[0]))
     True
     """
+    params = unfolded(params, inputs)
     start = filter.init(params)
     length = len(jax.tree.leaves(inputs)[0])
     sample = jax.eval_shape(lambda all: jax.tree.map(lambda leaf: leaf[0], all), inputs)
-    step = invariant(filter.step, params, start, sample)
+    step = invariant(filter.step, params, start, sample, STEPS)
     each = KEPT * sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(start))
     if length < LEAST or (length * each <= most and not parts):
         return over_time(step, start, inputs)

@@ -23,20 +23,20 @@ def predicted(F: Array, across: Array, P: Array, W: Array) -> Array:
         F: transition matrix, ``(n, n)``.
         across: ``turned(F)``, whose derivative is F's.
         P: covariance, ``(n, n)``, symmetric.
-        W: what is added, ``(n, n)``.
+        W: what is added, ``(n, n)``, symmetric.
     """
-    return _even(congruence(F, across, P) + W)
+    return even(congruence(F, across, P)) + W
 
 
 @partial(predicted.defjvp, symbolic_zeros=True)
 def _predicted_jvp(at: Any, along: Any) -> tuple[Array, Array]:
     (F, across, P, W), (dF, _, dP, dW) = at, along
     # Turned round, each of these products contracts first axes.
-    moved = _times(F, turned(_times(F, _given(dP, P))))
-    if not _none(dW):
+    moved = _times(F, turned(_times(F, given(dP, P))))
+    moved = even(moved)
+    if not none(dW):
         moved = moved + dW
-    moved = _even(moved)
-    if not _none(dF):
+    if not none(dF):
         half = _times_across(_turned_by(across, P), dF)
         moved = moved + half + half.T
     return predicted(F, across, P, W), moved
@@ -51,14 +51,14 @@ def corrected(
     Joseph's form as two rank-one steps: see :func:`filters.update`.
     """
     missing = jnp.any(jnp.isnan(z))
-    g = _by(P, h)
+    g = by(P, h)
     s = matmul(h, g) + r
     weight = jnp.where(missing, 0.0, 1 / s)
     k = g * weight
     y = jnp.where(missing, 0.0, z - matmul(h, x))
     A = P - jnp.outer(g, g) * weight
     # A h' = r k but for rounding.
-    lost = jnp.outer(_by(A, h) - r * k, k)
+    lost = jnp.outer(by(A, h) - r * k, k)
     variance = jnp.where(missing, 0.0, s)
     return x + jnp.multiply.outer(k, y), A - (lost + lost.T) / 2, y, variance, k
 
@@ -70,37 +70,40 @@ def _corrected_jvp(at: Any, along: Any) -> tuple[Any, Any]:
     _, _, y, s, k = found
     seen = s != 0
     weight = jnp.where(seen, 1 / jnp.where(seen, s, 1.0), 0.0)
-    dx, dP = _given(dx, x), _given(dP, P)
-    dg, dy = _by(dP, h), -matmul(h, dx)
-    if not _none(dh):
-        dg, dy = dg + _by(P, dh), dy - matmul(dh, x)
+    dx, dP = given(dx, x), given(dP, P)
+    dg, dy = by(dP, h), -matmul(h, dx)
+    if not none(dh):
+        dg, dy = dg + by(P, dh), dy - matmul(dh, x)
     ds = matmul(h, dg)
-    if not _none(dh):
+    if not none(dh):
         ds = ds + s * matmul(k, dh)
-    ds = ds if _none(dr) else ds + dr
-    dy = jnp.where(seen, dy if _none(dz) else dy + dz, 0.0)
+    ds = ds if none(dr) else ds + dr
+    dy = jnp.where(seen, dy if none(dz) else dy + dz, 0.0)
     dk = weight * (dg - k * ds)
     # d(g g' / s) = Z k' + k Z' with Z = dg - k ds / 2.
-    halves = 2 * _even(jnp.outer(dg - k * (ds / 2), k))
+    halves = 2 * even(jnp.outer(dg - k * (ds / 2), k))
     dx = dx + jnp.multiply.outer(k, dy) + jnp.multiply.outer(dk, y)
     return found, (dx, dP - halves, dy, jnp.where(seen, ds, 0.0), dk)
 
 
-def _by(P: Array, h: Array) -> Array:
+def by(P: Array, h: Array) -> Array:
     """P h for a symmetric P."""
     return matmul(P, h) if len(h) <= LARGEST else contracted(P, h)
 
 
-def _even(P: Array) -> Array:
+def even(P: Array) -> Array:
+    """The symmetric part."""
     return (P + P.T) / 2
 
 
-def _none(tangent: Any) -> bool:
+def none(tangent: Any) -> bool:
+    """Whether a derivative is 0 throughout."""
     return isinstance(tangent, jax.custom_derivatives.SymbolicZero)
 
 
-def _given(tangent: Any, like: Array) -> Array:
-    return jnp.zeros_like(like) if _none(tangent) else tangent
+def given(tangent: Any, like: Array) -> Array:
+    """A derivative as an array."""
+    return jnp.zeros_like(like) if none(tangent) else tangent
 
 
 def _times(A: Array, B: Array) -> Array:

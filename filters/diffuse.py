@@ -14,7 +14,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from filters.kalman import Estimate, Innovation, predict, update
+from filters.kalman import Estimate, Innovation, predict, update, update_rows
 from filters.small_linalg import matmul
 
 
@@ -120,3 +120,21 @@ def take(estimate: AnyKind, h: Array, r: Array, z: Array) -> tuple[AnyKind, Inno
     return found._replace(size=jax.lax.stop_gradient(found.size)), Innovation(
         jnp.where(starts, 0.0, value), jnp.where(starts, 0.0, variance), jnp.where(starts, k, gain)
     )
+
+
+def take_rows(estimate: AnyKind, H: Array, r: Array, z: Array) -> tuple[AnyKind, Innovation]:
+    """:func:`take` of m measurements in turn, their innovations stacked.
+
+    Args:
+        estimate: the predicted estimate.
+        H: measurement rows, ``(m, n)``.
+        r: measurement variances, ``(m,)``.
+        z: measurements, ``(m,)`` or ``(m, s)``; NaN means missing.
+    """
+    if isinstance(estimate, Estimate):
+        return update_rows(estimate, H, r, z)
+    innovations = []
+    for i in range(len(H)):
+        estimate, innovation = take(estimate, H[i], r[i], z[i])
+        innovations.append(innovation)
+    return estimate, Innovation(*map(jnp.stack, zip(*innovations, strict=True)))

@@ -5,12 +5,11 @@ from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple, TypeAlias
 
 import jax
-import jax.numpy as jnp
 from jax import Array
 
 from filters.angles import difference
 from filters.declared import Channel
-from filters.diffuse import AnyEstimate, AnyKind, advance, begin, take
+from filters.diffuse import AnyEstimate, AnyKind, advance, begin, take_rows
 from filters.kalman import decorrelate
 from filters.linear import LinearOutputs
 
@@ -146,9 +145,5 @@ def linearised(
     linear = z - expected + (H * estimate.x).sum(axis=1)
     if R.ndim == 2:
         H, R, linear = decorrelate(H, R, linear)
-    parts = []
-    for i in range(H.shape[0]):
-        estimate, innovation = take(estimate, H[i], R[i], linear[i])
-        parts.append(innovation)
-    value, variance, gain = (jnp.stack(part) for part in zip(*parts, strict=True))
-    return estimate, LinearOutputs(estimate.x, estimate.P, value, variance, gain)
+    estimate, innovation = take_rows(estimate, H, R, linear)
+    return estimate, LinearOutputs(estimate.x, estimate.P, *innovation)

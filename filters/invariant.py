@@ -1,6 +1,6 @@
 """The part of a step that depends on the parameters alone, evaluated once before the time loop."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeAlias
 
 import jax
@@ -11,6 +11,9 @@ from jax.extend.core import Jaxpr, JaxprEqn, Literal, Var
 Step: TypeAlias = Callable[[Any, Any], tuple[Any, Any]]
 """From a state and a sample to the next state and an output."""
 
+Swap: TypeAlias = tuple[Callable[..., Any], tuple[int, ...]]
+"""A function that may take another's place, and the number of axes of each of its arguments."""
+
 MOVES = frozenset(
     ("broadcast_in_dim", "reshape", "squeeze", "slice", "convert_element_type", "iota", "transpose")
 )
@@ -18,7 +21,11 @@ MOVES = frozenset(
 
 
 def invariant(
-    step: Callable[[Any, Any, Any], tuple[Any, Any]], params: Any, state: Any, sample: Any
+    step: Callable[[Any, Any, Any], tuple[Any, Any]],
+    params: Any,
+    state: Any,
+    sample: Any,
+    swapped: Mapping[str, Swap] | None = None,
 ) -> Step:
     """A step with all that follows from its parameters alone done already.
 
@@ -30,6 +37,9 @@ def invariant(
         params: the parameters, any pytree.
         state: one state, or its shapes.
         sample: one sample's inputs, or their shapes.
+        swapped: functions that take the place of functions with a derivative of their own
+            (``jax.custom_jvp``) of these names, where the arguments have as many axes as told:
+            of filters side by side they have more.
 
     >>> import jax.numpy as jnp
     >>> step = lambda p, s, u: (s * jnp.exp(p) + u, s)
@@ -55,11 +65,38 @@ def invariant(
     inner = _part(jaxpr, [*before.outvars, *varying], after, jaxpr.outvars)
 
     def rest(state: Any, sample: Any) -> tuple[Any, Any]:
-        flat = jax.core.eval_jaxpr(inner, (), *known, *jax.tree.leaves((state, sample)))
+        flat = _done(inner, [*known, *jax.tree.leaves((state, sample))], swapped or {})
         found: tuple[Any, Any] = jax.tree.unflatten(answer, flat)
         return found
 
     return rest
+
+
+def _done(jaxpr: Jaxpr, given: list[Any], swapped: Mapping[str, Swap]) -> list[Any]:
+    """The results of a formula, with functions put in the place of others."""
+    values: dict[Var, Any] = dict(zip(jaxpr.invars, given, strict=True))
+
+    def value(atom: Any) -> Any:
+        return atom.val if isinstance(atom, Literal) else values[atom]
+
+    for eqn in jaxpr.eqns:
+        arguments = [value(atom) for atom in eqn.invars]
+        other, axes = swapped.get(_name(eqn), (None, ()))
+        if other is not None and axes == tuple(map(np.ndim, arguments)):
+            found = jax.tree.leaves(other(*arguments))
+        else:
+            variables = list(dict.fromkeys(_variables(eqn.invars)))
+            alone = _part(jaxpr, variables, [eqn], eqn.outvars)
+            found = jax.core.eval_jaxpr(alone, (), *(values[v] for v in variables))
+        values.update(zip(eqn.outvars, found, strict=True))
+    return [value(atom) for atom in jaxpr.outvars]
+
+
+def _name(eqn: JaxprEqn) -> str:
+    if eqn.primitive.name != "custom_jvp_call":
+        return ""
+    name: str = eqn.params["call_jaxpr"].jaxpr.debug_info.func_name
+    return name
 
 
 def _parted(jaxpr: Jaxpr, known: list[Var]) -> tuple[Jaxpr, list[JaxprEqn]]:

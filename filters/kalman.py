@@ -11,8 +11,14 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from filters.covariance_step import corrected, predicted
+from filters.covariance_step import corrected, even, predicted
 from filters.small_linalg import matmul, turned
+from filters.together_step import corrected_together
+
+TOGETHER = 9
+"""States from which taking the measurements of a sample together is faster."""
+MOST_ROWS = 3
+"""Measurements that are taken together: the numbers of their span grow as its cube."""
 
 
 class Estimate(NamedTuple):
@@ -58,7 +64,7 @@ def predict(estimate: Estimate, F: Array, W: Array) -> Estimate:
             f"the covariance of the noise has shape {jnp.shape(W)}, and {needed} is needed; of a "
             f"number q that is q * jnp.eye({needed[0]})"
         )
-    P = predicted(F, turned(F), estimate.P, W)
+    P = predicted(F, turned(F), estimate.P, even(W))
     return Estimate(matmul(F, estimate.x), P)
 
 
@@ -84,6 +90,42 @@ def update(estimate: Estimate, h: Array, r: Array, z: Array) -> tuple[Estimate, 
     """
     x, P, value, variance, gain = corrected(*estimate, h, r, z)
     return Estimate(x, P), Innovation(value, variance, gain)
+
+
+def update_rows(estimate: Estimate, H: Array, r: Array, z: Array) -> tuple[Estimate, Innovation]:
+    """:func:`update` by m scalar measurements in turn, their innovations stacked.
+
+    From nine states on they are worked out together: at 15 a pass takes a third less time so.
+
+    Args:
+        estimate: the predicted estimate.
+        H: measurement rows, ``(m, n)``.
+        r: their variances, ``(m,)``.
+        z: measurements, ``(m,)`` or ``(m, s)`` for s signals; NaN means missing.
+
+    >>> after, innovation = update_rows(
+    ...     Estimate(jnp.zeros(2), jnp.eye(2)), jnp.eye(2), jnp.ones(2), jnp.array([3.0, jnp.nan])
+    ... )
+    >>> after.x.tolist(), after.P.tolist(), innovation.variance.tolist()
+    ([1.5, 0.0], [[0.5, 0.0], [0.0, 1.0]], [2.0, 0.0])
+    """
+    if estimate.x.ndim > 1 or len(H) < 2 or len(estimate.x) < TOGETHER:
+        return _one_by_one(estimate, H, r, z)
+    innovations = []
+    for i in range(0, len(H), MOST_ROWS):
+        some = slice(i, i + MOST_ROWS)
+        x, P, *innovation = corrected_together(*estimate, H[some], r[some], z[some])
+        estimate = Estimate(x, P)
+        innovations.append(innovation)
+    return estimate, Innovation(*map(jnp.concatenate, zip(*innovations, strict=True)))
+
+
+def _one_by_one(estimate: Estimate, H: Array, r: Array, z: Array) -> tuple[Estimate, Innovation]:
+    innovations = []
+    for i in range(len(H)):
+        estimate, innovation = update(estimate, H[i], r[i], z[i])
+        innovations.append(innovation)
+    return estimate, Innovation(*map(jnp.stack, zip(*innovations, strict=True)))
 
 
 def update_large(

@@ -8,7 +8,7 @@ import numpy as np
 from jax import Array
 
 from filters.declared import Channel
-from filters.diffuse import AnyEstimate, advance, begin, take
+from filters.diffuse import AnyEstimate, advance, begin, take_rows
 from filters.kalman import decorrelate
 from filters.small_linalg import matmul
 
@@ -152,12 +152,8 @@ class LinearKalman:
         H, variances, z = params.H, params.R, inputs.z
         if params.R.ndim == 2:
             H, variances, z = decorrelate(H, params.R, z)
-        innovations = []
-        for i in range(H.shape[0]):
-            estimate, innovation = take(estimate, H[i], variances[i], z[i])
-            innovations.append(innovation)
-        value, variance, gain = (jnp.stack(part) for part in zip(*innovations, strict=True))
-        return estimate, LinearOutputs(estimate.x, estimate.P, value, variance, gain)
+        estimate, innovation = take_rows(estimate, H, variances, z)
+        return estimate, LinearOutputs(estimate.x, estimate.P, *innovation)
 
 
 class GainedSample(NamedTuple):

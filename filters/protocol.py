@@ -5,6 +5,8 @@ from typing import Any, Protocol, TypeAlias, TypeVar, cast
 
 import jax
 
+from filters.small_linalg import unfolded
+
 P_contra = TypeVar("P_contra", contravariant=True)
 S = TypeVar("S")
 U_contra = TypeVar("U_contra", contravariant=True)
@@ -51,6 +53,7 @@ def run(
     >>> rate.shape
     (500,)
     """
+    params = unfolded(params, inputs)
     start = filter.init(params)
     return over_time(lambda s, u: filter.step(params, s, u), start, inputs, unroll=unroll)
 

@@ -7,13 +7,15 @@ and columns are: a thousand 3 x 3 products take a tenth of the time.
 
 from collections.abc import Callable
 from functools import reduce
-from typing import ParamSpec
+from typing import Any, ParamSpec, TypeVar
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 Arguments = ParamSpec("Arguments")
+Tree = TypeVar("Tree")
 
 LARGEST = 8  # above it what is written out compiles slowly, and the libraries are worth their call
 
@@ -72,6 +74,35 @@ def turned(A: Array) -> Array:
     """``A'``; of a larger matrix as an array of its own, so that no product reads it across."""
     kept: Array = A.T if len(A) <= LARGEST else jax.lax.optimization_barrier(A.T)
     return kept
+
+
+def unfolded(params: Tree, inputs: Any) -> Tree:
+    """Parameters of which XLA cannot know that their larger matrices are constants.
+
+    Loops over a known matrix are unrolled into single numbers; over any other, of 9 rows and more,
+    they become vector code.
+
+    Args:
+        params: any pytree.
+        inputs: any pytree that is known only when the code runs: of it one number is looked at.
+    """
+    numbers = [leaf for leaf in jax.tree.leaves(inputs) if _real(leaf) and leaf.size]
+    if not numbers:
+        return params
+    number = numbers[0][(0,) * numbers[0].ndim]
+    always = (number > 0) | (number <= 0) | jnp.isnan(number)
+
+    def one(leaf: Any) -> Any:
+        if not _real(leaf) or leaf.ndim != 2 or min(leaf.shape) <= LARGEST:
+            return leaf
+        return jnp.where(always, leaf, jnp.zeros((), leaf.dtype))
+
+    found: Tree = jax.tree.map(one, params)
+    return found
+
+
+def _real(leaf: Any) -> bool:
+    return isinstance(leaf, jax.Array | np.ndarray) and jnp.issubdtype(leaf.dtype, jnp.floating)
 
 
 def congruence(F: Array, across: Array, P: Array) -> Array:

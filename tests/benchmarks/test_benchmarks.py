@@ -10,7 +10,7 @@ from rich.console import Console
 
 from benchmarks import unscented
 from benchmarks.baseline import NoCompilerError, Weights, baseline
-from benchmarks.guard import verdict
+from benchmarks.guard import slow_products, verdict
 from benchmarks.loops import exact, matrix_loop, scalar_loop
 from benchmarks.machine import machine
 from benchmarks.page import page
@@ -203,6 +203,12 @@ def test_guard_notices_a_slow_pass():
     crawling = FAST | {"gyroscope filter": 20e-3}
     (sentence,) = verdict(crawling, SLOW)
     assert sentence.startswith("the gyroscope filter is only 2.0 times as fast as a plain")
+
+
+def test_guard_notices_slow_products():
+    assert slow_products({(9, 3): (1.8, 1.9)}) == []
+    (sentence,) = slow_products({(9, 3): (1.8, 9.0)})
+    assert sentence.startswith("the gradient of a linear filter of 9 states takes 9.0 times")
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,18 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from filters import Estimate, predict, update
+from filters import (
+    Estimate,
+    LinearKalman,
+    LinearModel,
+    Sample,
+    Transition,
+    predict,
+    run,
+    run_kept,
+    update,
+)
+from filters.kalman import update_rows
 from tests.oracles import central_difference
 from tests.strategies import covariance
 
@@ -110,3 +121,64 @@ def test_known_parts_take_no_part_in_the_way_back():
 
     kept = jax.tree.leaves(jax.eval_shape(pull, P))
     assert sum(leaf.size for leaf in kept if leaf.size > n) == 0
+
+
+def together(point, n, m, z):
+    """A weighted sum of all that rows taken together give, by x, a root of P, rows and r."""
+    x, root, rows, r = jnp.split(point, np.cumsum([n, n * n, n * m]))
+    root = root.reshape(n, n)
+    taken = update_rows(Estimate(x, root @ root.T), rows.reshape(m, n), jnp.exp(r), z)
+    return weighed(taken)
+
+
+@pytest.mark.parametrize("missing", [(), (1,)])
+def test_rows_together_are_rows_one_after_another(missing):
+    n, m = 9, 4
+    rng = np.random.default_rng(5)
+    z = np.where(np.isin(np.arange(m), missing), np.nan, rng.normal(size=m))
+    start = Estimate(rng.normal(size=n), covariance(rng, n, n))
+    H, r = rng.normal(size=(m, n)), rng.uniform(0.1, 1, m)
+    estimate, parts = start, []
+    for i in range(m):
+        estimate, innovation = update(estimate, H[i], r[i], z[i])
+        parts.append(innovation)
+    found, taken = update_rows(start, H, r, z)
+    for ours, wanted in zip(found, estimate, strict=True):
+        np.testing.assert_allclose(ours, wanted, rtol=0, atol=ORDER * np.abs(wanted).max())
+    for ours, wanted in zip(taken, zip(*parts, strict=True), strict=True):
+        np.testing.assert_allclose(ours, np.stack(wanted), rtol=0, atol=ORDER * 10)
+    both_ways(partial(together, n=n, m=m, z=z), rng.normal(size=n + n * n + n * m + m) / 2)
+
+
+def test_a_precise_measurement_that_is_repeated_keeps_its_digits():
+    """Variance of the second: h P h' after the first is r s / (s + r), far below P's rounding."""
+    n, r = 9, 1e-6
+    h = np.random.default_rng(1).normal(size=n)
+    _, taken = update_rows(
+        Estimate(np.zeros(n), np.eye(n) * 1e8), np.stack([h, h]), r + np.zeros(2), np.zeros(2)
+    )
+    s = 1e8 * (h @ h)
+    np.testing.assert_allclose(taken.variance, [s + r, r + r * s / (s + r)], rtol=1e-12)
+
+
+def test_ways_back_are_the_transposed_derivatives():
+    """Of a record with missing samples, by all of a model: backwards, forwards and twice."""
+    n, m, N = 9, 2, 12
+    rng = np.random.default_rng(7)
+    z = np.where(rng.random((N, m)) < 0.3, np.nan, rng.normal(size=(N, m)))
+    F, H = np.linalg.qr(rng.normal(size=(n, n)))[0] * 0.9, rng.normal(size=(m, n))
+
+    def last(at, over):
+        root = jnp.eye(n) + at[:n, None] * at[None, :n]
+        step = Transition(F + 0.1 * jnp.outer(at[:n], at[:n]), jnp.eye(n), root @ root.T)
+        model = LinearModel(step, H + at[n], jnp.exp(at[n + 1 :]), jnp.eye(n), at[:n])
+        state, outputs = over(LinearKalman(), model, Sample(jnp.asarray(z)))
+        return weighed((state, outputs.innovation, outputs.variance, outputs.gain))
+
+    at = jnp.asarray(rng.normal(size=n + 1 + m)) / 4
+    forth = jax.jit(jax.jacfwd(partial(last, over=run)))(at)
+    back = jax.jit(jax.grad(partial(last, over=run_kept)))(at)
+    np.testing.assert_allclose(back, forth, rtol=0, atol=1e-12 * np.abs(forth).max())
+    second = jax.jit(jax.jacfwd(jax.grad(partial(last, over=run_kept))))(at)
+    wanted = jax.jit(jax.jacfwd(jax.jacfwd(partial(last, over=run))))(at)
+    np.testing.assert_allclose(second, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
