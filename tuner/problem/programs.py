@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from filters import AnyFilter, run
+from filters import AnyFilter, Settling, run
 from objectives import Data, Objective, Way, score, score_and_gradient
 from tuner.problem.constraint import Constraint
 from tuner.problem.space import Space
@@ -24,6 +24,12 @@ class Static(NamedTuple):
     objective: Objective
     build: Build
     constraints: tuple[Constraint, ...]
+    steady: bool = False
+
+    @property
+    def scored(self) -> AnyFilter | None:
+        """The filter, with constant gains where they have settled, if these are wanted."""
+        return Settling(self.filter) if self.steady and self.filter is not None else self.filter
 
     def built(self, z: Array) -> Any:
         """The filter's parameters at z."""
@@ -51,13 +57,13 @@ def value_of(static: Static, z: Array, values: dict[str, Array], given: Array, d
     """The objective at z, or of values by name where these are given: one program for both."""
     at = static.space.constrain(z)
     chosen = {name: jnp.where(given, values[name], own) for name, own in at.items()}
-    return score(static.filter, static.objective, static.build(chosen), data)
+    return score(static.scored, static.objective, static.build(chosen), data)
 
 
 @jax.jit(static_argnums=(0, 1))
 def value_and_gradient_of(static: Static, way: Way, z: Array, data: Data) -> tuple[Array, Array]:
     """The objective at z, and its gradient ``(n,)``."""
-    return score_and_gradient(static.filter, static.objective, static.built, z, data, way=way)
+    return score_and_gradient(static.scored, static.objective, static.built, z, data, way=way)
 
 
 @jax.jit(static_argnums=0)
