@@ -140,6 +140,7 @@ from filters.pi_complementary import (  # noqa: E402
 )
 from filters.protocol import AnyFilter, Filter, run  # noqa: E402
 from filters.residual_noise import ResidualNoise  # noqa: E402
+from filters.settling import Settling, summed  # noqa: E402
 from filters.steady_gain import SteadyGain, SteadyGains, SteadyGainState  # noqa: E402
 from filters.strapdown import RestRule  # noqa: E402
 from filters.student import Student  # noqa: E402
@@ -251,6 +252,7 @@ __all__ = [
     "RestRule",
     "RiccatiCovariance",
     "Sample",
+    "Settling",
     "SixAxes",
     "SteadyGain",
     "SteadyGainState",
@@ -308,6 +310,7 @@ __all__ = [
     "run",
     "run_kept",
     "shared",
+    "summed",
     "tilt_disturbance",
     "tilt_transition",
     "transitions",

@@ -9,8 +9,9 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from filters import AnyFilter, run, run_kept
+from filters import AnyFilter, Settling, run, run_kept, summed
 from objectives.kinds import Additive
+from objectives.likelihood import InnovationLikelihood, Likely
 
 
 class Fold(Protocol):
@@ -261,6 +262,13 @@ def _collect(
     """The loop's part: the objective's sum and the kept values, or all outputs."""
     if filter is None:
         return None, params
+    if isinstance(filter, Settling):
+        if isinstance(objective, InnovationLikelihood):
+            backwards = over is not run
+            short = summed(filter, params, data, objective.added, again=backwards)
+            if short is not None:
+                return Likely(*short[0]), None
+        filter = filter.filter
     if is_fold(objective):
         (_, total), kept = over(Folded(filter, objective), params, data)
         return total, kept

@@ -60,6 +60,22 @@ def linear_kalman(model, zs, pushes=None):
     return Run(np.array(xs), np.array(Ps))
 
 
+def kalman_nats(model, zs, pushes=None):
+    """Minus the logarithm of the density of all measurements, by joint innovations."""
+    x, P, nats = model.x0, model.P0, 0.0
+    for k, z in enumerate(zs):
+        x, P = kalman_predict(x, P, model.F, model.W)
+        if pushes is not None:
+            x = x + pushes[k]
+        seen = ~np.isnan(z)
+        H, R = model.H[seen], model.R[np.ix_(seen, seen)]
+        if seen.any():
+            S = H @ P @ H.T + R
+            nats += (surprise(z[seen] - H @ x, S) + seen.sum() * np.log(2 * np.pi)) / 2
+        x, P = kalman_update(x, P, model.H, model.R, z)
+    return nats
+
+
 def conditional_mean(model, zs):
     """The last state and its covariance given all measurements, from their joint distribution.
 

@@ -158,10 +158,10 @@ def _solved(curve: AllanCurve, rows: np.ndarray, terms: tuple[int, ...]) -> _Sol
     taus, seen = curve.taus[rows], curve.variances[rows]
     A = _columns(taus)[:, terms]
     squares, model = np.zeros(len(terms)), seen
-    root = np.eye(len(rows))
+    root, lines = np.eye(len(rows)), _lines(curve, taus)
     for _ in range(4):
         spread = model * np.sqrt(2 / curve.freedom[rows])
-        covariance = spread[:, None] * _correlation(curve, taus, model) * spread
+        covariance = spread[:, None] * _correlation(lines, taus, model) * spread
         root = np.linalg.inv(np.linalg.cholesky(covariance))
         B = root @ A
         size = np.linalg.norm(B, axis=0)
@@ -182,18 +182,29 @@ def _limited(square: float, spread: float) -> Limited:
     return Limited(*(float(np.sqrt(square * factor)) for factor in (1.0, low, high)))
 
 
-def _correlation(curve: AllanCurve, taus: Floats, model: Floats) -> Floats:
+class _Lines(NamedTuple):
+    """Lines of the periodogram, and their weights in the estimates at each time."""
+
+    f: Floats
+    weights: Floats
+
+
+def _lines(curve: AllanCurve, taus: Floats) -> _Lines:
+    low, high = 0.1 / (3 * curve.taus[-1]), 0.5 / curve.taus[0]
+    f = np.geomspace(low, high, 3000)
+    x = np.pi * f * taus[:, None]
+    square = np.sin(x) ** 2 / x
+    return _Lines(f, 2 * square * square * np.sqrt(f))
+
+
+def _correlation(lines: _Lines, taus: Floats, model: Floats) -> Floats:
     """Correlation of the estimates at different times, for the spectrum of the variances.
 
     Each is a weighted mean of the periodogram, whose lines are independent.
     """
-    low, high = 0.1 / (3 * curve.taus[-1]), 0.5 / curve.taus[0]
-    f = np.geomspace(low, high, 3000)
-    x = np.pi * f * taus[:, None]
-    weights = 2 * np.sin(x) ** 4 / x**2
     # A variance at tau is mostly due to the spectrum around 0.4 / tau.
-    density = np.exp(np.interp(-np.log(f), np.log(taus / 0.4), np.log(model * taus)))
-    weighted = weights * density * np.sqrt(f)
+    density = np.exp(np.interp(-np.log(lines.f), np.log(taus / 0.4), np.log(model * taus)))
+    weighted = lines.weights * density
     covariance = weighted @ weighted.T
     size = np.sqrt(np.diag(covariance))
     return np.asarray(covariance / np.outer(size, size) + 1e-3 * np.eye(len(taus))) / 1.001

@@ -9,6 +9,7 @@ from tuner.data.signal import Floats
 PER_DECADE = 8
 """Averaging times in a decade."""
 _CONFIDENCE = 0.95
+_PART = 8192
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,9 +113,18 @@ def chi_square_limits(freedom: Floats) -> tuple[Floats, Floats]:
 
 
 def _variance(summed: Floats, m: int) -> float:
-    """From the sums up to each sample, ``(N + 1,)``."""
-    second = summed[2 * m :] - 2 * summed[m:-m] + summed[: -2 * m]
-    return float(second @ second) / (2 * len(second) * m * m)
+    """From the sums up to each sample, ``(N + 1,)``; in parts that stay in the cache."""
+    count, total = len(summed) - 2 * m, 0.0
+    room = np.empty(min(_PART, count))
+    for start in range(0, count, _PART):
+        size = min(_PART, count - start)
+        first, middle, last = (summed[start + k * m :][:size] for k in range(3))
+        second = room[:size]
+        np.subtract(last, middle, out=second)
+        second -= middle
+        second += first
+        total += float(second @ second)
+    return total / (2 * count * m * m)
 
 
 def _slopes(factors: np.ndarray, variances: Floats) -> Floats:

@@ -17,6 +17,7 @@ from tuner.certificate.solution import Solution
 from tuner.data.source import Source
 from tuner.export.tuned import Quantity
 from tuner.native.route import Route
+from tuner.problem.constant_gains import share_of_constant_gains
 from tuner.problem.constraint import Constraint
 from tuner.problem.exported import Exported, Trial, exported_of, held_of, once, quantities_of
 from tuner.problem.identity import identity_of
@@ -64,6 +65,8 @@ class Problem:
         source: the origin of the data.
         exported: the export besides the parameters; None: what the filter declares.
         way: direction of a gradient through the time loop; None: the faster by measured cost.
+        steady: whether a likelihood goes on with constant gains where they have settled, which is
+            exact (:class:`filters.Settling`); None: where a long record makes it pay.
 
     Raises:
         ValueError: where the data hold single precision, anything but real numbers, infinities,
@@ -84,6 +87,7 @@ class Problem:
     source: Source | None = None
     exported: Exported | None = None
     way: Way | None = None
+    steady: bool | None = None
     _runs: dict[bytes, Any] = field(default_factory=dict, init=False, repr=False)
     _routes: list[Route] = field(default_factory=list, init=False, repr=False)
 
@@ -109,7 +113,8 @@ class Problem:
 
         It does not depend on names, solvers or their starts.
         """
-        programs = [text_of(value_of, *self._at(self.space.start()))]
+        at = self.static, *self._at(self.space.start())[1:]
+        programs = [text_of(value_of, *at)]
         if self.constraints:
             programs.append(text_of(excesses_of, self.static, self.space.start(), self.data))
         return identity_of(programs, self.space, self.data)
@@ -121,11 +126,11 @@ class Problem:
     def _scored(self, z: np.ndarray, values: dict[str, np.ndarray], given: np.bool) -> float:
         if self.in_lines is not None:
             return self.in_lines.value(z, values, bool(given))
-        return float(value_of(self.static, z, values, given, self.data))
+        return float(value_of(self.scored, z, values, given, self.data))
 
     def _at(self, z: np.ndarray) -> tuple[Any, ...]:
         """What the objective at z is worked out from."""
-        return self.static, np.asarray(z, float), self._begun, np.False_, self.data
+        return self.scored, np.asarray(z, float), self._begun, np.False_, self.data
 
     @cached_property
     def _begun(self) -> dict[str, np.ndarray]:
@@ -156,7 +161,8 @@ class Problem:
     def gradient_by(self) -> str:
         """The way its gradients were computed, and why; empty before the first one."""
         told = self.route.told or ("XLA: forced" if self.way is not None else "")
-        return told.replace("XLA:", f"XLA, {self.gradient_way}:", 1)
+        share = f", constant gains for {self.settled:.1%}" if self.settled else ""
+        return told.replace("XLA:", f"XLA, {self.gradient_way}{share}:", 1)
 
     def by_xla(self, z: np.ndarray) -> tuple[float, np.ndarray]:
         """The objective, which may not be a number, and its gradient in z, by XLA."""
@@ -171,7 +177,7 @@ class Problem:
     def _along(self, way: Way, z: np.ndarray) -> tuple[float, np.ndarray]:
         if self.in_lines is not None:
             return self.in_lines.value_and_gradient(way, np.asarray(z, float))
-        value, gradient = value_and_gradient_of(self.static, way, np.asarray(z, float), self.data)
+        value, gradient = value_and_gradient_of(self.scored, way, np.asarray(z, float), self.data)
         return float(value), np.asarray(gradient)
 
     @cached_property
@@ -341,6 +347,19 @@ class Problem:
             *self.what_is_exported().derived(params),
         )
         return once(told)
+
+    @cached_property
+    def settled(self) -> float:
+        """Share of the record that is taken with constant gains where a search begins."""
+        if self.filter is None or self.steady is False:
+            return 0.0
+        wanted = self.steady is True
+        return share_of_constant_gains(self.static, self.space.start(), self.data, wanted=wanted)
+
+    @property
+    def scored(self) -> "Static":
+        """The static part of its values and gradients."""
+        return self.static._replace(steady=self.settled > 0)
 
     @property
     def static(self) -> "Static":

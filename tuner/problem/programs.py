@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import AnyFilter, assembled, run
+from filters import AnyFilter, Settling, assembled, run
 from objectives import (
     Data,
     Fold,
@@ -47,6 +47,12 @@ class Static(NamedTuple):
     objective: Objective
     build: Build
     constraints: tuple[Constraint, ...]
+    steady: bool = False
+
+    @property
+    def scored(self) -> AnyFilter | None:
+        """The filter, with constant gains where they have settled, if these are wanted."""
+        return Settling(self.filter) if self.steady and self.filter is not None else self.filter
 
     def built(self, z: Array) -> Any:
         """The filter's parameters at z."""
@@ -95,7 +101,7 @@ def run_filter(filter: AnyFilter, params: Any, inputs: Any) -> Any:
 @jax.jit(static_argnums=0)
 def value_of(static: Static, z: Array, values: dict[str, Array], given: Array, data: Data) -> Array:
     """The objective at z, or of values by name where these are given: one program for both."""
-    return score(static.filter, static.objective, static.chosen(z, values, given), data)
+    return score(static.scored, static.objective, static.chosen(z, values, given), data)
 
 
 @jax.jit(static_argnums=0)
@@ -124,7 +130,7 @@ def judged_of(objective: Fold, total: Any) -> tuple[Array, Array]:
 @jax.jit(static_argnums=(0, 1))
 def value_and_gradient_of(static: Static, way: Way, z: Array, data: Data) -> tuple[Array, Array]:
     """The objective at z, and its gradient ``(n,)``."""
-    return score_and_gradient(static.filter, static.objective, static.built, z, data, way=way)
+    return score_and_gradient(static.scored, static.objective, static.built, z, data, way=way)
 
 
 @jax.jit(static_argnums=0)

@@ -117,7 +117,7 @@ def _explain(canvas: "Canvas", axes: "Axes") -> float:
         axes.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
     if not 0 < entries <= MANY:
         return 0.0
-    canvas.draw_without_rendering()
+    lay_out(canvas)
     available = axes.get_window_extent().width
     for columns in range(entries, 0, -1):
         legend = axes.legend(
@@ -132,6 +132,13 @@ def _explain(canvas: "Canvas", axes: "Axes") -> float:
         if columns == 1 or box.width <= available:
             break
     return float(box.height) * 72 / canvas.dpi
+
+
+def lay_out(canvas: "Canvas") -> None:
+    """Give the axes their places, without drawing anything."""
+    engine = canvas.get_layout_engine()
+    if engine is not None:
+        engine.execute(canvas)
 
 
 def _renderer(canvas: "Canvas") -> Any:
@@ -198,7 +205,7 @@ def _draw_lines(lines: tuple[Line, ...], axes: "Axes", colours: tuple[str, ...])
 
 def _png(canvas: "Canvas") -> bytes:
     buffer = io.BytesIO()
-    canvas.draw_without_rendering()  # the layout settles in two passes
+    lay_out(canvas)  # it settles in two passes
     canvas.savefig(buffer, format="png", metadata={"Software": None})
     return buffer.getvalue()
 

@@ -1,0 +1,120 @@
+"""Likelihoods of long records: with constant gains where they have settled, against every step."""
+
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from benchmarks.gradients import oscillators
+from benchmarks.table import Row, duration
+from benchmarks.timing import Call, interleave
+from filters import (
+    AnyFilter,
+    LevelSample,
+    LinearKalman,
+    LinearModel,
+    LocalLevel,
+    LocalLevelNoise,
+    Sample,
+    Settling,
+    Transition,
+)
+from objectives import Data, InnovationLikelihood, Way, score, score_and_gradient
+
+PART = "Long records with constant gains"
+LENGTHS = (100_000, 1_000_000, 10_000_000)
+ROUNDS = 5
+AGREED = (1e-12, 1e-10)
+"""Tolerance of a value, and of a gradient over its largest entry."""
+Made = tuple[AnyFilter, Callable[[Array], Any], Any, int, Way]
+
+
+def rows() -> list[Row]:
+    """A local level up to 10^7 samples, and two larger filters up to 10^6."""
+    found = [row for length in LENGTHS for row in _rows("local level", *_level(length), length)]
+    for n, m in ((4, 2), (9, 3)):
+        for length in LENGTHS[: 2 if n == 4 else 1]:
+            found += _rows(f"{n} states", *_oscillating(n, m, length), length)
+    return found
+
+
+def _level(length: int) -> Made:
+    draw = np.random.default_rng(0)
+    z = np.cumsum(0.1 * draw.standard_normal(length)) + draw.standard_normal(length)
+    return LocalLevel(dt=1.0), _level_noise, LevelSample(jnp.asarray(z)), 2, "forwards"
+
+
+def _level_noise(at: Array) -> LocalLevelNoise:
+    q, R = jnp.exp(at)
+    return LocalLevelNoise(0.01 * q, R)
+
+
+def _oscillating(n: int, m: int, length: int) -> Made:
+    F, H, _ = oscillators(n, m)
+    z = np.random.default_rng(n).standard_normal((length, m))
+
+    def build(at: Array) -> LinearModel:
+        every = jnp.exp(at)
+        step = Transition(jnp.asarray(F), jnp.eye(n), jnp.diag(every[:n]))
+        return LinearModel(step, jnp.asarray(H), every[n:], jnp.eye(n), jnp.zeros(n))
+
+    return LinearKalman(), build, Sample(jnp.asarray(z)), n + m, "backwards"
+
+
+def _rows(
+    name: str, filter: AnyFilter, build: Any, inputs: Any, free: int, way: Way, length: int
+) -> list[Row]:
+    likelihood, at = InnovationLikelihood(), jnp.zeros(free)
+    data = Data(inputs, jnp.zeros(length))
+
+    def calls(filter: AnyFilter) -> tuple[Call, Call]:
+        value = jax.jit(lambda at, data: score(filter, likelihood, build(at), data))
+        both = jax.jit(
+            lambda at, data: score_and_gradient(filter, likelihood, build, at, data, way=way)
+        )
+        return partial(value, at, data), partial(both, at, data)
+
+    found = []
+    pairs = zip(calls(Settling(filter)), calls(filter), ("value", f"gradient, {way}"), strict=True)
+    for short, full, what in pairs:
+        _agree(short(), full())
+        times = interleave({"short": short, "full": full}, ROUNDS, clock=time.process_time)
+        ratio = times.ratio("full", "short")
+        found.append(
+            Row(
+                part=PART,
+                what=f"{name}, 10^{np.log10(length):.0f} samples, {what}",
+                ours=f"{duration(times.median('short') / length)} a sample",
+                against=f"every step: {duration(times.median('full') / length)}",
+                figure=ratio.median,
+                best=ratio.best,
+                sense="least",
+            )
+        )
+    return found
+
+
+def _agree(short: Any, full: Any) -> None:
+    pairs = zip(jax.tree.leaves(short), jax.tree.leaves(full), AGREED, strict=False)
+    for found, wanted, most in pairs:
+        apart = np.abs(found - wanted).max() / np.abs(wanted).max()
+        if not apart <= most:
+            raise AssertionError(f"with constant gains a likelihood differs by {apart:.2g}")
+
+
+def main() -> None:
+    """Print the table."""
+    from rich.console import Console
+
+    from benchmarks.table import show
+
+    show(rows(), Console())
+
+
+if __name__ == "__main__":
+    main()
