@@ -87,7 +87,8 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"round {count}: {now:.0f} s, {size / 2**20:.1f} MiB", file=sys.stderr, flush=True)
         if now >= WARM * total or count == 1:
             warm = [*warm, size] if now >= WARM * total else [size]
-    first, last = warm[0], max(warm[-3:])
+    third = max(len(warm) // 3, 1)  # what is kept rises and falls
+    first, last = max(warm[:third]), max(warm[-third:])
     grown = last / first - 1
     told = f"{len(warm)} rounds after the warm-up, from {first / 2**20:.1f} to {last / 2**20:.1f}"
     print(f"{told} MiB: {100 * grown:+.1f} %")

@@ -12,6 +12,7 @@ from tuner import export
 from tuner.certificate.solution import Solution
 from tuner.certificate.table import as_html
 from tuner.data.record import Record
+from tuner.problem.kept_programs import forget_old_ones
 from tuner.run.chosen import Model, chosen
 from tuner.run.fit import Request, asked_for, concluded, plan_fit, pose_on
 from tuner.run.front import in_order, posed_against
@@ -201,6 +202,7 @@ def fit(
     >>> 0.8 < float(found.solution.parameters["R"].value) < 1.2
     True
     """
+    forget_old_ones()
     objective, against = in_order(objective, against)
     wishes = Wishes(start or {}, fix or {}, bound or {}, options or {}, objective)
     which = chosen(filter)
