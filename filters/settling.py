@@ -119,8 +119,13 @@ def summed(
     step = invariant(adding, params, (state, sums), (sample, truth))
     nothing = jax.tree.map(lambda one: jnp.zeros((ROW, *one.shape)), found)
     blocks = _Blocks(step, params, partial(whole, ()), parts, size, nothing)
-    taken = jax.checkpoint(blocks.taken, prevent_cse=False) if again else blocks.taken
-    end, _ = over_time(taken, blocks.begin(state, sums), _cut(data, size))
+    cut, count = _cut(data, size)
+
+    def taken(progress: _Progress, number: Array) -> tuple[_Progress, None]:
+        return blocks.taken(progress, cut(number))
+
+    each = jax.checkpoint(taken, prevent_cse=False) if again else taken
+    end, _ = over_time(each, blocks.begin(state, sums), jnp.arange(count))
     return end.sums, end.short
 
 
@@ -244,16 +249,34 @@ def _size(samples: int) -> int:
     return 1 << (min(max(samples // SHARE, LEAST), MOST) - 1).bit_length()
 
 
-def _cut(data: Any, size: int) -> Any:
-    """A record in blocks; what the last one lacks repeats the last sample, and does not count."""
+def _cut(data: Any, size: int) -> tuple[Callable[[Array], Any], int]:
+    """The blocks of a record by their number, and how many there are.
 
-    def cut(leaf: Array, *, counts: bool) -> Array:
-        lacks = -len(leaf) % size
-        tail = jnp.broadcast_to(leaf[-1:] if counts else jnp.nan, (lacks, *leaf.shape[1:]))
-        return jnp.concatenate([leaf, tail]).reshape(-1, size, *leaf.shape[1:])
+    What the last one lacks repeats the last sample, and does not count.
+    """
+    length = len(jax.tree.leaves(data)[0])
+    whole, left = divmod(length, size)
+    if not left:
+        return lambda number: jax.tree.map(lambda leaf: _block(leaf, number, size), data), whole
 
-    inputs, truth = data
-    return (
-        jax.tree.map(lambda leaf: cut(leaf, counts=True), inputs),
-        jax.tree.map(lambda leaf: cut(leaf, counts=False), truth),
+    def filled(leaf: Array, *, counts: bool) -> Array:
+        tail = jnp.broadcast_to(leaf[-1:] if counts else jnp.nan, (size - left, *leaf.shape[1:]))
+        return jnp.concatenate([leaf[-left:], tail])
+
+    last = (
+        jax.tree.map(lambda leaf: filled(leaf, counts=True), data[0]),
+        jax.tree.map(lambda leaf: filled(leaf, counts=False), data[1]),
     )
+
+    def cut(number: Array) -> Any:
+        def either(leaf: Array, end: Array) -> Array:
+            return jnp.where(number == whole, end, _block(leaf, number, size))
+
+        return jax.tree.map(either, tuple(data), last)
+
+    return cut, whole + 1
+
+
+def _block(leaf: Array, number: Array, size: int) -> Array:
+    found: Array = jax.lax.dynamic_slice_in_dim(leaf, number * size, size)
+    return found
