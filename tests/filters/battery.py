@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -172,7 +173,8 @@ def _table(point):
 
 @cache
 def _hamiltonian():
-    return riccati_flow(_A, jnp.array([[1.0, 0.3]]), jnp.eye(2), jnp.eye(1), jnp.array(0.1))
+    with jax.ensure_compile_time_eval():  # it is kept, and may be asked for while a trace goes on
+        return riccati_flow(_A, jnp.array([[1.0, 0.3]]), jnp.eye(2), jnp.eye(1), jnp.array(0.1))
 
 
 def _flow(point):
@@ -183,7 +185,8 @@ def _flow(point):
 
 @cache
 def _loop_step():
-    return loop_step(LoopGains(1.2, 0.8, 0.3), 0.1, k_gh=0.01)
+    with jax.ensure_compile_time_eval():
+        return loop_step(LoopGains(1.2, 0.8, 0.3), 0.1, k_gh=0.01)
 
 
 def _loop(point):
