@@ -137,11 +137,13 @@ def _write_ahead(url: str) -> None:
     file = make_url(url).database
     if file in (None, "", ":memory:") or str(file).startswith("file:"):
         return
-    with (
-        contextlib.suppress(sqlite3.Error),  # what it is will be told as it is opened
-        contextlib.closing(sqlite3.connect(str(file), timeout=PATIENCE)) as connection,
-    ):
-        connection.execute("PRAGMA journal_mode=WAL")
+    try:
+        with contextlib.closing(sqlite3.connect(str(file), timeout=PATIENCE)) as connection:
+            connection.execute("PRAGMA journal_mode=WAL")
+    except sqlite3.OperationalError:
+        pass  # what it is will be told as it is opened
+    except sqlite3.DatabaseError as error:  # another file: SQLAlchemy would leave it open
+        raise DatabaseError(f"the database of --storage cannot be used: {error}") from None
 
 
 def _engine(url: str) -> dict[str, Any]:
