@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from filters import (
@@ -155,6 +155,9 @@ def test_backwards_the_gradient_is_the_same():
     gaps=st.lists(st.tuples(st.integers(0, 511), st.integers(1, 80)), max_size=3),
 )
 def test_systems_of_any_kind(F, sight, q, start, gaps):
+    # Beyond, P after a gap is singular in double precision, and no two orders of rounding agree.
+    growth = np.abs(np.linalg.eigvals(np.reshape(F, (2, 2)))).max() ** 2
+    assume(growth ** sum(count for _, count in gaps) < 1e8)
     z = RECORD[:512, :1].copy()
     for first, count in gaps:
         z[first : first + count] = np.nan
