@@ -217,8 +217,8 @@ def test_an_own_class_has_it_from_its_linear_model(rate):
     ("cls", "options", "words"),
     [
         (Own, {"per_sample": True}, "the process noise of Own is a covariance of samples at 10 Hz"),
-        (Bare, {}, "Bare has no method linear, so its numbers hold for"),
-        (Timeless, {}, "Timeless has no sample time, so its numbers hold at their own rate"),
+        (Bare, {}, "Bare has no method linear, so its numbers hold only for"),
+        (Timeless, {}, "Timeless has no sample time, so its numbers hold only at their own rate"),
     ],
 )
 def test_what_holds_for_its_own_rate_alone_is_refused(cls, options, words):

@@ -29,7 +29,7 @@ from tuner.run.fit import pose_on
 from tuner.run.noise_scale import check_powers, powers
 from tuner.run.rescaled import nees_of, rescaled
 from tuner.run.result import read_result
-from tuner.run.searched import Wishes
+from tuner.run.search_space import Wishes
 from tuner.solvers.gradient import Gradient
 
 LEVEL = cases.level()

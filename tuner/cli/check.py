@@ -101,7 +101,7 @@ def _told(request: Request) -> InUse:
 def _options(cls: type[Any]) -> list[str]:
     from dataclasses import fields
 
-    from tuner.run.careful import NAMES
+    from tuner.run.gate import NAMES
 
     return [*(each.name for each in fields(cls) if each.name != "dt"), *NAMES]
 

@@ -17,7 +17,7 @@ from tuner.cli.which import changed
 from tuner.data.record import Record
 from tuner.export import FORMATS
 from tuner.problem.problem import Problem
-from tuner.report.kept import kept_facts
+from tuner.report.report_json import kept_facts
 from tuner.run.cache import use_cache
 from tuner.run.folder import RunFolder, open_folder
 from tuner.run.identity import identity_of_run
@@ -25,9 +25,9 @@ from tuner.run.pipeline import Run, trusted, write_down
 from tuner.run.progress import going_on, read_progress
 from tuner.run.recipe import Recipe
 from tuner.run.result import Result
+from tuner.run.shared_run import Together, workers
 from tuner.run.sharing import shared_plan
 from tuner.run.study import Plan, Solutions, Study, find_study
-from tuner.run.together import Together, workers
 from tuner.stop import NOTHING, code_of
 from tuner.trials.database import DatabaseError, use_database, without_password
 

@@ -19,7 +19,7 @@ from tuner.cli.width import piped_width, width_is_known
 from tuner.report.lines import five_lines
 from tuner.run.comparison import Verdict
 from tuner.run.finding import Finding
-from tuner.run.noise_told import COLUMNS
+from tuner.run.noise_table import COLUMNS
 from tuner.run.result import CodeRecord, ParameterRecord, Result, SolutionRecord
 from tuner.shown import plain, shown
 

@@ -16,9 +16,9 @@ from tuner.cli.which import Which, refuse_code
 from tuner.run.cache import use_cache
 from tuner.run.identity import WHAT, identity_of_run
 from tuner.run.recipe import LogEntries, Recipe, logs_beside
+from tuner.run.shared_run import Together, facts_of, workers
 from tuner.run.sharing import shared_plan
 from tuner.run.study import find_study
-from tuner.run.together import Together, facts_of, workers
 from tuner.stop import code_of
 
 

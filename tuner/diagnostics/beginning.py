@@ -23,7 +23,7 @@ def of_start(columns: tuple[Column, ...], way: str) -> Finding:
         columns: the measurements.
         way: the way out, in words.
     """
-    from tuner.chances import chi_square_above
+    from tuner.distributions import chi_square_above
 
     columns = tuple(c for c in columns if len(c) >= FEW and c.scale > 0)
     looks = []

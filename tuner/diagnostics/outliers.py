@@ -24,7 +24,7 @@ def of_outliers(
         parts: number of parts of the record with a deviation each.
         way: the remedy, in words.
     """
-    from tuner.chances import heavy_tails, more_than, student_above
+    from tuner.distributions import heavy_tails, more_than, student_above
 
     columns = tuple(c for c in columns if len(c) >= FEW and c.scale > 0)
     if not columns:

@@ -41,7 +41,7 @@ def size(columns: tuple[Column, ...]) -> Size:
     numbers over the factor by which correlation widens its variance (Bar-Shalom, Li and
     Kirubarajan 2001, 5.4.2, for white ones).
     """
-    from tuner.chances import chi_square_at
+    from tuner.distributions import chi_square_at
 
     count = sum(map(len, columns))
     if not count:
@@ -75,7 +75,7 @@ def _degrees(columns: tuple[Column, ...]) -> float:
 
 def _chance(columns: tuple[Column, ...]) -> float:
     """The probability of a NIS so far from 1, on either side."""
-    from tuner.chances import chi_square_above, chi_square_below
+    from tuner.distributions import chi_square_above, chi_square_below
 
     degrees = _degrees(columns)
     at = size(columns).nis * degrees

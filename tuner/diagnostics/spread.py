@@ -35,7 +35,7 @@ def scores(column: Column) -> Scores:
     """
     from scipy.special import ndtri
 
-    from tuner.chances import ranks
+    from tuner.distributions import ranks
 
     shares = ranks(np.abs(column.e)) / (len(column) + 1)
     values = ndtri((1 + shares) / 2) ** 2
@@ -71,7 +71,7 @@ def over_time(columns: tuple[Column, ...], way: str) -> Finding:
         columns: the measurements.
         way: the way out, in words.
     """
-    from tuner.chances import chi_square_above, kolmogorov_above
+    from tuner.distributions import chi_square_above, kolmogorov_above
 
     found = []
     columns = tuple(c for c in columns if len(c) >= FEW and c.e.any())
@@ -107,7 +107,7 @@ def over_level(columns: tuple[Column, ...], unit: str, way: str) -> Finding:
         unit: of the levels.
         way: the way out, in words.
     """
-    from tuner.chances import normal_above
+    from tuner.distributions import normal_above
 
     known = [c for c in columns if c.levels is not None and len(c) >= FEW]
     given = [(c, scores(c)) for c in known if c.e.any()]
@@ -133,7 +133,7 @@ def over_level(columns: tuple[Column, ...], unit: str, way: str) -> Finding:
 
 def _rank_correlation(found: Scores, level: np.ndarray) -> float:
     """The correlation of the scores with the ranks of levels, over its deviation."""
-    from tuner.chances import ranks
+    from tuner.distributions import ranks
 
     values, deviation = found
     places = ranks(level)

@@ -22,7 +22,7 @@ def of_whiteness(columns: tuple[Column, ...], lag: float, fitted: int, way: str)
 
     Source: Ljung and Box, Biometrika 65, 1978. The mean is known to be 0, so none is subtracted.
     """
-    from tuner.chances import chi_square_above, normal_above
+    from tuner.distributions import chi_square_above, normal_above
 
     columns = tuple(c for c in columns if len(c) >= FEW and c.e.any())
     if not columns:

@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 
 from tuner.report.answer import follows
 from tuner.report.blocks import Block, Listed, Table, Words
-from tuner.report.kept import Kept
 from tuner.report.pictures import pictures
+from tuner.report.report_json import Kept
 from tuner.report.verdict import main_solution, worth
 from tuner.report.words import amount, interval, number, sentence
 from tuner.run.finding import Finding

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from tuner.report.answer import searched
 from tuner.report.blocks import Block, Commands, Listed, Table, Words
-from tuner.report.kept import Kept
 from tuner.report.pictures import pictures
+from tuner.report.report_json import Kept
 from tuner.report.verdict import main_solution
 from tuner.report.words import amount, counted, label, number, percent, sentence, size
 from tuner.run.comparison import Comparison

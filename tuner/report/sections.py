@@ -5,8 +5,8 @@ from pathlib import Path
 
 from tuner.report.blocks import Section
 from tuner.report.fit_blocks import determined, innovations, signal
-from tuner.report.kept import Kept
 from tuner.report.pictures import pictures
+from tuner.report.report_json import Kept
 from tuner.report.run_blocks import again, data, files, rows, search
 from tuner.run.result import Result
 

@@ -13,10 +13,10 @@ from tuner.run.estimate_figures import estimates
 from tuner.run.figure import Chart, Line
 from tuner.run.fit_figures import figures
 from tuner.run.fit_plot import estimate_of
+from tuner.run.fit_problem import Posed
 from tuner.run.fit_surface import surface
 from tuner.run.front import Against, picture_of, trade
 from tuner.run.innovation_figures import drawn_innovations
-from tuner.run.posed import Posed
 from tuner.run.shown import Shown
 from tuner.run.spectrum_figure import spectra
 from tuner.run.study import Solutions, best

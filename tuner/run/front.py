@@ -12,8 +12,8 @@ from objectives.in_numpy import Method, in_numpy
 from tuner.problem.parameters import Fixed
 from tuner.problem.problem import Problem
 from tuner.run.figure import Chart, Line
-from tuner.run.posed import NO_TRUTH, Posed, pose
-from tuner.run.searched import Wishes
+from tuner.run.fit_problem import NO_TRUTH, Posed, pose
+from tuner.run.search_space import Wishes
 from tuner.solvers.pareto import Front, pareto
 from tuner.solvers.solver import Solver
 
@@ -102,7 +102,7 @@ def posed_against(name: str, cls: type[Any], posed: Posed, wishes: Wishes, objec
     """The same fit by another objective.
 
     Raises:
-        ValueError: as :func:`tuner.run.posed.pose`, and for the fit's own objective.
+        ValueError: as :func:`tuner.run.fit_problem.pose`, and for the fit's own objective.
     """
     if objective == posed.objective:
         raise ValueError(

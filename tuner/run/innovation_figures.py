@@ -95,7 +95,7 @@ def windows(found: Innovations) -> Windows:
 
 
 def _nis(before: Windows | None, now: Windows) -> Shown:
-    from tuner.chances import chi_square_at
+    from tuner.distributions import chi_square_at
 
     low, high = (chi_square_at(q, now.numbers) / now.numbers for q in (0.025, 0.975))
     inside = int(((now.nis >= low) & (now.nis <= high)).sum())

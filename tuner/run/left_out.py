@@ -13,7 +13,7 @@ from objectives import Data
 from tuner.identifiability.noise import NoModelError
 from tuner.identifiability.stretches import wrong_stretches
 from tuner.problem.problem import Problem
-from tuner.run.careful import parts_of
+from tuner.run.gate import parts_of
 
 SHOWN = 4
 """How many stretches are told one by one."""

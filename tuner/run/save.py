@@ -16,7 +16,7 @@ from pydantic_core import PydanticSerializationError
 from tuner.data.record import Record
 from tuner.data.signal import Signal
 from tuner.export import FORMATS
-from tuner.report.kept import kept_facts
+from tuner.report.report_json import kept_facts
 from tuner.run.fit_study import STUDY, FitSettings
 from tuner.run.folder import RunFolder
 from tuner.run.identity import identity_of_run

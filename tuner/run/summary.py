@@ -8,10 +8,10 @@ import numpy as np
 from tuner.certificate.solution import Solution, Status, TunedParameter
 from tuner.certificate.table import range_in_words
 from tuner.problem.parameters import Fixed
+from tuner.run.fit_problem import Posed
 from tuner.run.front import words as traded
 from tuner.run.held_out import HeldOut
-from tuner.run.judged import Judged
-from tuner.run.posed import Posed
+from tuner.run.judgement import Judged
 from tuner.run.rescaled import Rescaled
 
 WORDS = {

@@ -19,9 +19,9 @@ from tuner.problem.exported import exported_of
 from tuner.problem.problem import Problem
 from tuner.problem.programs import run_filter
 from tuner.problem.space import Space
-from tuner.run.careful import NAMES, care_of, guarded, with_noise
+from tuner.run.gate import NAMES, care_of, guarded, with_noise
 from tuner.run.left_out import LeftOut, without_stretches
-from tuner.run.searched import Wishes, own_unit, sizes_of, space_of
+from tuner.run.search_space import Wishes, own_unit, sizes_of, space_of
 
 HEADING = frozenset(("mag", "gps", "gps_vel"))
 """Inputs that show a heading; without one an attitude is judged by its inclination."""
