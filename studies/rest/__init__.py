@@ -77,8 +77,8 @@ def _notes(rest: Rest) -> Iterator[str]:
     if not rest.walk.known:
         high = rest.walk.high * rest.axis.scale
         yield (
-            f"{name}: {rest.axis.seconds:.4g} s show no walk of the bias, K is below {high:.3g}; "
-            "a longer record would tell"
+            f"{name}: {rest.axis.seconds:.4g} s show no random walk of the bias, K is below "
+            f"{high:.3g}; record for longer to see it"
         )
 
 

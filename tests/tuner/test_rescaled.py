@@ -97,7 +97,7 @@ def test_a_filter_with_noise_of_its_own_is_not_scaled():
     found = fit.judged.rescaled
     assert "the estimates move by" in found.reason
     assert found.factor == 1.0
-    assert "variances are as they were found" in fit.summary()
+    assert "variances not scaled" in fit.summary()
 
 
 def test_a_gate_that_would_decide_otherwise_is_not_scaled():

@@ -162,7 +162,7 @@ def _finished(folder: RunFolder, recipe: Recipe, run: Run) -> Solutions:
     if (folder.path / "study.toml").read_bytes() != recipe.to_toml():
         raise ValueError(
             f"--resume: {folder.path / 'study.toml'} has other settings or claims, another seed or "
-            "log; run that file, or start anew in another folder"
+            "log; run that file, or start again in another folder"
         )
     progress = folder.path / "progress.json"
     # A run that was interrupted as it began has written none.

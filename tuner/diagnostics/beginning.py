@@ -34,7 +34,7 @@ def of_start(columns: tuple[Column, ...], way: str) -> Finding:
             chance = float(chi_square_above(total, count))
             looks.append((chance, width, float(total / count)))
     if not looks:
-        return not_tried(NAME, WHAT, f"it takes {FEW} innovations of a measurement")
+        return not_tried(NAME, WHAT, f"a measurement needs {FEW} innovations")
     p, width, mean = min(looks)
     first = max(columns, key=lambda c: abs(c.e[0]) / c.scale)
     largest = float(np.abs(first.e[0]) / first.scale)

@@ -26,7 +26,7 @@ def of_whiteness(columns: tuple[Column, ...], lag: float, fitted: int, way: str)
 
     columns = tuple(c for c in columns if len(c) >= FEW and c.e.any())
     if not columns:
-        return not_tried(NAME, WHAT, f"it takes {FEW} innovations of a measurement")
+        return not_tried(NAME, WHAT, f"a measurement needs {FEW} innovations")
     lags = min(LONG, min(map(len, columns)) // 4)
     squares = np.array([[_square(c, each) for each in range(1, lags + 1)] for c in columns])
     short = squares[:, :SHORT]

@@ -27,8 +27,8 @@ from tuner.run.fit_shown import shown_of
 from tuner.run.front import Against, picture_of, trade
 from tuner.run.held_out import judge_held_out
 from tuner.run.judgement import Judged, filter_name, judge
-from tuner.run.noise_table import gains_told, noise_told
 from tuner.run.meanwhile import compile_for, meanwhile
+from tuner.run.noise_table import gains_told, noise_told
 from tuner.run.rescaled import ThenRescaled, as_found, may_be_rescaled
 from tuner.run.search_space import Wishes
 from tuner.run.sharing import OneForAll, shared
@@ -92,7 +92,9 @@ def asked_for(hold_out: bool, held_out: HeldOutBy | None) -> HeldOutBy | None:
     if hold_out:
         return held_out
     if held_out not in (None, "none"):
-        raise ValueError(f"held_out={held_out} and no hold-out exclude each other; say one of them")
+        raise ValueError(
+            f"held_out={held_out} and no hold-out exclude each other; give one of them"
+        )
     return "none"
 
 
@@ -105,7 +107,7 @@ def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wish
     check_facts(cls)
     lines = [timeline(record) for record in records]
     if not lines:
-        raise ValueError(f"{name} needs a recording to be tuned on; give one at least")
+        raise ValueError(f"{name} needs a recording; give at least one")
     for line in lines:
         check_channels(name, cls, line)
     facts = channel_facts(cls, "inputs"), channel_facts(cls, "outputs")

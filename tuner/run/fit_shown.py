@@ -44,7 +44,7 @@ def shown_of(posed: Posed, solutions: Solutions, against: Against | None) -> Ite
         yield from drawn_innovations(before, now)
     yield from surface(posed.problem, solution)
     if against is not None:
-        note = "Nothing is better in both. The knee gives up least of each."
+        note = "No other point is better in both objectives. The knee is the best compromise."
         yield from (Shown("search", each, note) for each in picture_of(posed, trade(against)))
 
 

@@ -154,7 +154,7 @@ def picture_of(posed: Posed, found: Trade) -> Iterator[Chart]:
     ]
     yield Chart(
         name=f"{posed.problem.name}_front",
-        title=f"What {posed.objective} and {found.objective} cost each other",
+        title=f"Trade-off between {posed.objective} and {found.objective}",
         x_label=labels[0],
         y_label=labels[1],
         lines=tuple(lines),
@@ -171,9 +171,9 @@ def words(posed: Posed, found: Trade) -> str:
     """The front in a sentence: what is given up at the knee, and what for."""
     first, last = found.points[0], found.points[-1]
     if len(found.points) == 1:
-        return f"{posed.objective} and {found.objective} are best at the same place"
+        return f"{posed.objective} and {found.objective} have the same minimum"
     ends = (
-        f"against {found.objective}: {_more(last.first, first.first)} more {posed.objective} buys "
+        f"against {found.objective}: {_more(last.first, first.first)} more {posed.objective} gives "
         f"{100 * (1 - last.second / first.second):.2g} % less {found.objective}"
     )
     knee = next((each for each in found.points if each.knee), None)
@@ -182,7 +182,7 @@ def words(posed: Posed, found: Trade) -> str:
     numbers = ", ".join(f"{n} = {np.asarray(v):.4g}" for n, v in knee.parameters.items())
     return (
         f"{ends}; at the knee {numbers}: {_more(knee.first, first.first)} and "
-        f"{_more(knee.second, last.second)} above the least of each"
+        f"{_more(knee.second, last.second)} above the minimum of each"
     )
 
 

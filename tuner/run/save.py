@@ -63,7 +63,7 @@ def save(made: Made, path: Path, *, force: bool) -> Path:
     if path.exists() and not (force and path.is_dir()):
         if not path.is_dir() or any(path.iterdir()):
             raise ValueError(
-                f"{path} is there already; name another folder, or give force=True to replace "
+                f"{path} already exists; name another folder, or give force=True to replace "
                 "its files"
             )
         path.rmdir()
@@ -87,7 +87,7 @@ def _write(made: Made, folder: RunFolder) -> None:
         text = recipe.to_toml()
     except (PydanticSerializationError, TypeError) as error:
         raise ValueError(
-            f"the settings of this fit cannot be written down ({error}); give options of numbers, "
+            f"the settings of this fit cannot be written ({error}); give options of numbers, "
             "words and lists"
         ) from None
     assert text

@@ -100,10 +100,10 @@ def _worth(posed: Posed, judged: Judged) -> Iterator[str]:
 def _rescaled(found: Rescaled) -> str:
     """The common factor of all variances, which accuracy leaves open."""
     if found.reason:
-        return f"NIS {found.nis[0]:.3g}, and the variances are as they were found: {found.reason}"
+        return f"NIS {found.nis[0]:.3g}, variances not scaled: {found.reason}"
     return (
-        f"{', '.join(found.powers)} scaled together by {found.factor:.3g}, which leaves the "
-        f"estimates: NIS {found.nis[1]:.3g}, {found.nis[0]:.3g} before"
+        f"{', '.join(found.powers)} scaled together by {found.factor:.3g}, estimates "
+        f"unchanged: NIS {found.nis[1]:.3g}, {found.nis[0]:.3g} before"
     )
 
 
