@@ -454,7 +454,7 @@ def test_options_of_firmware_alone(refused, here):
     save_run("run", vertical())
     for option in (["--map", "R_baro=X"], ["--axes", "rms"], [OK]):
         told = refused("json", *option)
-        assert told.endswith("give --to kalibr|robot_localization|px4|ardupilot with them")
+        assert told.endswith("need --to kalibr|robot_localization|px4|ardupilot")
 
 
 EVIL = "a\n1\t1\tEKF2_EN\t0\t9\r\u2028EK3_ENABLE,0\n- x: {y: ]\x85'\"\N{ROCKET}"
