@@ -5,13 +5,13 @@ from functools import partial
 
 import numpy as np
 
-from studies.broad import paper, rivals
+from studies.broad import other_filters, paper
 from studies.broad.contest import Contest
 from studies.broad.contestants import start
+from studies.broad.delays import late
 from studies.broad.held_out import claims_held_out, mean_left_out
-from studies.broad.lateness import late
+from studies.broad.other_filters import REACH, judged_at, needed
 from studies.broad.problems import Case, fold_name
-from studies.broad.rivals import REACH, judged_at, needed
 from tuner.run.comparison import Comparison, claim, number, undecided
 from tuner.run.study import Claim, Solutions, best, tuned_values
 
@@ -128,12 +128,14 @@ def claims_of(case: Case) -> tuple[Claim, ...]:
     left_out = (fold_name("*"),)
     found = [Claim("inclination_loo_deg", mean_left_out, left_out)] if case.folds else []
     found += claims_held_out(case)
-    for state in rivals.VQF:
-        row, held = f"inclination_vqf{state}_deg", needed(case, rivals.vqf_name(state))
-        found.append(Claim(row, partial(rivals.of_vqf, state=state), held))
+    for state in other_filters.VQF:
+        row, held = f"inclination_vqf{state}_deg", needed(case, other_filters.vqf_name(state))
+        found.append(Claim(row, partial(other_filters.of_vqf, state=state), held))
     for name in case.tuned:
         held = () if name.startswith("room") else needed(case, name)
-        default, tuned = (partial(each, name=name) for each in (rivals.default, rivals.tuned))
+        default, tuned = (
+            partial(each, name=name) for each in (other_filters.default, other_filters.tuned)
+        )
         if not name.endswith("_lead"):  # which begin without one
             found.append(Claim(f"inclination_{name}_default_deg", default, held))
         found.append(Claim(f"inclination_{name}_deg", tuned, (name, *held)))

@@ -15,7 +15,7 @@ from filters import (
     Mahony,
     assembled,
 )
-from studies.broad.ahead import Ahead
+from studies.broad.lead import Ahead
 from tuner.problem.parameters import Limited, Parameter, Positive
 from tuner.problem.space import Space
 
@@ -65,8 +65,8 @@ LEAD = Limited(
     0.02,
     scale=2e-3,
     limited=False,
-    meaning="lead of the wanted attitude over the last sample: the delay of this sensor's "
-    "gyroscopes against this truth, less half a sample; 0 for another sensor",
+    meaning="lead of the attitude over the last sample: delay of this sensor's gyroscopes against "
+    "this truth, less half a sample; 0 for another sensor",
 )
 ROOM: dict[str, Parameter | float | tuple[float, ...]] = {
     "speed": SPEED,

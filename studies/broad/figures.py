@@ -6,8 +6,8 @@ import numpy as np
 
 from studies.broad.contest import Contest
 from studies.broad.contestants import has_lead
+from studies.broad.other_filters import judged_at, left_out
 from studies.broad.problems import Case
-from studies.broad.rivals import judged_at, left_out
 from tuner.run.figure import Chart, Figure, Line
 from tuner.run.study import Solutions
 

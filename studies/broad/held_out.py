@@ -7,9 +7,9 @@ import numpy as np
 from scipy.special import stdtrit
 
 from studies.broad.contestants import LABELS, SPACES, start
-from studies.broad.nothing import accelerometers, gyroscopes
+from studies.broad.no_filter import accelerometers, gyroscopes
+from studies.broad.other_filters import REACH, beaten, by_trial, each, left_out, needed, room
 from studies.broad.problems import Case, alone_name, fold_name
-from studies.broad.rivals import REACH, beaten, by_trial, each, left_out, needed, room
 from tuner.run.comparison import Comparison, claim, undecided
 from tuner.run.study import Claim, Solutions
 

@@ -11,14 +11,15 @@ class Settings(StudySettings):
     """The folder of the recordings, and the filters tuned on them."""
 
     folder: str = Field("", description="folder of the benchmark's .mat files")
-    acc_unit: AccUnit = Field("m/s^2", description="unit of imu_acc")
-    gyr_unit: GyrUnit = Field("rad/s", description="unit of imu_gyr")
+    acc_unit: AccUnit = Field("m/s^2", description="unit of the accelerometers, imu_acc")
+    gyr_unit: GyrUnit = Field("rad/s", description="unit of the gyroscopes, imu_gyr")
     contestants: tuple[Contestant, ...] | None = Field(
         None,
-        description="filters that are tuned on all trials; the room filter always is; unset: all "
-        "that the trials allow",
+        description="filters tuned besides the room filter; if unset all that the trials allow",
     )
     folds: int | None = Field(
-        None, ge=0, description="trials to leave out in turn, the first so many; all if unset"
+        None, ge=0, description="number of trials left out in turn, from the first; all if unset"
     )
-    seconds: float | None = Field(None, gt=0, description="only so much of each trial, s")
+    seconds: float | None = Field(
+        None, gt=0, description="length used of each trial, s; the whole trial if unset"
+    )

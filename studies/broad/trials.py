@@ -220,7 +220,7 @@ def _check_axes(name: str, acc: np.ndarray, truth: np.ndarray) -> None:
     if angle > APART:
         raise ValueError(
             f"the accelerometers of {name} at rest are {angle:.0f} deg off the truth's vertical; "
-            "opt_quat has to be (w, x, y, z) from sensor to earth, z up"
+            "give opt_quat as (w, x, y, z), sensor to earth, z up"
         )
 
 

@@ -92,8 +92,8 @@ def tracking_error(sweep: Sweep, solutions: Solutions) -> Comparison:
         worst < 1,
         ours=worst,
         unit="%",
-        note=f"rms error over the last 60 s against the truth: {each}; per cent of the angle, so "
-        f"it falls with it; measurements have {sweep.settings.noise:g} deg of noise",
+        note=f"rms error over the last 60 s in per cent of the angle: {each}; "
+        f"the measurements have {sweep.settings.noise:g} deg of noise",
     )
 
 
@@ -111,8 +111,8 @@ def steady_deviation(sweep: Sweep, solutions: Solutions) -> Comparison:
         "6.2, Fig. 5: the smaller the angle, the larger the deviation",
         small > (1 + ALIKE) * large,
         ours=small / large,
-        note=f"standard deviation over the last 60 s in deg: {each}; per cent of an angle that is "
-        f"{max(STEADY) / min(STEADY):.3g} times as small are as many times as large",
+        note=f"standard deviation over the last 60 s in deg: {each}; relative to an angle "
+        f"{max(STEADY) / min(STEADY):.3g} times smaller the same deviation is that much larger",
     )
 
 
@@ -151,8 +151,8 @@ def _driven(sweep: Sweep, name: str, where: str, holds: Holds) -> Comparison:
         where,
         share == 1,
         ours=share,
-        note="share of the steps and lambdas at which it holds for most records; random noise "
-        f"has lambda^2 times the fuzzy one's mean, and the paper gives none. Holds at {each}",
+        note="share of steps and lambdas at which it holds for most records; the mean of random "
+        f"noise is lambda^2 times that of fuzzy noise. Holds at {each}",
     )
 
 
@@ -170,9 +170,8 @@ def positive_definite(sweep: Sweep, solutions: Solutions) -> Comparison:
         "4: the fuzzy process noise keeps P positive definite",
         least > 0,
         ours=least,
-        note="largest entry of Q after residuals that do not change: without a floor it is 0, and "
-        "nothing keeps P from becoming singular: its least eigenvalue beside the projected one "
-        f"goes from {second[0]:.2g} to {second[1]:.2g}",
+        note="largest entry of Q after constant residuals, 0 without a floor: P becomes singular, "
+        f"its second smallest eigenvalue falls from {second[0]:.2g} to {second[1]:.2g}",
     )
 
 
@@ -193,8 +192,8 @@ def fuzzy_or_constant(sweep: Sweep, solutions: Solutions) -> Comparison:
         "7: fuzzy noise is better than a conventional filter; here both are tuned",
         error[chosen] < error["constant"],
         ours=error[chosen] / error["constant"],
-        note=f"pitch error of {chosen}, the best in training, over that of a constant Q tuned with "
-        f"as many starts on the same records; held out, deg: {each}; fuzzy by hand {untuned:.4f}",
+        note=f"held-out pitch error of {chosen}, the best in training, over that of a constant Q "
+        f"tuned alike; in deg: {each}; fuzzy with hand-made values {untuned:.4f}",
     )
 
 

@@ -33,8 +33,8 @@ def _undriven(posed: Posed, solutions: Solutions) -> list[Comparison]:
             "a steady state exists",
             False,
             ours=None,
-            note=f"nothing drives {' and '.join(posed.undriven)}: its error falls to zero as 1/t, "
-            "and the steady gain leaves it alone; store the first gains, or let Q drive it",
+            note=f"no noise drives {' and '.join(posed.undriven)}: its error falls as 1/t, and its "
+            "steady gain is 0; store the first gains, or add noise to it in Q",
         )
     ]
 
@@ -46,9 +46,8 @@ def _one_lyapunov_matrix(posed: Posed, solutions: Solutions) -> Comparison:
     share = 1 / (proof.value * reached)
     verdict = Verdict.HOLDS if share <= 1 + 1e-6 else Verdict.FAILS
     note = (
-        f"with one Lyapunov matrix for both demands, which designs with two need not have, no time "
-        f"constant below {_proved(proof)} s is possible ({proof.status.value}); ours is the decay "
-        f"rate of its gain as a share of the {reached:.6g} 1/s that the search found"
+        f"decay rate over the {reached:.6g} 1/s that the search found; with one Lyapunov matrix "
+        f"no time constant is below {_proved(proof)} s ({proof.status.value}), with two it may be"
     )
     if verdict is Verdict.FAILS:
         note = f"the search ({found.status.value}) missed the gain of {proof.problem}: {note}"

@@ -19,23 +19,37 @@ _LARGEST = 1e60
 class Settings(StudySettings):
     """The model, and the requirements on its observer."""
 
-    A: Matrix = Field(description="dynamics: dx/dt = A x + G w; x' = A x + G w with dt")
-    C: Matrix = Field(description="measurements: y = C x + v")
-    Q: Matrix = Field(description="spectral density of w (two-sided); covariance with dt")
-    R: Matrix = Field(description="spectral density of v; covariance with dt or sample_time")
-    error: str | tuple[Number, ...] = Field(description="the state whose error counts, or a row")
-    G: Matrix | None = Field(None, description="where w enters; the unit matrix if unset")
-    bound: float | None = Field(None, gt=0, description="of that error's variance; none: least")
-    settles_s: float | None = Field(
-        None, gt=0, description="least variance among those that settle to 2 % within it, s"
+    A: Matrix = Field(
+        description="matrix of the dynamics, dx/dt = A x + G w, or x' = A x + G w with dt"
     )
-    states: tuple[str, ...] | None = Field(None, description="names of the states; x1, x2, ...")
+    C: Matrix = Field(description="matrix of the measurements, y = C x + v")
+    Q: Matrix = Field(
+        description="two-sided spectral density of w; with dt its covariance per sample"
+    )
+    R: Matrix = Field(
+        description="spectral density of v; with dt or sample_time its covariance per sample"
+    )
+    error: str | tuple[Number, ...] = Field(
+        description="state whose error is bounded or minimised, or a row of weights"
+    )
+    G: Matrix | None = Field(None, description="input matrix of w; the unit matrix if unset")
+    bound: float | None = Field(
+        None, gt=0, description="upper bound of that error's variance; minimum variance if unset"
+    )
+    settles_s: float | None = Field(
+        None,
+        gt=0,
+        description="settling time to 2 %, s: minimum variance among observers that meet it",
+    )
+    states: tuple[str, ...] | None = Field(
+        None, description="names of the states; x1, x2, ... if unset"
+    )
     dt: float | None = Field(None, gt=0, description="sample time of a discrete model, s")
     sample_time: float | None = Field(
-        None, gt=0, description="of the measurements of a continuous model, s"
+        None, gt=0, description="sample time of the measurements of a continuous model, s"
     )
-    unit: str = Field("", description="of the error that counts, for the exports")
-    starts: int = Field(4, ge=1, description="starts of each search")
+    unit: str = Field("", description="unit of that error, for the exports")
+    starts: int = Field(4, ge=1, description="number of starts of each search")
 
     @field_validator("A", "C", "Q", "R", "G")
     @classmethod

@@ -78,9 +78,9 @@ def _printed_bound(case: Case, solutions: Solutions) -> Comparison:
         unit="(ft/s^2)^2",
         tolerance=None,
         verdict=Verdict.INCONSISTENT,
-        note=f"III uses the same value as the bias's variance at t = 0; as a bound it gives eta = "
-        f"{huge:g}, poles at -{pole:.0f} rad/s and a loop settled after {1e3 * settles:.0f} ms. "
-        f"The bound is not printed: {channel.bound:.4g} {channel.squared} is used",
+        note=f"III uses this value for the bias's variance; as a bound it gives eta = {huge:g}, "
+        f"poles at -{pole:.0f} rad/s, settling in {1e3 * settles:.0f} ms. "
+        f"{channel.bound:.4g} {channel.squared} is used",
     )
 
 
@@ -93,10 +93,9 @@ def _ise(case: Case, solutions: Solutions) -> Comparison:
         "II.2: better than ISE in settling time",
         pole[0.02] < form[0.02] and pole[0.05] < form[0.05],
         ours=pole[0.02] / form[0.02],
-        note=f"settling times over those of the ISE form s^3 + s^2 + 2s + 1 at the same variance: "
-        f"{pole[0.02] / form[0.02]:.3f} (2 %), {pole[0.05] / form[0.05]:.3f} (5 %). Minimising the "
-        f"ISE within the bound is {searched.status.value}: its infimum 1 / (4 eta) = "
-        f"{0.25 / case[0].eta:g} s needs infinite gains",
+        note=f"settling times over those of the ISE form: {pole[0.02] / form[0.02]:.3f} (2 %), "
+        f"{pole[0.05] / form[0.05]:.3f} (5 %). ISE within the bound: {searched.status.value}, "
+        f"its infimum {0.25 / case[0].eta:g} s needs infinite gains",
     )
 
 
@@ -108,9 +107,9 @@ def _settling(case: Case, solutions: Solutions) -> Comparison:
         "II.1: the fastest slowest pole settles first",
         pole[0.02] <= bessel[0.02] and pole[0.05] <= bessel[0.05],
         ours=bessel[0.02] / pole[0.02],
-        note=f"a Bessel form of the same variance settles to 2 % in {bessel[0.02]:.5f}/eta against "
-        f"{pole[0.02]:.5f}/eta, to 5 % in {bessel[0.05]:.5f}/eta against {pole[0.05]:.5f}/eta; the "
-        "triple pole is only the fastest to forget in the long run",
+        note=f"settling times, Bessel form of the same variance and triple pole: "
+        f"{bessel[0.02]:.5f}/eta and {pole[0.02]:.5f}/eta (2 %), "
+        f"{bessel[0.05]:.5f}/eta and {pole[0.05]:.5f}/eta (5 %)",
     )
 
 
@@ -157,8 +156,8 @@ def _floor(case: Case, solutions: Solutions) -> Comparison:
         channel.floor == 0,
         ours=channel.floor,
         unit=channel.squared,
-        note=f"P11 falls as q_a/t ({P11:.4g} at {end:g} s) and has no steady value; the error of "
-        f"the given altitude, which (11) leaves out, keeps Kgh^2 sigma_hr^2 = {channel.floor:.4e}",
+        note=f"P11 falls as q_a/t ({P11:.4g} at {end:g} s); the error of the given altitude, not "
+        f"in (11), leaves Kgh^2 sigma_hr^2 = {channel.floor:.4e}",
     )
 
 
@@ -194,9 +193,8 @@ def _insensitive_to_period(case: Case, solutions: Solutions) -> Comparison:
         "III.2 and IV",
         abs(slope) < INSENSITIVE,
         ours=float(slope),
-        note=f"gains made anew for each Ts; at {at:g} s. Gains stored for {TS:g} s and replayed "
-        f"every {scheme.REPLAY:g} s make P11 {wrong:.0f} times as large sample by sample, "
-        f"{held:.2f} times by time",
+        note=f"gains computed for each Ts, at {at:g} s. Gains for {TS:g} s, replayed every "
+        f"{scheme.REPLAY:g} s, multiply P11 by {wrong:.0f} sample by sample, by {held:.2f} by time",
     )
 
 
@@ -238,10 +236,9 @@ def _better(case: Case, solutions: Solutions) -> Comparison:
         "IV",
         bool(end < there and (kalman[1:] <= loop[1:] * (1 + 1e-9)).all()),
         ours=there / end,
-        note=f"the same bound is kept after {end:g} s by the Kalman scheme and after {there:g} s "
-        f"(within {100 * (REACHED - 1):.0f} %, for the floor it never keeps) by the loop, whose "
-        f"variance at {end:g} s is {loop[i] / kalman[i]:.0f} times as large. The loop's model has "
-        "no altimeter noise, so it is even favoured",
+        note=f"the Kalman scheme meets the bound after {end:g} s, the loop after {there:g} s "
+        f"(within {100 * (REACHED - 1):.0f} %); at {end:g} s its variance is "
+        f"{loop[i] / kalman[i]:.0f} times as large, without altimeter noise",
     )
 
 
@@ -255,8 +252,8 @@ def _stages(case: Case, solutions: Solutions) -> Comparison:
         "IV: better performance with time-varying loop gains",
         two.value < one.value,
         ours=two.value / one.value,
-        note=f"triple poles chosen for the variance at {end:g} s: {one.value:.3f} times the Kalman "
-        f"filter's limit q_a/t with one, {two.value:.3f} with two that change at {switch:.1f} s",
+        note=f"variance at {end:g} s over the limit q_a/t: {one.value:.3f} with one triple pole, "
+        f"{two.value:.3f} with two that change at {switch:.1f} s",
     )
 
 
@@ -268,9 +265,8 @@ def _stored(case: Case, solutions: Solutions) -> Comparison:
         "IV: fewer stored gains are somewhat sluggish",
         1 < found.value < 2,
         ours=found.value,
-        note=f"mean ratio of the variance to the Kalman filter's over all samples with "
-        f"{case[1].segments} tuned gains besides the first; scored at the end alone, gains a "
-        "thousand times worse in between would pass",
+        note=f"mean ratio of the variance to the Kalman filter's over all samples, with "
+        f"{case[1].segments} tuned gains besides the first",
     )
 
 

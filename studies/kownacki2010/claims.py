@@ -18,12 +18,12 @@ TOLERANCE = 0.05
 NEARLY = 1.01
 """Ratio to the lowest cost up to which a search has found the optimum."""
 WHY_ACC = (
-    "white noise of Table 1's variance stands in for the paper's record, whose accelerometer held "
-    "harmonics from 50 to 500 Hz, and the reading of (10)'s second term is inferred"
+    "white noise of Table 1's variance replaces the paper's record, which held harmonics from 50 "
+    "to 500 Hz; the reading of (10)'s second term is inferred"
 )
 WHY_LITERAL = (
-    "to the letter the step itself makes up the second term, so that it hardly counts: the optimum "
-    "is almost no filter"
+    "as printed, the step itself dominates the second term, so that noise hardly matters: the "
+    "optimum hardly filters"
 )
 
 

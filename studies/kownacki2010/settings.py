@@ -14,25 +14,35 @@ class Settings(StudySettings):
     """Settings for ``--set``; the defaults are the paper's wherever it names a value."""
 
     step: float = Field(0.2, gt=0, description="height of the step, rad/s or m/s^2")
-    reading: Literal["R1", "R2", "R6"] = Field("R6", description="what (10)'s second term means")
-    crossing: Literal["hinge", "first"] = Field("hinge", description="where (10)'s first term ends")
-    weight: float = Field(1.0, gt=0, description="factor on (10)'s second term")
-    cutoff_hz: float = Field(1.0, gt=0, description="where Table 1's procedure splits a record")
-    split: Literal["ideal", "butterworth"] = Field("ideal", description="the filters it uses")
-    R: float | None = Field(
-        None, gt=0, description="measurement variance; from the record if unset"
+    reading: Literal["R1", "R2", "R6"] = Field(
+        "R6", description="reading of the second term of (10)"
     )
-    Q: float | None = Field(None, gt=0, description="where Q starts; from the record if unset")
+    crossing: Literal["hinge", "first"] = Field(
+        "hinge", description="end of the first term of (10)"
+    )
+    weight: float = Field(1.0, gt=0, description="factor on the second term of (10)")
+    cutoff_hz: float = Field(
+        1.0, gt=0, description="frequency at which Table 1's procedure splits a record, Hz"
+    )
+    split: Literal["ideal", "butterworth"] = Field("ideal", description="filters of that procedure")
+    R: float | None = Field(
+        None,
+        gt=0,
+        description="variance of the measurement noise, unit^2; from the record if unset",
+    )
+    Q: float | None = Field(None, gt=0, description="initial value of Q; from the record if unset")
     P0: tuple[tuple[float, float], tuple[float, float]] = Field(
-        ((1.0, 1.0), (1.0, 1.0)), description="covariance of the start"
+        ((1.0, 1.0), (1.0, 1.0)), description="covariance of the initial state"
     )
     solvers: tuple[str, ...] = Field(
-        ("nelder-mead", "l-bfgs-b"), min_length=1, description="of tuner list solvers"
+        ("nelder-mead", "l-bfgs-b"),
+        min_length=1,
+        description="names of solvers, see tuner list solvers",
     )
-    starts: int = Field(4, ge=1, description="starts of each descent")
-    rate_hz: float = Field(10_000.0, gt=0, description="of the built-in record")
-    seconds: float = Field(10.0, gt=0, description="length of the built-in record")
-    grid: int = Field(25, ge=2, le=257, description="points along each axis of Fig 8")
+    starts: int = Field(4, ge=1, description="number of starts of each descent")
+    rate_hz: float = Field(10_000.0, gt=0, description="sample rate of the built-in record, Hz")
+    seconds: float = Field(10.0, gt=0, description="length of the built-in record, s")
+    grid: int = Field(25, ge=2, le=257, description="number of points along each axis of Fig 8")
 
     @field_validator("P0")
     @classmethod

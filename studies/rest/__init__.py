@@ -56,17 +56,17 @@ def _notes(rest: Rest) -> Iterator[str]:
     """Remarks on the numbers of an axis."""
     name, noise, dt = rest.axis.name, rest.noise, 1 / rest.axis.rate_hz
     if not noise.fits:
-        yield f"{name}: no part of the Allan curve is white noise, so N and K mean little"
+        yield f"{name}: no part of the Allan curve is white noise, so N and K are unreliable"
     elif noise.from_s > 1.5 * dt:
         yield (
-            f"{name} is not white below {noise.from_s:.3g} s: N is read from there to "
-            f"{noise.to_s:.4g} s, and R = N^2 rate is not the variance of a sample"
+            f"{name} is not white below {noise.from_s:.3g} s: N is fitted from there to "
+            f"{noise.to_s:.4g} s, and R is not the variance of a sample"
         )
     step = resolution(rest.axis.values)
     if step is not None and step > 0.5 * rest.axis.values.std():
         yield (
-            f"{name} comes in steps of {step * rest.axis.scale:.3g}, half of its noise or more; "
-            "what is finer is guessed"
+            f"{name} is quantised in steps of {step * rest.axis.scale:.3g}, half of its noise or "
+            "more: smaller noise is not determined"
         )
     if noise.flicker.value > 0:
         B = noise.instability.value * rest.axis.scale
@@ -77,8 +77,8 @@ def _notes(rest: Rest) -> Iterator[str]:
     if not rest.walk.known:
         high = rest.walk.high * rest.axis.scale
         yield (
-            f"{name}: {rest.axis.seconds:.4g} s show no walk of the bias, K is below {high:.3g}; "
-            "a longer record would tell"
+            f"{name}: {rest.axis.seconds:.4g} s show no random walk of the bias, K is below "
+            f"{high:.3g}; record for longer to see it"
         )
 
 

@@ -111,7 +111,7 @@ def _check_whole(told: str, signal: Signal, values: Floats) -> None:
     first, last = int(np.floor(cuts[at])) + 1, int(np.ceil(cuts[at + 1])) - 1
     what = f"misses {missing} samples" if missing else "has gaps or an uneven clock"
     if last - first < LEAST:
-        raise LogError(f"{told} {what}, and no part of {LEAST} samples has none; record it anew")
+        raise LogError(f"{told} {what}, and no part of {LEAST} samples has none; record it again")
     raise LogError(
         f"{told} {what}, and an Allan deviation takes even samples; the longest part without: "
         f"--from {times[first]:.9g} --to {times[last]:.9g}"

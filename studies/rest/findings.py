@@ -103,9 +103,11 @@ def _sampled(rest: Rest) -> Iterator[Finding]:
 def _filtered(rest: Rest, K: float) -> Iterator[Finding]:
     axis, dt, wanted = rest.axis, rest.dt, rest.requirement
     assert wanted is not None
-    slower = "" if wanted.gain >= K * (1 - 1e-9) else "; slower filters only lag behind the walk"
+    slower = (
+        "" if wanted.gain >= K * (1 - 1e-9) else "; slower filters only lag behind the random walk"
+    )
     yield Finding(f"{axis.name}.K1", K, "", f"gain of x = x + K1 (z - x): {wanted.words}{slower}")
-    yield Finding(f"{axis.name}.settles_s", asked.settling(K, dt), "s", "a step to 2 %")
+    yield Finding(f"{axis.name}.settles_s", asked.settling(K, dt), "s", "settling to 2 %")
     yield Finding(f"{axis.name}.bandwidth_hz", asked.bandwidth(K, dt), "Hz", "to -3 dB")
     lag = float(asked.latency(K, dt))
     yield Finding(f"{axis.name}.latency_s", lag, "s", "lag behind a steady change")
@@ -147,5 +149,5 @@ def _trade(rest: Rest) -> Iterator[Finding]:
 
 def _of(axis: str, name: str, number: Limited, unit: str, meaning: str) -> Finding:
     low = number.low if number.known else None
-    told = meaning if number.known else f"{meaning}; not told from 0"
+    told = meaning if number.known else f"{meaning}; not distinguished from 0"
     return Finding(f"{axis}.{name}", number.value, unit, told, low, number.high)

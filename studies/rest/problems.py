@@ -98,7 +98,7 @@ def noise_problem(rest: Rest) -> Problem:
     R, Q = averages.level(rest.noise.white.value, max(rest.noise.walk.value, rest.walk.value))
     R = max(R, 0.1 * rest.noise.white.value**2 / averages.step)
     q = Q / averages.step
-    walk: Parameter = Fixed(0.0, unit=f"({unit})^2/s", meaning="the record shows no walk")
+    walk: Parameter = Fixed(0.0, unit=f"({unit})^2/s", meaning="the record shows no random walk")
     if rest.walk.value > 0:
         walk = Positive(q, 1e-3 * q, 1e3 * q, f"({unit})^2/s", meaning="growth of the variance")
     filter = LocalLevel(averages.step)
@@ -186,7 +186,7 @@ def _filter_told(rest: Rest, gain: Array) -> tuple[Quantity, ...]:
     return (
         Quantity("K2", np.array(0.0), "1/s", "gain on the slope: there is none"),
         Quantity("latency_s", asked.latency(K, rest.dt), "s", "lag behind a steady change"),
-        Quantity("settles_s", np.array(asked.settling(K, rest.dt)), "s", "a step to 2 %"),
+        Quantity("settles_s", np.array(asked.settling(K, rest.dt)), "s", "settling to 2 %"),
         Quantity("bandwidth_hz", np.array(asked.bandwidth(K, rest.dt)), "Hz", "to -3 dB"),
         Quantity("output_sd", deviation, unit, "deviation of the output at rest"),
         *_noise_quantities(rest, None),

@@ -14,12 +14,12 @@ class Settings(StudySettings):
     """The rate for R and Q, and the requirement on a filter, if any."""
 
     rate_hz: float | None = Field(
-        None, gt=0, description="of the machine that filters; the record's own if unset"
+        None, gt=0, description="sample rate of the target machine, Hz; the record's own if unset"
     )
-    settles_s: float | None = Field(None, gt=0, description="a step has arrived to 2 % by then, s")
-    bandwidth_hz: float | None = Field(None, gt=0, description="passes to -3 dB, Hz")
+    settles_s: float | None = Field(None, gt=0, description="settling time to 2 % after a step, s")
+    bandwidth_hz: float | None = Field(None, gt=0, description="bandwidth at -3 dB, Hz")
     latency_s: float | None = Field(None, gt=0, description="lag behind a steady change, s")
-    starts: int = Field(2, ge=1, description="starts of the search for N and K")
+    starts: int = Field(2, ge=1, description="number of starts of the search for N and K")
 
     @model_validator(mode="after")
     def _one_requirement(self) -> "Settings":

@@ -47,7 +47,7 @@ def bench(settings: Settings, seed: int) -> Bench:
         inputs = experiment_2(settings.gyro_unit)
         still = jnp.zeros((len(inputs.gyr), 1, 2))
         tuned_on = Recordings(jax.tree.map(lambda leaf: leaf[:, None], inputs), still)
-    name = f"{tuned_on.count} simulated motions with pushes and bias, seeds from {seed}"
+    name = f"{tuned_on.count} simulated motions with accelerations and bias, seeds from {seed}"
     source = Source.simulated(name, [np.asarray(tuned_on.inputs.acc)], 1 / DT)
     judged_on = recordings(settings, settings.held_out, seed + HELD_OUT)
     return Bench(settings, tuned_on, judged_on, source)

@@ -89,8 +89,8 @@ def residual_as_printed(bench: Bench, solutions: Solutions) -> Comparison:
         unit="",
         tolerance=None,
         verdict=Verdict.INCONSISTENT if printed > standard else Verdict.DIFFERS,
-        note=f"as printed, without an absolute value, pushes of one sign are trusted: S_phi "
-        f"{printed:.4g} deg^2, standard {standard:.4g}, with the absolute value "
+        note=f"as printed, without an absolute value, accelerations of one sign are not detected: "
+        f"S_phi {printed:.4g} deg^2, standard {standard:.4g}, with the absolute value "
         f"{float(errors(TWO_STEP, inputs, beside).S[PHI]):.3g}",
     )
 

@@ -58,5 +58,5 @@ def _held_out(bench: Bench, solutions: Solutions) -> Chart:
         tuned = outputs(filter, inputs, values, bench.tuned_on)
         error = np.degrees(np.asarray(tuned.angles)[:, 1] - truth)
         lines.append(Line(f"{LABELS[name]}, tuned", t, error))
-    title = "Roll error on a held-out record with motion, pushes and bias"
+    title = "Roll error on a held-out record with motion, accelerations and bias"
     return Chart("held_out_roll", title, "t, s", "error, deg", tuple(lines))

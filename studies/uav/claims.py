@@ -224,10 +224,9 @@ def glitch(field: Field, solutions: Solutions, *, law: Tuned) -> Iterator[Compar
             where,
             float(inside.max()) > float(outside.max()),
             ours=float(inside.max()),
-            note=f"mean {inside.mean():.3g} of {len(inside)} updates in it, {outside.mean():.3g} "
-            f"of {len(outside)} besides, of which the largest {outside.max():.3g}; the ground "
-            f"speed jumps at {when} s, and {AROUND:g} s around "
-            "count as the glitch; tuning on this flight is refused",
+            note=f"mean {inside.mean():.3g} of {len(inside)} updates within {AROUND:g} s of the "
+            f"jumps at {when} s, {outside.mean():.3g} of {len(outside)} outside, "
+            f"at most {outside.max():.3g}; not used for tuning",
         )
 
 

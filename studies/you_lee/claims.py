@@ -60,8 +60,7 @@ def one_tau(bench: Bench, solutions: Solutions, printed: TwoGains = PRINTED_GAIN
         printed.tau_of_K1 / printed.tau_of_K2,
         "",
         f"tau is {printed.tau_of_K1:.4g} s from K1 = {K1:g}, {printed.tau_of_K2:.4g} s from K2 = "
-        f"{K2:g} and {(K1 * K2) ** -0.5:.4g} s from their product; K1 may be a misread .05, and "
-        "every claim is judged with both",
+        f"{K2:g}, {(K1 * K2) ** -0.5:.4g} s from both; K1 may be a misprint of .05: both are run",
     )
 
 
@@ -121,8 +120,8 @@ def large_in_the_turn(bench: Bench, solutions: Solutions) -> Comparison:
         *row,
         grown("T1") > LARGE,
         ours=grown("T1"),
-        note=f"mean largest roll error in the turn over that in level flight, T1 ({roll:.3g} deg); "
-        f"without an angle of attack (T0) {grown('T0'):.3g}, with slip (T2) {grown('T2'):.3g}; "
+        note=f"mean largest roll error in the turn ({roll:.3g} deg on T1) over that in level "
+        f"flight; T0 {grown('T0'):.3g}, T2 {grown('T2'):.3g}; "
         f"K1 = .05: {grown('T1', MISREAD):.3g} on T1",
     )
 
@@ -230,7 +229,7 @@ def observability(bench: Bench, solutions: Solutions) -> Comparison:
         "(13): v and w are observable where p, q and r are not 0",
         found["T0"] > VANISHES,
         ours=float(found["T0"]),
-        note="largest abs(det V) over its largest term in a turn with theta = 0, where it is 0 for "
+        note="largest abs(det V) over its largest term; with theta = 0 it is 0 for "
         f"any roll and yaw; {found['T1']:.2g} on T1, {found['T2']:.2g} on T2",
     )
 

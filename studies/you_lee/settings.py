@@ -18,38 +18,60 @@ Start = Literal["zero", "true"]
 class Settings(StudySettings):
     """The flight, the sensors (table 1), the published filter, and the effort of the tuning."""
 
-    trajectory: Trajectory = Field("T1", description="what is tuned on: T0, T1 or T2")
-    start: Start = Field("zero", description="v, w that the velocity filter starts from")
-    K1: float = Field(PUBLISHED["K1"], ge=1e-9, description="gain of the claims, 1/s")
-    K2: float = Field(PUBLISHED["K2"], ge=1e-9, description="gain of the claims, 1/s")
+    trajectory: Trajectory = Field("T1", description="flight for tuning")
+    start: Start = Field(
+        "zero", description="initial v and w of the velocity filter: zero or the true ones"
+    )
+    K1: float = Field(PUBLISHED["K1"], ge=1e-9, description="proportional gain of the claims, 1/s")
+    K2: float = Field(PUBLISHED["K2"], ge=1e-9, description="integral gain of the claims, 1/s")
     Q_k: float = Field(
-        PUBLISHED["Q_k"], ge=0, description="velocity filter: process variance, (ft/s)^2"
+        PUBLISHED["Q_k"], ge=0, description="process variance of the velocity filter, (ft/s)^2"
     )
     R_k: float = Field(
-        PUBLISHED["R_k"], gt=0, description="velocity filter: airspeed variance, (ft/s)^2"
+        PUBLISHED["R_k"], gt=0, description="airspeed variance of the velocity filter, (ft/s)^2"
     )
-    P0: float = Field(0.0, ge=0, description="velocity filter: variance at the start, (ft/s)^2")
+    P0: float = Field(0.0, ge=0, description="initial variance of the velocity filter, (ft/s)^2")
     threshold: float = Field(
-        PUBLISHED["threshold"], gt=0, description="velocity filter runs above it, rad/s"
+        PUBLISHED["threshold"], gt=0, description="rate above which the velocity filter runs, rad/s"
     )
-    speed: float = Field(500.0, gt=0, description="ft/s")
-    bank: float = Field(28.5659947, gt=0, lt=90, description="largest bank, deg; turns by 90 deg")
-    tilt: float = Field(3.0, ge=0, lt=90, description="angle of attack (T1), slip (T2), deg")
-    level: float = Field(250.0, ge=1, le=3600, description="straight flight, s")
-    turn: float = Field(50.0, ge=1, le=3600, description="bank turn, s")
-    ramp: float = Field(5.0, gt=0, description="time to bank and to come back, s")
-    rate_hz: float = Field(100.0, ge=0.01, le=1000, description="of all sensors")
-    gyro_bias: float = Field(50.0, ge=0, description="deviation at the start, deg/h")
-    gyro_walk: float = Field(10.0, ge=0, description="what the bias walks in an hour, deg/h")
-    acc_bias: float = Field(140.0, ge=0, description="deviation at the start, ug")
-    acc_walk: float = Field(35.0, ge=0, description="what the bias walks in an hour, ug")
-    airspeed_noise: float = Field(1.0, ge=0, description="deviation of a sample, ft/s")
-    runs: int = Field(100, ge=1, le=1000, description="Monte Carlo runs; they judge the tuning")
-    train: int = Field(20, ge=1, le=HELD_OUT, description="other runs that are tuned on")
-    starts: int = Field(4, ge=1, description="starts of each search, the same for every problem")
-    grid: int = Field(13, ge=2, le=101, description="points of the sweeps and along the surface")
-    zeta_low: float | None = Field(None, gt=0, description="least damping, (15) has 1")
-    zeta_high: float | None = Field(None, gt=0, description="largest damping")
+    speed: float = Field(500.0, gt=0, description="airspeed, ft/s")
+    bank: float = Field(
+        28.5659947,
+        gt=0,
+        lt=90,
+        description="largest bank angle, deg; the published one turns by 90 deg",
+    )
+    tilt: float = Field(3.0, ge=0, lt=90, description="angle of attack (T1) or sideslip (T2), deg")
+    level: float = Field(250.0, ge=1, le=3600, description="duration of the level flight, s")
+    turn: float = Field(50.0, ge=1, le=3600, description="duration of the bank turn, s")
+    ramp: float = Field(5.0, gt=0, description="duration of rolling in and of rolling out, s")
+    rate_hz: float = Field(100.0, ge=0.01, le=1000, description="sample rate of all sensors, Hz")
+    gyro_bias: float = Field(
+        50.0, ge=0, description="standard deviation of the initial gyroscope bias, deg/h"
+    )
+    gyro_walk: float = Field(
+        10.0, ge=0, description="random walk of the gyroscope bias in one hour, deg/h"
+    )
+    acc_bias: float = Field(
+        140.0, ge=0, description="standard deviation of the initial accelerometer bias, ug"
+    )
+    acc_walk: float = Field(
+        35.0, ge=0, description="random walk of the accelerometer bias in one hour, ug"
+    )
+    airspeed_noise: float = Field(1.0, ge=0, description="standard deviation of the airspeed, ft/s")
+    runs: int = Field(100, ge=1, le=1000, description="number of Monte Carlo runs for judging")
+    train: int = Field(20, ge=1, le=HELD_OUT, description="number of other runs for tuning")
+    starts: int = Field(
+        4, ge=1, description="number of starts of each search, the same for every problem"
+    )
+    grid: int = Field(
+        13,
+        ge=2,
+        le=101,
+        description="number of points of the sweeps and along each axis of the surface",
+    )
+    zeta_low: float | None = Field(None, gt=0, description="lower limit of the damping; (15) has 1")
+    zeta_high: float | None = Field(None, gt=0, description="upper limit of the damping")
 
     @field_validator("start", mode="before")
     @classmethod

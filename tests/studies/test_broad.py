@@ -15,7 +15,7 @@ from scipy.io import savemat
 from scipy.spatial.transform import Rotation
 
 from filters import ImuSample, assembled, blocks, run
-from studies.broad import Settings, claims, contest, paper, peers, plan, rivals
+from studies.broad import Settings, claims, contest, other_filters, paper, peers, plan
 from studies.broad.contest import Contest, Outcome, side_by_side
 from studies.broad.contestants import BLOCK, filter_of, start
 from studies.broad.figures import figures
@@ -435,12 +435,12 @@ def test_trials_left_out_are_judged_by_the_parameters_of_the_others(pair):
     folds = [solution(2.0), solution(0.5)]
     names = [f"without_{trial.name}" for trial in pair.trials]
     found = {(name, "x"): each for name, each in zip(names, folds, strict=True)}
-    errors = rivals.left_out(Case(pair, range(2), ()), found)
+    errors = other_filters.left_out(Case(pair, range(2), ()), found)
     for i in range(2):
         values = {key: p.value for key, p in folds[i].parameters.items()}
         assert errors[i] == pytest.approx(pair.judged("room", values).inclination[i], rel=1e-12)
     assert errors[0] != pair.judged("room", start("room")).inclination[0]
-    np.testing.assert_array_equal(rivals.left_out(Case(pair, [1], ()), found), errors[1:])
+    np.testing.assert_array_equal(other_filters.left_out(Case(pair, [1], ()), found), errors[1:])
 
 
 def solved(*trials):
@@ -503,7 +503,7 @@ def test_the_room_filter_is_held_against_peers(case, pair, monkeypatch):
     error, verdict = PEERS[case]
     theirs = np.array([5.0, error])
     peer = peers.Peer(theirs, theirs, 2.0, theirs, (2.0, 0.002), theirs, theirs)
-    monkeypatch.setattr(rivals, "vqf", lambda contest: peer)
+    monkeypatch.setattr(other_filters, "vqf", lambda contest: peer)
     found = {(name, "x"): solution() for name in solved("02_undisturbed_swing")}
     table = {row.quantity: row for row in compared(Case(pair, [1], ("room",)), found)}
     own = pair.judged("room", start("room")).inclination
@@ -521,7 +521,7 @@ def test_the_room_filter_is_held_against_peers(case, pair, monkeypatch):
 
 
 def test_without_vqf_nothing_is_claimed_of_it(pair, monkeypatch):
-    monkeypatch.setattr(rivals, "vqf", lambda contest: None)
+    monkeypatch.setattr(other_filters, "vqf", lambda contest: None)
     table = compared(Case(pair, [], ("room",)), {(name, "x"): solution() for name in solved()})
     found = {row.quantity: row for row in table}
     assert found["inclination_vqf_tuned_deg"].verdict is Verdict.NOT_IDENTIFIABLE

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from studies.broad import held_out, nothing, rivals
-from studies.broad.ahead import Ahead
+from studies.broad import held_out, no_filter, other_filters
 from studies.broad.claims import claims_of
 from studies.broad.contestants import LABELS, SPACES, filter_of, has_lead, start, takes_field
+from studies.broad.delays import late
 from studies.broad.held_out import NO_HELP, Gain
-from studies.broad.lateness import late
+from studies.broad.lead import Ahead
 from studies.broad.problems import Case
 from tests.studies.test_broad import HZ, inclination_rmse, pair, quick, solution, solved
 from tuner.run.comparison import Verdict
@@ -34,7 +34,7 @@ def test_every_filter_has_a_twin_with_a_lead():
         assert takes_field(twin) == takes_field(name)
         assert SPACES[twin].size == SPACES[name].size + 1
         assert SPACES[twin].coordinates[-1].endswith("lead") or name == "room_now"
-        assert {rivals.room_of(name), rivals.room_of(twin)} == {"room", "room_now"}
+        assert {other_filters.room_of(name), other_filters.room_of(twin)} == {"room", "room_now"}
 
 
 @pytest.mark.parametrize("name", ["mahony", "madgwick", "gravity", "two_step"])
@@ -238,7 +238,7 @@ def test_the_gap_is_that_to_each_trials_own_optimum(pair):
 def test_no_filter_at_all(pair):
     """Accelerometers by hand, and gyroscopes summed up by hand, their mean at rest taken off."""
     case = Case(pair, [], ("room", "room_now"))
-    gyroscopes, accelerometers = nothing.gyroscopes(pair), nothing.accelerometers(pair)
+    gyroscopes, accelerometers = no_filter.gyroscopes(pair), no_filter.accelerometers(pair)
     for i, trial in enumerate(pair.trials):
         seen = ~np.isnan(trial.truth).any(axis=1)
         turns = Rotation.from_quat(trial.truth[seen], scalar_first=True)

@@ -133,15 +133,14 @@ def test_filters_without_a_linear_model_keep_what_they_have():
         (
             "alpha-beta",
             {"alpha": (0.5, ""), "beta": (0.2, "")},
-            "alpha and beta of alpha-beta belong to samples at 10 Hz and say nothing of another "
-            "rate; tune constant-velocity, whose density holds at every rate",
+            "alpha and beta of alpha-beta hold only for samples at 10 Hz; "
+            "tune constant-velocity, whose density holds at every rate",
         ),
         (
             "alpha-beta-gamma",
             {"alpha": (0.5, ""), "beta": (0.2, ""), "gamma": (0.1, "")},
-            "alpha and beta and gamma of alpha-beta-gamma belong to samples at 10 Hz and say "
-            "nothing of another rate; tune constant-acceleration, whose density holds at every "
-            "rate",
+            "alpha and beta and gamma of alpha-beta-gamma hold only for samples at 10 Hz; "
+            "tune constant-acceleration, whose density holds at every rate",
         ),
     ],
 )
@@ -217,8 +216,8 @@ def test_an_own_class_has_it_from_its_linear_model(rate):
     ("cls", "options", "words"),
     [
         (Own, {"per_sample": True}, "the process noise of Own is a covariance of samples at 10 Hz"),
-        (Bare, {}, "Bare has no method linear, so its numbers hold for"),
-        (Timeless, {}, "Timeless has no sample time, so its numbers hold at their own rate"),
+        (Bare, {}, "Bare has no method linear, so its numbers hold only for"),
+        (Timeless, {}, "Timeless has no sample time, so its numbers hold only at their own rate"),
     ],
 )
 def test_what_holds_for_its_own_rate_alone_is_refused(cls, options, words):
@@ -256,7 +255,7 @@ def test_a_discrete_model_of_a_text_file_has_to_know_how_long_a_sample_is():
     values = numbers(at(chosen(grows), given, 50.0))
     np.testing.assert_allclose(values["Q_derived"], [[0, 0], [0, 0.3 / 50]], rtol=1e-12)
     stays = MODEL | {"model": STEPS | {"Q": "q"}}
-    with pytest.raises(ValueError, match="give it as a density times dt, or in a continuous model"):
+    with pytest.raises(ValueError, match="give a density times dt, or a continuous model"):
         at(chosen(stays), given, 50.0)
 
 
@@ -312,7 +311,7 @@ def test_a_fit_tells_its_noise_and_gains(run):
 
 REFUSED = (
     ((), "|ardupilot, or --rate HZ"),
-    (("--to", "c", "--density", "R"), "--density says what grows with the rate; give --rate"),
+    (("--to", "c", "--density", "R"), "--density needs --rate"),
     (("--rate", "-1"), "--rate is -1; give a positive number of samples a second"),
     (("--rate", "60", "--density", "S"), "unknown variance of a sample 'S'"),
     (("--rate", "60", "--to", "pdf"), "unknown format 'pdf'"),

@@ -156,7 +156,7 @@ def test_what_did_not_converge_needs_force(cli, run):
         (["compare", "nowhere"], "result.json"),
         (["compare", "run/study.toml"], "study.toml"),
         (["list", "studdies"], "studies"),
-        (["run", "nowhere/study.toml"], "not there"),
+        (["run", "nowhere/study.toml"], "does not exist"),
         (["run", "run/result.json"], "unknown study"),
     ],
 )

@@ -33,7 +33,7 @@ from tuner.run.recipe import LogEntries, Recipe, read_recipe
         ),
         (
             "study = 'toy'\n[log]\nfiles = []\nsha256 = []\nmap = []",
-            "the log names no file; name one at least",
+            "the log names no file; name at least one",
         ),
         (
             "study = 'toy'\n[log]\nfiles = ['x']\nsha256 = ['']\nmap = 'x=g'",
@@ -59,19 +59,19 @@ def test_faults_are_told_in_one_line(cli, here, toy, text, sentence):
     code, out, err = cli("run", "my.toml")
     assert (code, out) == (2, "")
     assert len(err.splitlines()) == 1
-    assert err.startswith(f"tuner: my.toml is no study.toml: {sentence}"), err
+    assert err.startswith(f"tuner: my.toml is not a study.toml: {sentence}"), err
     assert snapshot(here) == before
 
 
 def test_a_file_that_is_not_there_or_a_folder(cli, here, toy):
     (here / "folder.toml").mkdir()
     assert cli("run", "no.toml")[2] == (
-        "tuner: no.toml is not there; name a study or a study.toml\n"
+        "tuner: no.toml does not exist; name a study or a study.toml\n"
     )
     assert cli("run", "folder.toml") == (
         2,
         "",
-        "tuner: folder.toml is no study.toml: folder.toml is a folder, not a file; write its "
+        "tuner: folder.toml is not a study.toml: folder.toml is a folder, not a file; write its "
         "data to a file, and name that\n",
     )
 

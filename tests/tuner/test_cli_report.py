@@ -51,7 +51,7 @@ def test_a_pdf_takes_a_browser(cli, run, monkeypatch):
     monkeypatch.setattr("tuner.report.pdf.PLACES", ())
     code, out, err = cli("report", "out", "--to", "pdf")
     assert (code, out) == (2, "")
-    assert err.startswith("tuner: a PDF is printed by a browser, and none was found (Chromium")
+    assert err.startswith("tuner: no browser was found to print the PDF (Chromium")
 
 
 @pytest.mark.parametrize("command", ["show", "report"])
@@ -95,14 +95,14 @@ def test_settings_of_a_study(cli):
     code, out, err = cli("run", "suh2004", "--help")
     assert (code, err) == (0, "")
     assert out.endswith(table)
-    assert table.endswith("needs nothing: it makes its own data\n")
+    assert table.endswith("needs no data: it simulates them\n")
     assert "--resume" in out
 
 
 def test_settings_of_nothing(cli):
     code, out, err = cli("list", "settings")
     assert (code, out) == (2, "")
-    assert err.startswith("tuner: settings are of a study; name one: broad, chauhan2009, ")
+    assert err.startswith("tuner: settings belong to a study; name one: broad, chauhan2009, ")
 
 
 @pytest.mark.parametrize("width", [44, 80, 200])
@@ -153,7 +153,7 @@ def test_progress_without_a_terminal(monkeypatch, capsys):
 
 def test_the_dashboard(cli, run, monkeypatch):
     assert cli("dashboard")[2] == (
-        "tuner: a dashboard is of a run, tuner dashboard RUN, or of --storage URL\n"
+        "tuner: name a run, tuner dashboard RUN, or give --storage URL\n"
     )
     assert cli("dashboard", "out")[2].startswith(
         "tuner: out holds no trials.sqlite3: only samplers"

@@ -193,7 +193,7 @@ def test_a_damaged_progress_file_is_told(cli, here, interrupted):
     (here / "out" / "progress.json").write_text("[{")
     code, _, err = cli("run", "toy", "--out", "out", "--resume")
     assert code == 2
-    assert err == "tuner: progress.json is not that of a run; start anew with --force\n"
+    assert err == "tuner: progress.json is not that of a run; start again with --force\n"
     assert cli("run", "toy", "--out", "out", "--force")[0] == 0
 
 

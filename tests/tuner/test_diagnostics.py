@@ -243,7 +243,7 @@ def test_too_little_is_not_judged():
         assert found["whiteness"].sentence
     silent = diagnose(Innovations.of(np.zeros(100), np.ones(100)))
     assert silent.nis == 0.0
-    assert silent.verdict == "nothing that is not predicted: too little noise to judge by"
+    assert silent.verdict == "everything is predicted: too little noise for a test"
     assert [each.test for each in silent.failed] == ["size"]
 
 

@@ -17,7 +17,7 @@ from tuner.cli.door import outcome
 from tuner.cli.everywhere import Everywhere
 from tuner.cli.fault import fault_of
 from tuner.limits import LEAST, VARIABLE, check_amount, largest, memory, parse_size
-from tuner.run.at_once import at_once
+from tuner.run.threads import at_once
 from tuner.shown import hand_out, shown
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -143,7 +143,7 @@ def test_kalibr_is_told_what_is_missing(written, here):
 
 
 def three_axes():
-    """The gyroscope's third axis shows no walk."""
+    """The gyroscope's third axis shows no random walk."""
     return [
         axis("gyr_x", "rad/s", 1e-3, 1e-5),
         axis("gyr_y", "rad/s", 2e-3, 2e-5),
@@ -362,15 +362,15 @@ def test_robot_localization_refuses(written, refused, here, maps, words):
 def test_values_for_another_filter_have_to_be_accepted(refused, here, to):
     save_run("run", vertical())
     told = refused(to, "--map", "q_acc=vz") if to == "robot_localization" else refused(to)
-    assert "is another filter than Any, so these are values to begin with" in told
+    assert "is another filter than Any, so these are initial values" in told
     assert told.endswith("--accept-approximate writes them")
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--map", "R_baro"], "--map R_baro says nothing; write --map NAME=KEY"),
-        (["--map", "R_baro=A,"], "--map R_baro=A, says nothing; write --map NAME=KEY"),
+        (["--map", "R_baro"], "--map R_baro has no value; write --map NAME=KEY"),
+        (["--map", "R_baro=A,"], "--map R_baro=A, has no value; write --map NAME=KEY"),
         (["--map", "R=EKF2_BARO_NOISE"], "unknown number 'R'; There are: R_baro, bias0, "),
         (["--map", "R_baro=EKF2_BARO_NOIS"], "did you mean EKF2_BARO_NOISE"),
         (["--map", "R_baro=EKF2_X\nEKF2_Y"], "unknown parameter 'EKF2_X\\nEKF2_Y'"),
@@ -382,8 +382,8 @@ def test_values_for_another_filter_have_to_be_accepted(refused, here, to):
          "--map names R_baro twice; write --map R_baro=KEY,KEY"),
         (["--rate", "0"], "--rate is 0; give a positive number of samples a second"),
         (["--rate", "nan"], "--rate is nan; give a positive number"),
-        (["--precision", "float"], "--precision and --tunable say how C is written"),
-        (["--rate", "9", "--density", "R_baro"], "--density says nothing to px4"),
+        (["--precision", "float"], "--precision and --tunable need --to c"),
+        (["--rate", "9", "--density", "R_baro"], "--density does not apply to px4"),
         (["--problem", "vertica"], "unknown problem 'vertica'; did you mean vertical?"),
         (["-o", "nowhere/x.params"], "nowhere/x.params cannot be written"),
     ],
@@ -454,7 +454,7 @@ def test_options_of_firmware_alone(refused, here):
     save_run("run", vertical())
     for option in (["--map", "R_baro=X"], ["--axes", "rms"], [OK]):
         told = refused("json", *option)
-        assert told.endswith("give --to kalibr|robot_localization|px4|ardupilot with them")
+        assert told.endswith("need --to kalibr|robot_localization|px4|ardupilot")
 
 
 EVIL = "a\n1\t1\tEKF2_EN\t0\t9\r\u2028EK3_ENABLE,0\n- x: {y: ]\x85'\"\N{ROCKET}"

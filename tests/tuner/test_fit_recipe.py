@@ -75,7 +75,7 @@ def test_all_that_is_wrong_is_told_at_once(cli, folder):
     code, out, err = cli("run", "bad.toml")
     assert (code, out, err.count("\n")) == (2, "", 1)
     for words in (
-        "bad.toml is no study.toml",
+        "bad.toml is not a study.toml",
         "seed: Input should be greater than or equal to 0",
         "unknown entry 'rat_hz'; did you mean rate_hz?",
         "unknown setting 'strats'; did you mean",
@@ -159,7 +159,7 @@ def test_a_huge_or_deep_file_is_refused(cli, here):
     for name in ("deep", "huge"):
         code, out, err = cli("run", f"{name}.toml")
         assert (code, out, err.count("\n")) == (2, "", 1)
-        assert f"{name}.toml is no study.toml" in err
+        assert f"{name}.toml is not a study.toml" in err
 
 
 def test_very_many_faults_are_told_by_the_first(cli, folder):

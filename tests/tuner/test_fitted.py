@@ -290,7 +290,7 @@ def test_a_class_of_a_module_goes_by_its_file(here):
 def test_settings_that_no_file_can_hold(here, fit):
     odd = {**fit.made.settings, "options": {"law": object()}}
     spoilt = replace(fit, made=replace(fit.made, settings=odd))
-    with pytest.raises(ValueError, match="the settings of this fit cannot be written down"):
+    with pytest.raises(ValueError, match="the settings of this fit cannot be written"):
         spoilt.save("out")
     assert not (here / "out").exists()
 

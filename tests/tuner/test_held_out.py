@@ -11,8 +11,8 @@ from tuner.run.amounts import Gain, amounts, gain
 from tuner.run.blocks import block_mean
 from tuner.run.fit import Request as Asked
 from tuner.run.fit import plan_fit, pose_on
-from tuner.run.parting import FEW, SHARE, parting
-from tuner.run.searched import Wishes
+from tuner.run.search_space import Wishes
+from tuner.run.split import FEW, SHARE, parting
 
 
 def record(z, **more):

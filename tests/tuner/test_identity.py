@@ -134,7 +134,7 @@ def test_other_data_of_a_folder_cannot_be_mixed_into_a_run(cli, here, offer):
     offer(toy_of("1" * 64))
     code, out, err = cli("run", "toy", "--out", "out", "--resume")
     assert (code, out) == (2, "")
-    assert err.startswith("tuner: --resume: there are other data than when the run was interrupted")
+    assert err.startswith("tuner: --resume: there are other data than in the interrupted run")
     assert len(err.splitlines()) == 1
     assert snapshot(here) == before
     offer(toy_of())

@@ -96,7 +96,7 @@ def test_constraints_that_nobody_can_keep_are_infeasible(model):
     never = Constraint("never", lambda p, _: p["x"] ** 2, -1.0)
     solution = Ipopt(seed=0, starts=2, model=model)(design(round_bowl, never, x=free(), y=free()))
     assert solution.status is Status.INFEASIBLE
-    assert solution.message.startswith("no point was found that keeps every constraint")
+    assert solution.message.startswith("no point was found that satisfies every constraint")
 
 
 def positive():

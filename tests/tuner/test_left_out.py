@@ -78,7 +78,7 @@ def test_what_is_short_between_two_is_doubtful():
     ("filter", "options", "message"),
     [
         ("alpha-beta", {"stretches": 4}, "no known linear model"),
-        ("local-level", {"stretches": 0.5}, "leaves out what is right; give 3 to 7"),
+        ("local-level", {"stretches": 0.5}, "rejects correct measurements; give 3 to 7"),
         ("local-level", {"stretches": True}, "stretches is True"),
     ],
 )

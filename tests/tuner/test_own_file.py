@@ -204,7 +204,7 @@ REFUSED = {
         "import a_module_that_nobody_has\n",
         "own.py:Robot",
         "line 1: ModuleNotFoundError: No module named 'a_module_that_nobody_has'; a filter's file "
-        "stands alone",
+        "is self-contained",
     ),
     "relative": (
         "from .helpers import f\n",
@@ -248,7 +248,7 @@ def test_a_changed_file_is_another_module(here):
     assert [each.name for each in fields(first)] == ["dt"]
     file.write_text(SOURCE.replace("returns to zero", "goes back to zero"))
     assert own_file(f"{file}:Robot").load() is not first
-    with pytest.raises(ValueError, match="own.py is not what it was: its SHA-256 differs"):
+    with pytest.raises(ValueError, match="own.py has changed: its SHA-256 differs"):
         own_file(f"{file}:Robot").load("0" * 64)
 
 

@@ -15,7 +15,7 @@ from tuner.certificate.solution import Status
 from tuner.run.fit import Fitting, _share, pose_on
 from tuner.run.front import Against
 from tuner.run.result import read_result
-from tuner.run.searched import Wishes
+from tuner.run.search_space import Wishes
 from tuner.run.sharing import OneForAll
 from tuner.solvers.gradient import Gradient
 from tuner.solvers.ipopt import Ipopt

@@ -170,12 +170,12 @@ def test_the_limit_of_the_warning(factor, warned):
 def test_the_warning_says_how_much_of_what_where_and_what_to_do():
     check = telling(lambda single, z: {"speed": 2.0 - single}, np.arange(100) / 8)
     assert check.warning == (
-        "in single precision the full form strays by 50 % of 2 of the output 'speed' at sample 0; "
-        "run it in double precision or use a fixed-gain form"
+        "in single precision the full form deviates by 50 % of 2 of the output 'speed' at sample 0"
+        "; run it in double precision or use a fixed-gain form"
     )
     plain = single_precision("square", Overflow(), np.array(1.0), np.array([1.0, 1e25]))
     assert plain.warning == (
-        "in single precision the square form strays by inf % of 1e+50 at sample 1; "
+        "in single precision the square form deviates by inf % of 1e+50 at sample 1; "
         "run it in double precision or use a fixed-gain form"
     )
 
@@ -248,7 +248,7 @@ def test_overflow_is_an_infinite_deviation():
     check = single_precision("square", Overflow(), np.array(1.0), np.array([1.0, 1e25]))
     assert (check.largest, check.share) == (np.inf, np.inf)
     assert check.sample == 1
-    assert check.warning.startswith("in single precision the square form strays by inf %")
+    assert check.warning.startswith("in single precision the square form deviates by inf %")
 
 
 def test_a_parameter_that_overflows():

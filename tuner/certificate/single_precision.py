@@ -107,8 +107,8 @@ def _strays(
     if not share < HARMLESS:
         of = f" of the output {name!r}" if fact is not None else ""
         warning = (
-            f"in single precision the {form} form strays by {100 * share:.3g} % of {scale:.3g}{of} "
-            f"at sample {sample}; run it in double precision or use a fixed-gain form"
+            f"in single precision the {form} form deviates by {100 * share:.3g} % of {scale:.3g}"
+            f"{of} at sample {sample}; run it in double precision or use a fixed-gain form"
         )
     rms = float(np.sqrt(np.mean(deviation**2)))
     return SinglePrecision(form, name, largest, share, sample, rms, warning)

@@ -38,17 +38,17 @@ class Status(Enum):
 
 _SENTENCES = {
     Status.CONVERGED: "the gradient vanishes here, and no neighbour that was tried is lower",
-    Status.KINK: "the objective has a kink here, from which it rises to all sides that were tried",
+    Status.KINK: "the objective has a kink here, from which it rises in all directions tried",
     Status.STAIRCASE: "the objective changes in steps, and no neighbour that was tried is lower",
-    Status.STARTS_DIFFER: "a lowest point nearby, which most starts did not come to",
-    Status.SADDLE: "the gradient vanishes here, but the value falls to a side",
+    Status.STARTS_DIFFER: "a local minimum that most starts did not reach",
+    Status.SADDLE: "the gradient vanishes here, but the value falls in some direction",
     Status.STALLED: "the method stopped by its own tolerance, but lower values were seen",
     Status.LIMIT: "the allowed number of evaluations was used up before the gradient vanished",
-    Status.AT_BOUND: "a bound of the search box holds the solution; the optimum lies beyond it",
-    Status.INFEASIBLE: "no point was found that keeps every constraint",
+    Status.AT_BOUND: "the solution lies on a bound of the search box; the optimum lies beyond it",
+    Status.INFEASIBLE: "no point was found that satisfies every constraint",
     Status.UNBOUNDED: "the objective falls without limit",
     Status.UNATTAINED: "the objective falls towards a limit that no point reaches",
-    Status.FAILED: "the objective is not a number at the start, or the method broke off",
+    Status.FAILED: "the objective is not a number at the start, or the method failed",
 }
 
 

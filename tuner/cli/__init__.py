@@ -20,14 +20,14 @@ app = typer.Typer(
 )
 
 Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout.")]
-Force = Annotated[bool, typer.Option(help="Replace files that are there already.")]
+Force = Annotated[bool, typer.Option(help="Replace existing files.")]
 Maps = Annotated[
     list[str] | None,
     typer.Option(metavar="NAME=COLUMN", help="Channel: column[,column...][*factor][:unit]."),
 ]
 Truths = Annotated[
     list[str] | None,
-    typer.Option(metavar="NAME=COLUMN", help="What an output should have been."),
+    typer.Option(metavar="NAME=COLUMN", help="True value of an output."),
 ]
 Recordings = Annotated[
     list[Path], typer.Argument(help="Recordings: of any format of docs/logs.md.")
@@ -36,7 +36,8 @@ Logs = Annotated[
     list[Path] | None, typer.Option("--log", help="Recordings: of any format of docs/logs.md.")
 ]
 Filter = Annotated[
-    str | None, typer.Option(metavar="NAME|FILE.py:CLASS", help="Of tuner list filters, or yours.")
+    str | None,
+    typer.Option(metavar="NAME|FILE.py:CLASS", help="Name of a filter, or FILE.py:CLASS."),
 ]
 Model = Annotated[Path | None, typer.Option(metavar="FILE.toml", help="A model of your own.")]
 Rate = Annotated[float | None, typer.Option("--rate", metavar="HZ", help="Sample rate of the log.")]
@@ -46,12 +47,12 @@ Time = Annotated[
 By = Annotated[
     str | None,
     typer.Option(
-        metavar="COLUMN|restart", help="Tells the recordings of a file apart; restart: its time."
+        metavar="COLUMN|restart", help="Column that separates recordings; restart: the time."
     ),
 ]
 DropRepeats = Annotated[
     bool | None,
-    typer.Option("--drop-repeats", help="Leave out rows with the time of the row before."),
+    typer.Option("--drop-repeats", help="Leave out rows that repeat the previous time."),
 ]
 From = Annotated[
     float | None, typer.Option("--from", metavar="S", help="Leave out what is earlier, s.")
@@ -66,15 +67,15 @@ Storage = Annotated[
     typer.Option(
         metavar="URL",
         envvar="TUNER_STORAGE",
-        help="Database by which machines work together; else SQLite in the folder.",
+        help="Database shared by processes; else SQLite in the folder.",
     ),
 ]
 Jobs = Annotated[
     int | None,
-    typer.Option(min=1, help="Processes that work on it; unset: threads."),
+    typer.Option(min=1, help="Number of processes; unset: threads."),
 ]
-Resume = Annotated[bool, typer.Option(help="Go on with an interrupted run in --out.")]
-DryRun = Annotated[bool, typer.Option(help="Say what would be done, and stop.")]
+Resume = Annotated[bool, typer.Option(help="Resume the interrupted run in --out.")]
+DryRun = Annotated[bool, typer.Option(help="Print the plan, and stop.")]
 
 
 def _version(asked: bool) -> None:
@@ -89,14 +90,14 @@ def _version(asked: bool) -> None:
 def everywhere(
     version: Annotated[
         bool,
-        typer.Option("--version", help="Say which one this is.", callback=_version, is_eager=True),
+        typer.Option("--version", help="Print the version.", callback=_version, is_eager=True),
     ] = False,
     memory: Annotated[
         str | None,
-        typer.Option(metavar="SIZE", help="Take no more than that, such as 4GB; anywhere."),
+        typer.Option(metavar="SIZE", help="Memory limit, such as 4GB; in any position."),
     ] = None,
     traceback: Annotated[
-        bool, typer.Option("--traceback", help="Show where an error came from; anywhere.")
+        bool, typer.Option("--traceback", help="Show where an error came from; in any position.")
     ] = False,
 ) -> None:
     """Options of every command; of the last two the line is freed before it is read."""
@@ -108,7 +109,7 @@ def list_(
         str, typer.Argument(help="studies, filters, objectives, solvers, formats or settings")
     ] = "studies",
     name: Annotated[
-        str | None, typer.Argument(help="A filter: its facts. With settings: a study.")
+        str | None, typer.Argument(help="Name of a filter; with settings, of a study.")
     ] = None,
     json: Json = False,
     md: Annotated[bool, typer.Option("--md", help="A Markdown page of filters.")] = False,
@@ -153,7 +154,7 @@ def run(
     claims: Annotated[
         list[str] | None,
         typer.Option(
-            "--claim", metavar="NAME", help="Try this row of the comparison alone; * for any."
+            "--claim", metavar="NAME", help="Check only this row of the comparison; * for any."
         ),
     ] = None,
     out: Out = None,
@@ -187,13 +188,13 @@ def fit(
     from_s: From = None,
     to_s: To = None,
     start: Annotated[
-        list[str] | None, typer.Option(metavar="NAME=VALUE", help="Where the search begins.")
+        list[str] | None, typer.Option(metavar="NAME=VALUE", help="Initial value of the search.")
     ] = None,
     fix: Annotated[
         list[str] | None, typer.Option(metavar="NAME=VALUE", help="Hold a parameter.")
     ] = None,
     bound: Annotated[
-        list[str] | None, typer.Option(metavar="NAME=LOW..HIGH", help="Ends of the search.")
+        list[str] | None, typer.Option(metavar="NAME=LOW..HIGH", help="Range of the search.")
     ] = None,
     options: Annotated[
         list[str] | None,
@@ -201,11 +202,11 @@ def fit(
     ] = None,
     objective: Annotated[
         list[str] | None,
-        typer.Option(help="Of tuner list objectives; the error or the likelihood; two: a front."),
+        typer.Option(help="Objective; unset: the error or the likelihood; two: a front."),
     ] = None,
-    solver: Annotated[str, typer.Option(help="Of tuner list solvers.")] = "l-bfgs-b",
+    solver: Annotated[str, typer.Option(help="Name of a solver.")] = "l-bfgs-b",
     starts: Annotated[int, typer.Option(min=1, help="Starts of the search.")] = 4,
-    hold_out: Annotated[bool, typer.Option(help="Judge on what a second fit left out.")] = True,
+    hold_out: Annotated[bool, typer.Option(help="Judge a second fit on held-out data.")] = True,
     out: Out = None,
     seed: Seed = None,
     storage: Storage = None,
@@ -301,7 +302,7 @@ def check(
     from_s: From = None,
     to_s: To = None,
     objective: Annotated[
-        str | None, typer.Option(help="Of tuner list objectives; the error or the likelihood.")
+        str | None, typer.Option(help="Objective; unset: the error or the likelihood.")
     ] = None,
     json: Json = False,
 ) -> None:
@@ -360,7 +361,7 @@ def report(
 @app.command()
 def export(
     run: Annotated[Path, typer.Argument(help="Folder of a run, or its result.json.")],
-    to: Annotated[str | None, typer.Option(metavar="FORMAT", help="Of tuner list formats.")] = None,
+    to: Annotated[str | None, typer.Option(metavar="FORMAT", help="Name of a format.")] = None,
     output: Annotated[
         str | None, typer.Option("-o", "--output", metavar="FILE|-", help="- is stdout.")
     ] = None,
@@ -385,14 +386,14 @@ def export(
     ] = False,
     map: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME=KEY", help="What a number is to a firmware: R=EKF2_BARO_NOISE."),
+        typer.Option(metavar="NAME=KEY", help="Firmware parameter of a number: R=EKF2_BARO_NOISE."),
     ] = None,
     axes: Annotated[
         str | None, typer.Option(help="One number for several axes: largest or rms.")
     ] = None,
     approximate: Annotated[
         bool,
-        typer.Option("--accept-approximate", help="Values to begin with, for another filter."),
+        typer.Option("--accept-approximate", help="Write initial values for another filter."),
     ] = False,
     force: Annotated[
         bool, typer.Option(help="Replace the file; export what did not converge.")

@@ -101,7 +101,7 @@ def _told(request: Request) -> InUse:
 def _options(cls: type[Any]) -> list[str]:
     from dataclasses import fields
 
-    from tuner.run.careful import NAMES
+    from tuner.run.gate import NAMES
 
     return [*(each.name for each in fields(cls) if each.name != "dt"), *NAMES]
 
@@ -130,7 +130,7 @@ def _of_run(run: Path, request: Request) -> InUse:
     asked, own = request.which, own_file(str(result.settings.get("filter")))
     same = own is not None and asked.file is not None and asked.file.told == own.told
     if request.sets or (asked.named and not same):
-        raise ValueError(f"{run} brings its filter and values; leave out --filter and --set")
+        raise ValueError(f"{run} contains its filter and values; leave out --filter and --set")
     if result.study != STUDY.name:
         raise ValueError(
             f"{run} is a run of {result.study} and not of tuner fit; give its filter and values "

@@ -29,11 +29,11 @@ def serve(run: Path | None, storage: str | None, port: int) -> None:
 
 def _of_run(run: Path | None) -> str:
     if run is None:
-        raise ValueError("a dashboard is of a run, tuner dashboard RUN, or of --storage URL")
+        raise ValueError("name a run, tuner dashboard RUN, or give --storage URL")
     file = run / TRIALS
     if not file.is_file():
         raise ValueError(
-            f"{run} holds no {TRIALS}: only samplers leave trials, as by --solver tpe or --set "
+            f"{run} holds no {TRIALS}: only samplers write trials, as by --solver tpe or --set "
             'solvers=["tpe"]'
         )
     return f"sqlite:///{file}"

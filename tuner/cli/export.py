@@ -29,17 +29,14 @@ def write(run: Path, wanted: Wanted) -> None:
             f"give the format, --to {formats}, or --rate HZ to see the numbers at another rate"
         )
     if wanted.to != "c" and (wanted.precision or wanted.tunable):
-        raise ValueError("--precision and --tunable say how C is written; give --to c with them")
+        raise ValueError("--precision and --tunable need --to c")
     if wanted.to is not None and wanted.to not in (*export.FORMATS, *TARGETS):
         raise unknown("format", wanted.to, [*export.FORMATS, *TARGETS])
     if wanted.to in TARGETS:
         write_firmware(run, TARGETS[wanted.to], wanted)
         return
     if wanted.maps or wanted.axes or wanted.approximate:
-        raise ValueError(
-            "--map, --axes and --accept-approximate say what numbers are to a firmware; give "
-            f"--to {'|'.join(TARGETS)} with them"
-        )
+        raise ValueError(f"--map, --axes and --accept-approximate need --to {'|'.join(TARGETS)}")
     result = read_result(run)
     tuned = choose(tuned_of(result), wanted.problem)
     check_converged(tuned, wanted)
@@ -48,7 +45,7 @@ def write(run: Path, wanted: Wanted) -> None:
         found = at_rate(run, result, tuned, wanted.rate_hz, wanted)
         tuned = found.tuned
     elif wanted.densities:
-        raise ValueError("--density says what grows with the rate; give --rate HZ with it")
+        raise ValueError("--density needs --rate HZ")
     if wanted.to == "c":
         write_c(run, result, tuned, found, wanted)
     elif wanted.to is not None:

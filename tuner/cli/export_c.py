@@ -74,9 +74,9 @@ def _files(
     paths = [stem.with_name(f"{stem.name}{end}") for end in (".h", ".c", "_selftest.c")]
     if not all(each.is_file() for each in paths):
         raise ValueError(
-            refused[0] if refused else f"{run} holds no C of {tuned.name}; run it again to have it"
+            refused[0] if refused else f"{run} has no C of {tuned.name}; run it again to have it"
         )
     texts = [each.read_text("ascii") for each in paths]
     if export.load(texts[0].encode(), "c") != tuned:
-        raise ExportError(f"{paths[0]} is not of this run's numbers; run it again")
+        raise ExportError(f"{paths[0]} was not written by this run; run it again")
     return Files(*(renamed(text, f"{tuned.name}.h", path.name) for text in texts))

@@ -26,8 +26,8 @@ def write_firmware(run: Path, target: Target, wanted: Wanted) -> None:
     if target.filter and not wanted.approximate:
         names = ", ".join(dict.fromkeys(each.filter for each in asked.tuned))
         raise ValueError(
-            f"{target.filter} is another filter than {names}, so these are values to begin with "
-            "and to be tried; --accept-approximate writes them"
+            f"{target.filter} is another filter than {names}, so these are initial values to be "
+            "tried; --accept-approximate writes them"
         )
     text = target.written(asked)
     said = list(text.notes)
@@ -45,7 +45,7 @@ def _asked(run: Path, target: Target, wanted: Wanted) -> Asked:
     if wanted.axes is not None and axes is None:
         raise ValueError(f"--axes is {wanted.axes!r}; give {' or '.join(_AXES)}")
     if wanted.densities and not target.of_model:
-        raise ValueError(f"--density says nothing to {target.name}; leave it out")
+        raise ValueError(f"--density does not apply to {target.name}; leave it out")
     rate = wanted.rate_hz
     if rate is not None and not 0 < rate < math.inf:
         raise ValueError(f"--rate is {rate:g}; give a positive number of samples a second")

@@ -78,8 +78,8 @@ def at_rate(run: Path, result: Result, tuned: Tuned, rate_hz: float, wanted: Wan
     study = find_study(result.study)
     if study.at_rate is None:
         raise ValueError(
-            f"{tuned.name} of {result.study} holds for its own rate; tuner fit and tuner run "
-            "design.toml tune filters that hold for any"
+            f"{tuned.name} of {result.study} holds only for its own rate; tuner fit and tuner run "
+            "design.toml tune filters for any rate"
         )
     refuse_code(result.settings, wanted.which, run, f"tuner export {run} --rate {rate_hz:g}")
     chosen = wanted.which.settings() if wanted.which.named else {}

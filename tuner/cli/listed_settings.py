@@ -19,7 +19,7 @@ def show_settings(name: str | None, *, json: bool = False, md: bool = False) -> 
         ValueError: without a study, and for one that there is none of.
     """
     if name is None:
-        raise ValueError(f"settings are of a study; name one: {', '.join(study_names())}")
+        raise ValueError(f"settings belong to a study; name one: {', '.join(study_names())}")
     study = find_study(name)
     head, *rows = lines = [["setting", "values", "default", "meaning"], *_rows(study)]
     if json:
@@ -39,7 +39,7 @@ def show_settings(name: str | None, *, json: bool = False, md: bool = False) -> 
 
 def facts(study: Study) -> Iterator[str]:
     """The data and the time that a study needs."""
-    yield f"needs {study.needs}" if study.needs else "needs nothing: it makes its own data"
+    yield f"needs {study.needs}" if study.needs else "needs no data: it simulates them"
     if study.takes:
         yield f"takes about {study.takes} on two processors"
 

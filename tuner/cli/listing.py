@@ -31,7 +31,7 @@ def show(what: str, name: str | None = None, *, json: bool = False, md: bool = F
         asked = "--md" if name is None else repr(name)
         raise ValueError(f"only filters have a page of facts; leave out {asked}")
     if json and md:
-        raise ValueError("--json and --md are two forms of one list; give one of them")
+        raise ValueError("--json and --md exclude each other; give one of them")
     if name is not None or md:
         _show_facts(names("tuner.filters") if name is None else [name], json=json, md=md)
         return

@@ -23,7 +23,7 @@ def words(option: str, pairs: Iterable[str]) -> dict[str, Any]:
     for pair in pairs:
         name, equals, text = (part.strip() for part in pair.partition("="))
         if not (name and equals and text):
-            raise ValueError(f"{option} {pair} says nothing; write {option} NAME=VALUE")
+            raise ValueError(f"{option} {pair} has no value; write {option} NAME=VALUE")
         if name in found:
             raise ValueError(f"{option} names {name} twice; name it once")
         found[name] = value_of(text)
@@ -72,7 +72,7 @@ def two_at_most(
     """
     if len(objectives) + ("against" in settings) > 2:
         raise ValueError(
-            f"--objective is given {len(objectives)} times, and a front is of two objectives; "
+            f"--objective is given {len(objectives)} times, and a front has two objectives; "
             "give two at most"
         )
     second = {"against": objectives[1]} if len(objectives) == 2 else {}

@@ -17,7 +17,7 @@ from tuner.cli.which import changed
 from tuner.data.record import Record
 from tuner.export import FORMATS
 from tuner.problem.problem import Problem
-from tuner.report.kept import kept_facts
+from tuner.report.report_json import kept_facts
 from tuner.run.cache import use_cache
 from tuner.run.folder import RunFolder, open_folder
 from tuner.run.identity import identity_of_run
@@ -25,9 +25,9 @@ from tuner.run.pipeline import Run, trusted, write_down
 from tuner.run.progress import going_on, read_progress
 from tuner.run.recipe import Recipe
 from tuner.run.result import Result
+from tuner.run.shared_run import Together, workers
 from tuner.run.sharing import shared_plan
 from tuner.run.study import Plan, Solutions, Study, find_study
-from tuner.run.together import Together, workers
 from tuner.stop import NOTHING, code_of
 from tuner.trials.database import DatabaseError, use_database, without_password
 
@@ -162,7 +162,7 @@ def _finished(folder: RunFolder, recipe: Recipe, run: Run) -> Solutions:
     if (folder.path / "study.toml").read_bytes() != recipe.to_toml():
         raise ValueError(
             f"--resume: {folder.path / 'study.toml'} has other settings or claims, another seed or "
-            "log; run that file, or start anew in another folder"
+            "log; run that file, or start again in another folder"
         )
     progress = folder.path / "progress.json"
     # A run that was interrupted as it began has written none.

@@ -19,7 +19,7 @@ from tuner.cli.width import piped_width, width_is_known
 from tuner.report.lines import five_lines
 from tuner.run.comparison import Verdict
 from tuner.run.finding import Finding
-from tuner.run.noise_told import COLUMNS
+from tuner.run.noise_table import COLUMNS
 from tuner.run.result import CodeRecord, ParameterRecord, Result, SolutionRecord
 from tuner.shown import plain, shown
 
@@ -182,7 +182,7 @@ def show_findings(findings: Iterable[Finding]) -> None:
     rest = list(findings)
     noises = _noises(rest)
     if noises:
-        head = ["noise", "variance a sample", "density", "deviation", "as data sheets tell it"]
+        head = ["noise", "variance a sample", "density", "deviation", "in data sheet units"]
         used = len(head) if any(line[-1] for line in noises.values()) else len(head) - 1
         show_grid("Noise", [line[:used] for line in (head, *noises.values())])
     lines = [
@@ -257,11 +257,9 @@ def _meaning(solution: SolutionRecord) -> list[str]:
     words = [solution.message] if solution.status in _EXISTENCE else []
     words += certificate["flat_directions"]
     bound = certificate.get("lower_bound")
-    words += (
-        [] if bound is None else [f"proved of this problem: no value below {number_text(bound)}"]
-    )
+    words += [] if bound is None else [f"proved: no value is below {number_text(bound)}"]
     multipliers = certificate.get("multipliers", {}).items()
-    words += [f"{name} holds it ({m:.3g})" for name, m in multipliers if m and m > SLIGHT]
+    words += [f"limited by {name} ({m:.3g})" for name, m in multipliers if m and m > SLIGHT]
     words += ["gradients by compiled C"] if solution.gradient_by.startswith("C, ") else []
     return [*words, *_starts(solution)]
 

@@ -28,7 +28,7 @@ def read_whole(path: Path, document: Mapping[str, Any], more: Mapping[str, Any])
         recipe = Recipe.model_validate(document)
     except ValidationError as error:
         found = listed(chain(faults_of(error), _of_settings(document, more)))
-        raise ValueError(f"{path.name} is no study.toml: {found}") from None
+        raise ValueError(f"{path.name} is not a study.toml: {found}") from None
     if found := listed(_of_settings(document, more)):
         raise ValueError(f"{path.name}: {found}")
     return recipe

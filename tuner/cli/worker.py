@@ -16,9 +16,9 @@ from tuner.cli.which import Which, refuse_code
 from tuner.run.cache import use_cache
 from tuner.run.identity import WHAT, identity_of_run
 from tuner.run.recipe import LogEntries, Recipe, logs_beside
+from tuner.run.shared_run import Together, facts_of, workers
 from tuner.run.sharing import shared_plan
 from tuner.run.study import find_study
-from tuner.run.together import Together, facts_of, workers
 from tuner.stop import code_of
 
 
@@ -61,7 +61,7 @@ def execute(worker: Worker) -> int:
             run.work(lambda _: check())
     except KeyboardInterrupt as stopped:
         if not worker.leashed:
-            print("tuner: interrupted; others may go on with what was begun here", file=sys.stderr)
+            print("tuner: interrupted; other processes continue this work", file=sys.stderr)
         return code_of(stopped)
     except ValueError:
         if not worker.leashed:
@@ -96,7 +96,7 @@ def joined(worker: Worker) -> Together:
     if differing := [words for part, words in WHAT.items() if own[part] != identity.get(part)]:
         raise ValueError(
             f"this machine has {', '.join(differing)} than the run {worker.study}, and cannot "
-            "work on it; bring the same here"
+            "work on it; use the same here"
         )
     plan = shared_plan(plan, worker.storage)
     return Together.of(worker.storage, study.name, text.encode(), identity, plan)

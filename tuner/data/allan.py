@@ -106,7 +106,7 @@ def degrees_of_freedom(samples: int, factors: np.ndarray, slopes: Floats) -> Flo
 
 def chi_square_limits(freedom: Floats) -> tuple[Floats, Floats]:
     """95 % limits of a variance over its estimate, by its degrees of freedom."""
-    from tuner.chances import chi_square_at
+    from tuner.distributions import chi_square_at
 
     tail = (1 - _CONFIDENCE) / 2
     return freedom / chi_square_at(1 - tail, freedom), freedom / chi_square_at(tail, freedom)

@@ -23,7 +23,7 @@ def of_start(columns: tuple[Column, ...], way: str) -> Finding:
         columns: the measurements.
         way: the way out, in words.
     """
-    from tuner.chances import chi_square_above
+    from tuner.distributions import chi_square_above
 
     columns = tuple(c for c in columns if len(c) >= FEW and c.scale > 0)
     looks = []
@@ -34,7 +34,7 @@ def of_start(columns: tuple[Column, ...], way: str) -> Finding:
             chance = float(chi_square_above(total, count))
             looks.append((chance, width, float(total / count)))
     if not looks:
-        return not_tried(NAME, WHAT, f"it takes {FEW} innovations of a measurement")
+        return not_tried(NAME, WHAT, f"a measurement needs {FEW} innovations")
     p, width, mean = min(looks)
     first = max(columns, key=lambda c: abs(c.e[0]) / c.scale)
     largest = float(np.abs(first.e[0]) / first.scale)

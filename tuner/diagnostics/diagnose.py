@@ -21,11 +21,11 @@ class Ways:
         outliers, turns, start, level, time, whiteness: of the tests by these names.
     """
 
-    outliers: str = "fit with --set gate=4, which refuses them"
-    turns: str = "unwrap it before (numpy.unwrap)"
+    outliers: str = "fit with --set gate=4, which rejects them"
+    turns: str = "unwrap it first (numpy.unwrap)"
     start: str = "begin where the data begin, or with a larger variance"
     level: str = "give each measurement's own deviation"
-    time: str = "tune the parts apart (--from, --to)"
+    time: str = "tune the parts separately (--from, --to)"
     whiteness: str = (
         "the model lacks a motion, or the noise of the measurement is coloured; try a model of one "
         "state more"
@@ -70,7 +70,7 @@ class Diagnostics:
         if self["size"].verdict == "not tried":
             return "nothing counts"
         if not self.nis > 0:
-            return "nothing that is not predicted: too little noise to judge by"
+            return "everything is predicted: too little noise for a test"
         if self["size"].verdict == "passed" or self.low <= self.nis <= self.high:
             return "consistent"
         words = "too large" if self.nis < 1 else "too small"

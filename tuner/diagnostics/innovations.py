@@ -47,7 +47,7 @@ class Innovations:
         if self.value.ndim != 3 or self.times.shape != shape[:2] or len(self.names) != shape[2]:
             raise ValueError(
                 f"innovations {shape} at times {self.times.shape} of {len(self.names)} measurements"
-                " do not go together; give (N, k, m), (N, k) and m names"
+                " do not match; give (N, k, m), (N, k) and m names"
             )
 
     @classmethod

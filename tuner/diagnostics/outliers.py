@@ -24,11 +24,11 @@ def of_outliers(
         parts: number of parts of the record with a deviation each.
         way: the remedy, in words.
     """
-    from tuner.chances import heavy_tails, more_than, student_above
+    from tuner.distributions import heavy_tails, more_than, student_above
 
     columns = tuple(c for c in columns if len(c) >= FEW and c.scale > 0)
     if not columns:
-        return not_tried(NAME, WHAT, f"it takes {FEW} innovations of a measurement")
+        return not_tried(NAME, WHAT, f"a measurement needs {FEW} innovations")
     sizes = [np.abs(column.e) / column.scale for column in columns]
     count = sum(int((size > INSIDE).sum()) for size in sizes)
     numbers = sum(map(len, columns))

@@ -41,7 +41,7 @@ def size(columns: tuple[Column, ...]) -> Size:
     numbers over the factor by which correlation widens its variance (Bar-Shalom, Li and
     Kirubarajan 2001, 5.4.2, for white ones).
     """
-    from tuner.chances import chi_square_at
+    from tuner.distributions import chi_square_at
 
     count = sum(map(len, columns))
     if not count:
@@ -75,7 +75,7 @@ def _degrees(columns: tuple[Column, ...]) -> float:
 
 def _chance(columns: tuple[Column, ...]) -> float:
     """The probability of a NIS so far from 1, on either side."""
-    from tuner.chances import chi_square_above, chi_square_below
+    from tuner.distributions import chi_square_above, chi_square_below
 
     degrees = _degrees(columns)
     at = size(columns).nis * degrees
@@ -86,7 +86,7 @@ def _sentence(found: Size, part: tuple[Column, ...], columns: tuple[Column, ...]
     where = f" of {part[0].name}" if len(part) < len(columns) else ""
     head = f"NIS{where} is {found.nis:.3g}, and {found.low:.3g} to {found.high:.3g} was expected"
     if not found.nis > 0:
-        return f"{head}: nothing is not predicted, there is too little noise to judge by"
+        return f"{head}: everything is predicted: too little noise for a test"
     size_, by = ("large", 1 / found.nis) if found.nis < 1 else ("small", found.nis)
     which = f"the variance of {part[0].name}" if where else "all noise variances"
     verb = "is" if where else "are"
@@ -105,6 +105,6 @@ def _diverged(innovations: Innovations, lost: np.ndarray) -> Finding:
         when += f" of recording {recording + 1}"
     words = (
         f"{count} {'innovation is' if count == 1 else 'innovations are'} not finite, the first "
-        f"{when}: the filter diverges with these values; take others"
+        f"{when}: the filter diverges with these values; use others"
     )
     return Finding(NAME, WHAT, float("nan"), 0.0, "failed", words)

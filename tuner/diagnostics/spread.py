@@ -7,7 +7,7 @@ import numpy as np
 from tuner.diagnostics.column import PARTS, Column
 from tuner.diagnostics.finding import Finding, judged, not_tried
 
-TIME, TIME_WHAT = "over time", "largest distance of the sum of scores from its straight course"
+TIME, TIME_WHAT = "over time", "largest distance of the sum of scores from a straight line"
 LEVEL, LEVEL_WHAT = "over level", "correlation of scores with the level's rank, over its deviation"
 FEW = 40
 """The fewest numbers for a test."""
@@ -35,7 +35,7 @@ def scores(column: Column) -> Scores:
     """
     from scipy.special import ndtri
 
-    from tuner.chances import ranks
+    from tuner.distributions import ranks
 
     shares = ranks(np.abs(column.e)) / (len(column) + 1)
     values = ndtri((1 + shares) / 2) ** 2
@@ -63,7 +63,7 @@ def _variance_inflation(values: np.ndarray, bounds: np.ndarray) -> float:
 def over_time(columns: tuple[Column, ...], way: str) -> Finding:
     """Test whether the noise changes with time, or from recording to recording.
 
-    Two looks: the largest distance of the sum of scores from its straight course (sum of squares
+    Two looks: the largest distance of the sum of scores from a straight line (sum of squares
     of Brown, Durbin and Evans 1975; Kolmogorov's distribution), which finds steps and trends, and
     the spread of ten parts' means, which finds what comes and goes.
 
@@ -71,7 +71,7 @@ def over_time(columns: tuple[Column, ...], way: str) -> Finding:
         columns: the measurements.
         way: the way out, in words.
     """
-    from tuner.chances import chi_square_above, kolmogorov_above
+    from tuner.distributions import chi_square_above, kolmogorov_above
 
     found = []
     columns = tuple(c for c in columns if len(c) >= FEW and c.e.any())
@@ -86,7 +86,7 @@ def over_time(columns: tuple[Column, ...], way: str) -> Finding:
         chances = kolmogorov_above(course), chi_square_above(parts, len(means) - 1)
         found.append((2 * len(columns) * float(min(chances)), course, column))
     if not found:
-        return not_tried(TIME, TIME_WHAT, f"it takes {FEW} innovations of a measurement")
+        return not_tried(TIME, TIME_WHAT, f"a measurement needs {FEW} innovations")
     p, course, column = min(found, key=lambda each: each[0])
     bounds = _bounds(column)
     sizes = np.add.reduceat(column.e**2, bounds[:-1]) / np.diff(bounds)
@@ -107,13 +107,13 @@ def over_level(columns: tuple[Column, ...], unit: str, way: str) -> Finding:
         unit: of the levels.
         way: the way out, in words.
     """
-    from tuner.chances import normal_above
+    from tuner.distributions import normal_above
 
     known = [c for c in columns if c.levels is not None and len(c) >= FEW]
     given = [(c, scores(c)) for c in known if c.e.any()]
     looks = [(c, at, own) for c, own in given for at in _levels(c) if np.ptp(at) > 0]
     if not looks:
-        why = "nothing is known of the level" if not known else "the level stands still"
+        why = "the level is unknown" if not known else "the level is constant"
         return not_tried(LEVEL, LEVEL_WHAT, why)
     statistics = [_rank_correlation(own, at) for _, at, own in looks]
     worst = int(np.argmax(np.abs(statistics)))
@@ -133,7 +133,7 @@ def over_level(columns: tuple[Column, ...], unit: str, way: str) -> Finding:
 
 def _rank_correlation(found: Scores, level: np.ndarray) -> float:
     """The correlation of the scores with the ranks of levels, over its deviation."""
-    from tuner.chances import ranks
+    from tuner.distributions import ranks
 
     values, deviation = found
     places = ranks(level)

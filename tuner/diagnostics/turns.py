@@ -27,7 +27,7 @@ def of_turns(innovations: Innovations, columns: tuple[Column, ...], way: str) ->
         columns: their measurements.
         way: the remedy, in words.
     """
-    from tuner.chances import more_than
+    from tuner.distributions import more_than
 
     looks = []
     for turn in innovations.turns:

@@ -22,11 +22,11 @@ def of_whiteness(columns: tuple[Column, ...], lag: float, fitted: int, way: str)
 
     Source: Ljung and Box, Biometrika 65, 1978. The mean is known to be 0, so none is subtracted.
     """
-    from tuner.chances import chi_square_above, normal_above
+    from tuner.distributions import chi_square_above, normal_above
 
     columns = tuple(c for c in columns if len(c) >= FEW and c.e.any())
     if not columns:
-        return not_tried(NAME, WHAT, f"it takes {FEW} innovations of a measurement")
+        return not_tried(NAME, WHAT, f"a measurement needs {FEW} innovations")
     lags = min(LONG, min(map(len, columns)) // 4)
     squares = np.array([[_square(c, each) for each in range(1, lags + 1)] for c in columns])
     short = squares[:, :SHORT]

@@ -22,7 +22,7 @@ def read_maps(pairs: Iterable[str]) -> dict[str, tuple[str, ...]]:
         name, _, text = (part.strip() for part in pair.partition("="))
         keys = tuple(key.strip() for key in text.split(","))
         if not name or not all(keys):
-            raise ValueError(f"--map {pair} says nothing; write --map NAME=KEY")
+            raise ValueError(f"--map {pair} has no value; write --map NAME=KEY")
         if name in found:
             raise ValueError(f"--map names {name} twice; write --map {name}=KEY,KEY")
         for key in keys:

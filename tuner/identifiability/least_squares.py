@@ -83,7 +83,7 @@ def estimate_of_most(differences: Differences, entries: tuple[Entry, ...]) -> Es
     Van Driessen, A fast algorithm for the minimum covariance determinant estimator, Technometrics
     41(3), 1999 (concentration steps).
     """
-    from tuner.chances import chi_square_at
+    from tuner.distributions import chi_square_at
 
     sizes, _ = alone(differences)
     theta = np.where(np.isfinite(sizes) & (sizes > 0), sizes, 1.0) / len(sizes)

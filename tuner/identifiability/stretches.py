@@ -75,7 +75,7 @@ def _windows(
     model: NoiseModel, seen: np.ndarray, noise: Estimate, rows: int, size: np.ndarray
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """First measurement of each window, and its distance in units of the median one."""
-    from tuner.chances import chi_square_at
+    from tuner.distributions import chi_square_at
 
     last = len(seen) - rows
     if last < 0:

@@ -7,13 +7,13 @@ from typing import Annotated, Any, NamedTuple, cast
 from jax import Array
 
 from filters import Channel, Param
-from tuner.model.bent import Bent
 from tuner.model.description import Model
 from tuner.model.filter import ModelFilter
 from tuner.model.form import linear_parts
+from tuner.model.linear import LinearFilter
+from tuner.model.nonlinear import NonlinearFilter
 from tuner.model.parameters import Parameter
 from tuner.model.quantities import Quantity
-from tuner.model.straight import Straight
 
 
 def _reduced(self: Any) -> tuple[Any, ...]:
@@ -29,10 +29,10 @@ def _again(model: Model, dt: float) -> Any:
 def class_of(model: Model) -> type[Any]:
     """The filter class of a model; the same one every time."""
     if model.method == "kalman":
-        kind: type[ModelFilter] = Straight
+        kind: type[ModelFilter] = LinearFilter
         more = linear_parts(model)
     else:
-        kind, more = Bent, {}
+        kind, more = NonlinearFilter, {}
     name = "".join(part.capitalize() for part in model.name.replace("-", "_").split("_"))
     name = name if name.isidentifier() else "Model"
     named = cast("Any", NamedTuple)

@@ -9,7 +9,7 @@ from tuner.model.description import Time
 from tuner.model.entries import Entries
 from tuner.model.expression import ONE, ZERO, Node
 from tuner.model.findings import brief
-from tuner.model.measuring import weighted
+from tuner.model.measurements import weighted
 
 _OWN: dict[str, Time] = {"A": "continuous", "F": "discrete"}
 

@@ -18,7 +18,7 @@ from tuner.model.evaluate import Values
 from tuner.model.exact import Step
 from tuner.model.expression import ONE, Name, Node
 from tuner.model.filter import values
-from tuner.model.straight import one_step
+from tuner.model.linear import one_step
 
 
 def linear_parts(model: Model) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from tuner.model import dynamics, measuring, quantities
+from tuner.model import dynamics, measurements, quantities
 from tuner.model.algebra import affine
 from tuner.model.description import METHODS, Method, Model
 from tuner.model.entries import Entries
@@ -72,13 +72,13 @@ def _read(document: Mapping[str, Any], findings: Findings) -> tuple[Model | None
     entries = Entries(findings, _kinds(findings, parameters, inputs, states))
     names = [state.name for state in states]
     symbols = [symbol for each in inputs for symbol in each.symbols]
-    groups = measuring.groups(entries, document, inputs)
+    groups = measurements.groups(entries, document, inputs)
     if not names or not groups:
         return None, entries
     time, f = dynamics.moves(entries, table, names, symbols)
-    h = measuring.shows(entries, document, table, groups, names)
+    h = measurements.shows(entries, document, table, groups, names)
     G, Q = dynamics.noise(entries, table, time, names)
-    R = measuring.spread(entries, document, table, groups)
+    R = measurements.spread(entries, document, table, groups)
     x0, P0, diffuse = dynamics.start(entries, table, names)
     iterations, unobserved = _iterations(findings, document), _unobserved(findings, document, names)
     name, title = (quantities.text(findings, (), document, key) for key in ("name", "title"))

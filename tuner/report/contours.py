@@ -8,7 +8,7 @@ import numpy as np
 
 from tuner.report.axis import FULL, Axis
 from tuner.report.drawing import Drawing, Shape, shapes
-from tuner.report.kept import KeptMap
+from tuner.report.report_json import KeptMap
 from tuner.report.words import label, number
 
 STEPS = 12

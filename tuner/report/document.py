@@ -4,7 +4,7 @@ from pathlib import Path
 
 from tuner.report.answer import bars, follows, values
 from tuner.report.blocks import Report
-from tuner.report.kept import Kept
+from tuner.report.report_json import Kept
 from tuner.report.sections import sections
 from tuner.report.verdict import verdict, worth
 from tuner.report.words import counted, number

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from tuner.report.axis import FULL, ROOM, Axis, Tick
-from tuner.report.kept import KeptChart, KeptLine
+from tuner.report.report_json import KeptChart, KeptLine
 from tuner.report.words import label, number
 
 ROLES = {

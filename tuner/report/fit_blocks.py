@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 
 from tuner.report.answer import follows
 from tuner.report.blocks import Block, Listed, Table, Words
-from tuner.report.kept import Kept
 from tuner.report.pictures import pictures
+from tuner.report.report_json import Kept
 from tuner.report.verdict import main_solution, worth
 from tuner.report.words import amount, interval, number, sentence
 from tuner.run.finding import Finding
@@ -36,15 +36,17 @@ def innovations(result: Result, kept: Kept) -> Iterator[Block]:
         yield Listed([sentence(found.sentence) for found in failed])
     if fit.refused is not None:
         share = f"{fit.refused.refused} of {fit.refused.numbers}"
-        verb = "weighed little" if fit.refused.weighed else "refused"
-        yield Words([f"{share} measurements were {verb}; {fit.refused.outside} lie outside."])
+        verb = "given little weight" if fit.refused.weighed else "rejected"
+        yield Words(
+            [f"{share} measurements were {verb}; {fit.refused.outside} lie outside the gate."]
+        )
     yield from pictures(kept, "innovations")
     yield _tests(before, now)
 
 
 def _nis(now: DiagnosticsRecord, before: DiagnosticsRecord) -> str:
     if now.nis is None:
-        return "The filter predicts no variance, so that nobody can say whether it is right."
+        return "The filter predicts no variance, so its consistency cannot be tested."
     inside = now.low is not None and now.high is not None and now.low <= now.nis <= now.high
     words = "as large as the filter says" if inside else "not as large as the filter says"
     return (
@@ -61,7 +63,7 @@ def _tests(before: DiagnosticsRecord, now: DiagnosticsRecord) -> Table:
          was.get(found.test, "")]
         for found in now.findings
     ]  # fmt: skip
-    head = ["test", "what is looked at", "statistic", "chance", "tuned", "before"]
+    head = ["test", "statistic", "statistic", "chance", "tuned", "before"]
     return Table("Tests of the innovations", head, rows, frozenset((2, 3)), 4)
 
 
@@ -95,9 +97,7 @@ def _noise(findings: Sequence[Finding]) -> Iterator[Block]:
     if lines:
         rows = [[name, *(_told(each.get(part)) for part in parts)] for name, each in lines.items()]
         head = ["noise", "variance a sample", "density", "deviation"]
-        yield Table(
-            "Each noise in the units that people take it in", head, rows, frozenset((1, 2, 3))
-        )
+        yield Table("Each noise in common units", head, rows, frozenset((1, 2, 3)))
 
 
 def _found(findings: Sequence[Finding], answered: set[str]) -> Iterator[Block]:

@@ -67,8 +67,8 @@ def _browser() -> str:
     found = found or next((place for place in PLACES if Path(place).is_file()), None)
     if found is None:
         raise ValueError(
-            "a PDF is printed by a browser, and none was found (Chromium, Chrome, Edge); install "
-            "one, or open report.html in yours and print it there"
+            "no browser was found to print the PDF (Chromium, Chrome, Edge); install one, or open "
+            "report.html and print it there"
         )
     return found
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from tuner.report.blocks import Block, Picture
 from tuner.report.contours import contoured
 from tuner.report.drawing import Drawing, drawn
-from tuner.report.kept import Kept, KeptChart, KeptMap
+from tuner.report.report_json import Kept, KeptChart, KeptMap
 from tuner.run.shown import Part
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from tuner.report.answer import searched
 from tuner.report.blocks import Block, Commands, Listed, Table, Words
-from tuner.report.kept import Kept
 from tuner.report.pictures import pictures
+from tuner.report.report_json import Kept
 from tuner.report.verdict import main_solution
 from tuner.report.words import amount, counted, label, number, percent, sentence, size
 from tuner.run.comparison import Comparison
@@ -137,8 +137,8 @@ def files(result: Result, folder: Path) -> Iterator[Block]:
             ]
             for record in result.exports
         ]
-        head = ["file", "format", "size", "score after reading back"]
-        yield Table("Exports, each read back and scored again", head, rows, frozenset((2,)))
+        head = ["file", "format", "size", "value after reading back"]
+        yield Table("Exports, each read back and evaluated again", head, rows, frozenset((2,)))
     good = [code for code in result.code if not code.refused]
     if good:
         rows = [
@@ -149,7 +149,7 @@ def files(result: Result, folder: Path) -> Iterator[Block]:
             for c in good
         ]
         head = ["filter", "precision", "file", "forms", "operations a sample", "code", "stack"]
-        yield Table("C of the filter's own step", head, rows, frozenset((4, 5, 6)))
+        yield Table("C code of the filter", head, rows, frozenset((4, 5, 6)))
     refused = [f"{c.problem} in {c.precision}: no C, {c.refused}" for c in result.code if c.refused]
     checks = [sentence(_single(check)) for check in result.single_precision]
     if refused or checks:
@@ -183,7 +183,7 @@ def again(result: Result, folder: Path) -> Iterator[Block]:
     """Commands that go on from here."""
     name = shlex.quote(folder.name or "RUN")
     yield Words(
-        ["The folder of this report holds all that it takes; recordings are looked for beside it."]
+        ["The folder of this report contains everything needed; recordings are expected beside it."]
     )
     lines = [f"tuner run {name}/study.toml --out again", f"tuner show {name}"]
     if result.fit is not None:

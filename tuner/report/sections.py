@@ -5,15 +5,15 @@ from pathlib import Path
 
 from tuner.report.blocks import Section
 from tuner.report.fit_blocks import determined, innovations, signal
-from tuner.report.kept import Kept
 from tuner.report.pictures import pictures
+from tuner.report.report_json import Kept
 from tuner.report.run_blocks import again, data, files, rows, search
 from tuner.run.result import Result
 
 
 def sections(result: Result, kept: Kept, folder: Path) -> Iterator[Section]:
     """Those that have anything to say, in their order."""
-    own = "Is the filter right about itself?"
+    own = "Is the filter consistent?"
     claims = ("Comparison", "Against the paper") if kept.published else ("Claims", "Claims")
     sure = (
         ("Certainty", "What the data determine") if result.fit else ("Findings", "What was found")
@@ -24,7 +24,7 @@ def sections(result: Result, kept: Kept, folder: Path) -> Iterator[Section]:
         ("paper", *claims, rows(result)),
         ("determined", *sure, determined(result, kept)),
         ("figures", "Figures", "Figures", pictures(kept, "figures")),
-        ("search", "Search", "How it was found", search(result, kept)),
+        ("search", "Search", "The search", search(result, kept)),
         ("data", "Data", "The data", data(result, kept)),
         ("files", "Files", "Files", files(result, folder)),
         ("again", "Again", "Run it again", again(result, folder)),

@@ -70,7 +70,7 @@ def _of_fit(result: Result, fit: FitRecord) -> Verdict:
         return Verdict("care", HEADS["care"], sentence(joined(doubts[:3]) + but))
     if solution is not None and _agree(solution):
         good.append("all starts agree")
-    return Verdict("use", HEADS["use"], sentence(joined(good or ["nothing speaks against it"])))
+    return Verdict("use", HEADS["use"], sentence(joined(good or ["no check failed"])))
 
 
 def _agree(solution: SolutionRecord) -> bool:
@@ -86,9 +86,9 @@ def _against(solution: SolutionRecord | None, fit: FitRecord) -> Iterator[str]:
     if held is None:
         return
     if _sign(held.gain) < 0 and held.gain is not None:
-        yield f"on {held.what}, which tuning did not see, it does worse than before"
+        yield f"on {held.what}, not used for tuning, its error is larger than before"
     if _sign(held.over_unfiltered) < 0:
-        yield f"on {held.what} it does worse than no filter ({held.nothing})"
+        yield f"on {held.what} its error is larger than without filter ({held.nothing})"
 
 
 def _sign(gain: GainRecord | None) -> int:
@@ -107,11 +107,11 @@ def _doubts(result: Result, fit: FitRecord) -> Iterator[str]:
         failed = [found.test for found in fit.diagnostics[1].findings if found.verdict == "failed"]
         yield from (TOLD.get(test, test) for test in failed)
     if fit.held_out is None:
-        yield "nothing was held out to judge it on"
+        yield "nothing was held out for judging"
     elif fit.held_out.gain is not None and _sign(fit.held_out.gain) == 0:
-        yield f"on {fit.held_out.what} nobody can tell whether tuning helps"
+        yield f"on {fit.held_out.what} it is not clear whether tuning helps"
     if any(check.warning for check in result.single_precision):
-        yield "in single precision it is another filter"
+        yield "its outputs deviate in single precision"
 
 
 def _good(fit: FitRecord) -> Iterator[str]:
@@ -119,13 +119,13 @@ def _good(fit: FitRecord) -> Iterator[str]:
     held = fit.held_out
     if held is not None and _sign(held.gain) > 0 and held.gain is not None:
         share = between(held.gain.low or 0.0, held.gain.high or 0.0)
-        yield f"on {held.what}, which tuning did not see, it does {share} better than before"
+        yield f"on {held.what}, not used for tuning, its error is {share} smaller than before"
     elif held is not None and held.gain is None and _lower(held):
-        yield f"on {held.what}, which tuning did not see, it does better than before"
+        yield f"on {held.what}, not used for tuning, its error is smaller than before"
     if len(fit.diagnostics) == 2:
         now = fit.diagnostics[1]
         if not any(found.verdict == "failed" for found in now.findings):
-            yield "its innovations are what it expects"
+            yield "its innovations are consistent with its variances"
 
 
 def _lower(held: HeldOutRecord) -> bool:
@@ -161,7 +161,7 @@ def _of_rows(result: Result, published: bool) -> Verdict:
 def _of_solutions(result: Result) -> Verdict:
     bad = [s for s in result.solutions if not s.status.trusted]
     if not result.solutions:
-        return Verdict("use", "Done", "Nothing had to be searched.")
+        return Verdict("use", "Done", "There was no search.")
     if not bad:
         count = len(result.solutions)
         words = "its one search converged" if count == 1 else f"all {count} searches converged"

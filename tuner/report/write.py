@@ -6,8 +6,8 @@ from pydantic import ValidationError
 
 from tuner.report.blocks import Report
 from tuner.report.document import report_of
-from tuner.report.kept import Kept, nothing_kept
 from tuner.report.page import page
+from tuner.report.report_json import Kept, nothing_kept
 from tuner.run.result import Result, read_result
 
 KEPT, PAGE = "report.json", "report.html"

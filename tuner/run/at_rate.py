@@ -15,10 +15,10 @@ from tuner.problem.exported import Trial, derived_of, once
 from tuner.problem.invented import invented
 from tuner.problem.steady_form import steady_form_of
 from tuner.problem.steady_gains import system_of
-from tuner.run.careful import care_of, with_noise
 from tuner.run.chosen import Chosen
 from tuner.run.finding import Finding
-from tuner.run.noise_told import gains_told, noise_told
+from tuner.run.gate import care_of, with_noise
+from tuner.run.noise_table import gains_told, noise_told
 from tuner.run.noises import noises
 
 _TRACKERS = {"alpha-beta": "constant-velocity", "alpha-beta-gamma": "constant-acceleration"}
@@ -94,8 +94,8 @@ def _trials(filter: Any, params: Any) -> dict[str, Trial]:
 def _made(cls: type[Any], name: str, options: Mapping[str, Any], dt: float) -> Any:
     if "dt" not in {each.name for each in fields(cls)}:
         raise ValueError(
-            f"{name} has no sample time, so its numbers hold at their own rate alone; give the "
-            "model a dt, or tune it on a record of that rate"
+            f"{name} has no sample time, so its numbers hold only at their own rate; "
+            "give the model a dt, or tune at the other rate"
         )
     return cls(dt=dt, **options)
 
@@ -109,15 +109,13 @@ def _check(which: Chosen, cls: type[Any], values: Mapping[str, Any], filter: Any
         way = "tune it on a record of that rate"
         if name in _TRACKERS:
             way = f"tune {_TRACKERS[name]}, whose density holds at every rate"
-        raise ValueError(
-            f"{' and '.join(held)} of {name} belong to {at} and say nothing of another rate; {way}"
-        )
+        raise ValueError(f"{' and '.join(held)} of {name} hold only for {at}; {way}")
     if hasattr(filter, "linear"):
         _check_density(name, at, values, filter)
     elif name not in names("tuner.filters"):
         raise ValueError(
-            f"{name} has no method linear, so its numbers hold for {at} alone; densities and time "
-            "constants among them hold at every rate"
+            f"{name} has no method linear, so its numbers hold only for {at}; densities and time "
+            "constants hold at every rate"
         )
 
 
@@ -129,8 +127,8 @@ def _check_density(name: str, at: str, values: Mapping[str, Any], filter: Any) -
     )
     if W.any() and np.allclose(W, longer, rtol=_SAME, atol=0):
         raise ValueError(
-            f"the process noise of {name} does not depend on dt, so it holds for {at} alone; give "
-            "it as a density times dt, or in a continuous model"
+            f"the process noise of {name} does not depend on dt, so it holds only for {at}; "
+            "give a density times dt, or a continuous model"
         )
 
 

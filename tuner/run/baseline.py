@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from filters.declared import Channel, bare, channel_facts
-from tuner.run.posed import NO_TRUTH, Posed
-from tuner.run.searched import DEVIATION
+from tuner.run.fit_problem import NO_TRUTH, Posed
+from tuner.run.search_space import DEVIATION
 
 LAST, MEAN = "the last measurement", "the constant mean"
 

@@ -42,7 +42,7 @@ def block_mean(amounts: np.ndarray, counts: np.ndarray) -> Mean:
     >>> found.value, found.low < 0.5 < found.high, found.blocks
     (0.5, True, 24)
     """
-    from tuner.chances import student_at
+    from tuner.distributions import student_at
 
     recordings = [*zip(_columns(amounts), _columns(counts), strict=True)]
     kept = [(a[c > 0], c[c > 0]) for a, c in recordings if (c > 0).any()]

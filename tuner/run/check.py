@@ -13,9 +13,9 @@ from tuner.problem.parameters import Fixed
 from tuner.run.chosen import Model, chosen
 from tuner.run.diagnosed import diagnosed
 from tuner.run.fit import pose_on
-from tuner.run.judged import shown
-from tuner.run.posed import Posed
-from tuner.run.searched import Wishes
+from tuner.run.fit_problem import Posed
+from tuner.run.judgement import shown
+from tuner.run.search_space import Wishes
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,8 @@ from tuner.data.merge import Timeline
 from tuner.diagnostics import Diagnostics, Innovations, Ways, diagnose
 from tuner.problem.problem import Problem
 from tuner.problem.programs import run_filter
-from tuner.run.posed import Posed
-from tuner.run.searched import DEVIATION, own_unit
+from tuner.run.fit_problem import Posed
+from tuner.run.search_space import DEVIATION, own_unit
 
 TURNS = {"rad": (2 * np.pi,), "unit": (2 * np.pi, 360.0)}
 """A full turn by the unit of a measurement; one of which nobody told the unit may be an angle."""

@@ -7,8 +7,8 @@ import numpy as np
 
 from filters.declared import bare, channel_facts, in_unit, output
 from tuner.run.figure import Chart, Line
-from tuner.run.posed import Posed
-from tuner.run.searched import own_unit
+from tuner.run.fit_problem import Posed
+from tuner.run.search_space import own_unit
 from tuner.run.shown import Shown
 
 

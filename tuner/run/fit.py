@@ -21,19 +21,19 @@ from tuner.problem.surface import values
 from tuner.run.figure import Figure
 from tuner.run.finding import Finding
 from tuner.run.fit_figures import figures
+from tuner.run.fit_problem import Posed, check_channels, pose
 from tuner.run.fit_record import FitRecord
 from tuner.run.fit_shown import shown_of
 from tuner.run.front import Against, picture_of, trade
 from tuner.run.held_out import judge_held_out
-from tuner.run.judged import Judged, filter_name, judge
+from tuner.run.judgement import Judged, filter_name, judge
 from tuner.run.meanwhile import compile_for, meanwhile
-from tuner.run.noise_told import gains_told, noise_told
-from tuner.run.parting import HeldOutBy, Parting, parting
-from tuner.run.posed import Posed, check_channels, pose
+from tuner.run.noise_table import gains_told, noise_told
 from tuner.run.rescaled import ThenRescaled, as_found, may_be_rescaled
-from tuner.run.searched import Wishes
+from tuner.run.search_space import Wishes
 from tuner.run.sharing import OneForAll, shared
 from tuner.run.shown import Shown
+from tuner.run.split import HeldOutBy, Parting, parting
 from tuner.run.study import Plan, Solutions, Task, best
 from tuner.run.summary import five_lines, in_doubt
 from tuner.solvers import Solver, make_solver
@@ -92,7 +92,9 @@ def asked_for(hold_out: bool, held_out: HeldOutBy | None) -> HeldOutBy | None:
     if hold_out:
         return held_out
     if held_out not in (None, "none"):
-        raise ValueError(f"held_out={held_out} and no hold-out exclude each other; say one of them")
+        raise ValueError(
+            f"held_out={held_out} and no hold-out exclude each other; give one of them"
+        )
     return "none"
 
 
@@ -100,12 +102,12 @@ def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wish
     """The problem of tuning a filter on recordings, merged each and side by side.
 
     Raises:
-        ValueError: as :func:`tuner.run.posed.pose`, and for recordings that do not go together.
+        ValueError: as :func:`tuner.run.fit_problem.pose`, and for recordings that do not match.
     """
     check_facts(cls)
     lines = [timeline(record) for record in records]
     if not lines:
-        raise ValueError(f"{name} needs a recording to be tuned on; give one at least")
+        raise ValueError(f"{name} needs a recording; give at least one")
     for line in lines:
         check_channels(name, cls, line)
     facts = channel_facts(cls, "inputs"), channel_facts(cls, "outputs")

@@ -12,7 +12,7 @@ from objectives import AttitudeRmse
 from objectives.attitude import attitude_error
 from tuner.run.diagnosed import innovations
 from tuner.run.figure import Chart, Drawn, Figure, Line
-from tuner.run.posed import Posed
+from tuner.run.fit_problem import Posed
 from tuner.run.study import Solutions, best
 
 POINTS = 2000

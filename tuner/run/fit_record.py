@@ -9,7 +9,7 @@ from tuner.diagnostics.finding import Verdict
 
 if TYPE_CHECKING:
     from tuner.diagnostics import Diagnostics
-    from tuner.run.judged import Judged
+    from tuner.run.judgement import Judged
 
 
 class Recorded(BaseModel):
@@ -114,7 +114,7 @@ class DiagnosticsRecord(Recorded):
 
 
 class RefusedRecord(Recorded):
-    """See :class:`tuner.run.careful.Refused`."""
+    """See :class:`tuner.run.gate.Refused`."""
 
     refused: int
     outside: int
@@ -132,7 +132,7 @@ class LeftOutRecord(Recorded):
 
 
 class FitRecord(Recorded):
-    """The worth of a fit; see :class:`tuner.run.judged.Judged`.
+    """The worth of a fit; see :class:`tuner.run.judgement.Judged`.
 
     Attributes:
         filter: name of the filter's class.

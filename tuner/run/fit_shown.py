@@ -13,10 +13,10 @@ from tuner.run.estimate_figures import estimates
 from tuner.run.figure import Chart, Line
 from tuner.run.fit_figures import figures
 from tuner.run.fit_plot import estimate_of
+from tuner.run.fit_problem import Posed
 from tuner.run.fit_surface import surface
 from tuner.run.front import Against, picture_of, trade
 from tuner.run.innovation_figures import drawn_innovations
-from tuner.run.posed import Posed
 from tuner.run.shown import Shown
 from tuner.run.spectrum_figure import spectra
 from tuner.run.study import Solutions, best
@@ -44,7 +44,7 @@ def shown_of(posed: Posed, solutions: Solutions, against: Against | None) -> Ite
         yield from drawn_innovations(before, now)
     yield from surface(posed.problem, solution)
     if against is not None:
-        note = "Nothing is better in both. The knee gives up least of each."
+        note = "No other point is better in both objectives. The knee is the best compromise."
         yield from (Shown("search", each, note) for each in picture_of(posed, trade(against)))
 
 

@@ -13,14 +13,14 @@ from tuner.export.tuned import Tuned
 from tuner.names import unknown
 from tuner.problem.facts import check_facts
 from tuner.run.at_rate import AtRate, filter_at_rate
-from tuner.run.careful import NAMES
 from tuner.run.chosen import Chosen, chosen
 from tuner.run.fit import Request, asked_for, plan_fit, pose_on
 from tuner.run.front import in_order, posed_against
+from tuner.run.gate import NAMES
 from tuner.run.own_file import own_file
-from tuner.run.parting import HeldOutBy
-from tuner.run.searched import Wishes
+from tuner.run.search_space import Wishes
 from tuner.run.settings import StudySettings
+from tuner.run.split import HeldOutBy
 from tuner.run.study import Plan, Study
 from tuner.solvers import SOLVERS
 
@@ -30,20 +30,33 @@ INFINITE = float("inf")
 class FitSettings(StudySettings):
     """The settings of ``tuner fit``; ``tuner list filters NAME`` lists a filter's facts."""
 
-    filter: str | None = Field(None, description="name of the filter, or FILE.py:CLASS")
+    filter: str | None = Field(None, description="name of a filter, or FILE.py:CLASS")
     filter_sha256: str | None = Field(None, description="checksum of that file")
-    model: dict[str, Any] | None = Field(None, description="a model, in place of a filter's name")
-    start: dict[str, float] = Field({}, description="where the search begins, by parameter")
-    fix: dict[str, float] = Field({}, description="parameters that are held, and at what")
-    bound: dict[str, tuple[float, float]] = Field({}, description="ends of the search")
-    options: dict[str, Any] = Field({}, description="fields of the filter's class")
-    objective: str | None = Field(None, description="unset: the error, or without truth likelihood")
-    solver: str = Field("l-bfgs-b", description="of tuner list solvers")
-    starts: int = Field(4, ge=1, description="starts of each search")
-    hold_out: bool = Field(True, description="whether a part of the data judges the rest")
-    held_out: HeldOutBy | None = Field(None, description="which part; unset: by what there is")
+    model: dict[str, Any] | None = Field(
+        None, description="contents of a model file, in place of a filter"
+    )
+    start: dict[str, float] = Field({}, description="initial values of the search, by parameter")
+    fix: dict[str, float] = Field({}, description="values of the parameters that are not tuned")
+    bound: dict[str, tuple[float, float]] = Field(
+        {}, description="ranges of the search, by parameter"
+    )
+    options: dict[str, Any] = Field(
+        {},
+        description="fields of the filter's class, and gate, patience, student, noise, stretches",
+    )
+    objective: str | None = Field(
+        None,
+        description="objective; if unset the error against the truth, without truth the likelihood",
+    )
+    solver: str = Field("l-bfgs-b", description="name of a solver, see tuner list solvers")
+    starts: int = Field(4, ge=1, description="number of starts of each search")
+    hold_out: bool = Field(True, description="whether a part of the data is held out for judging")
+    held_out: HeldOutBy | None = Field(
+        None,
+        description="part that is held out; if unset recordings (three or more), otherwise time",
+    )
 
-    against: str | None = Field(None, description="a second objective: the front of both")
+    against: str | None = Field(None, description="second objective, for the front of both")
 
     @model_validator(mode="after")
     def _one_of_them(self) -> "FitSettings":

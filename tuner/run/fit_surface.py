@@ -166,12 +166,12 @@ def _map(sides: list[Side], rise: np.ndarray, held: list[str], *, likelihood: bo
     one, other = sides
     spot = Line("tuned", np.array([one.best]), np.array([other.best]))
     open_ = [side.name for side in sides if side.interval is None]
-    title = f"The objective falls to one place in {one.name} and {other.name}"
+    title = f"The objective has one minimum in {one.name} and {other.name}"
     if open_:
         title = f"The objective hardly changes along {' and '.join(open_)}"
-    note = "How much worse the objective of the whole recording is than at the tuned values."
+    note = "Increase of the objective of the whole recording above its value at the tuned values."
     if held:
-        note += f" A cut: {', '.join(held)} stay as they were tuned."
+        note += f" A section: {', '.join(held)} keep their tuned values."
     figure = Map(
         name="objective",
         title=title,

@@ -15,13 +15,13 @@ from tuner.data.record import Record
 from tuner.problem.kept_programs import forget_old_ones
 from tuner.run.chosen import Model, chosen
 from tuner.run.fit import Request, asked_for, concluded, plan_fit, pose_on
+from tuner.run.fit_problem import Posed
 from tuner.run.front import in_order, posed_against
-from tuner.run.judged import Judged
-from tuner.run.parting import HeldOutBy
+from tuner.run.judgement import Judged
 from tuner.run.pipeline import tuned_of
-from tuner.run.posed import Posed
 from tuner.run.save import Made, save
-from tuner.run.searched import Wishes
+from tuner.run.search_space import Wishes
+from tuner.run.split import HeldOutBy
 from tuner.run.summary import five_lines
 
 if TYPE_CHECKING:

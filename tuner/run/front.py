@@ -12,8 +12,8 @@ from objectives.in_numpy import Method, in_numpy
 from tuner.problem.parameters import Fixed
 from tuner.problem.problem import Problem
 from tuner.run.figure import Chart, Line
-from tuner.run.posed import NO_TRUTH, Posed, pose
-from tuner.run.searched import Wishes
+from tuner.run.fit_problem import NO_TRUTH, Posed, pose
+from tuner.run.search_space import Wishes
 from tuner.solvers.pareto import Front, pareto
 from tuner.solvers.solver import Solver
 
@@ -102,7 +102,7 @@ def posed_against(name: str, cls: type[Any], posed: Posed, wishes: Wishes, objec
     """The same fit by another objective.
 
     Raises:
-        ValueError: as :func:`tuner.run.posed.pose`, and for the fit's own objective.
+        ValueError: as :func:`tuner.run.fit_problem.pose`, and for the fit's own objective.
     """
     if objective == posed.objective:
         raise ValueError(
@@ -154,7 +154,7 @@ def picture_of(posed: Posed, found: Trade) -> Iterator[Chart]:
     ]
     yield Chart(
         name=f"{posed.problem.name}_front",
-        title=f"What {posed.objective} and {found.objective} cost each other",
+        title=f"Trade-off between {posed.objective} and {found.objective}",
         x_label=labels[0],
         y_label=labels[1],
         lines=tuple(lines),
@@ -171,9 +171,9 @@ def words(posed: Posed, found: Trade) -> str:
     """The front in a sentence: what is given up at the knee, and what for."""
     first, last = found.points[0], found.points[-1]
     if len(found.points) == 1:
-        return f"{posed.objective} and {found.objective} are best at the same place"
+        return f"{posed.objective} and {found.objective} have the same minimum"
     ends = (
-        f"against {found.objective}: {_more(last.first, first.first)} more {posed.objective} buys "
+        f"against {found.objective}: {_more(last.first, first.first)} more {posed.objective} gives "
         f"{100 * (1 - last.second / first.second):.2g} % less {found.objective}"
     )
     knee = next((each for each in found.points if each.knee), None)
@@ -182,7 +182,7 @@ def words(posed: Posed, found: Trade) -> str:
     numbers = ", ".join(f"{n} = {np.asarray(v):.4g}" for n, v in knee.parameters.items())
     return (
         f"{ends}; at the knee {numbers}: {_more(knee.first, first.first)} and "
-        f"{_more(knee.second, last.second)} above the least of each"
+        f"{_more(knee.second, last.second)} above the minimum of each"
     )
 
 

@@ -12,8 +12,8 @@ from tuner.certificate.solution import Solution
 from tuner.problem.problem import Problem
 from tuner.run.amounts import Amounts, Gain, amounts, amounts_of, gain, run_with, value_of
 from tuner.run.baseline import without_filter
-from tuner.run.parting import HeldOutBy, Parting, only
-from tuner.run.posed import Posed
+from tuner.run.fit_problem import Posed
+from tuner.run.split import HeldOutBy, Parting, only
 
 
 @dataclass(frozen=True)

@@ -62,12 +62,12 @@ def _over_time(now: Innovations) -> Shown:
         "innovations",
         Chart(
             name="innovations",
-            title=f"{100 * beyond:.1f} % of the innovations lie outside the band where 5 % would",
+            title=f"{100 * beyond:.1f} % of the innovations lie outside the band; 5 % expected",
             x_label="time, s",
             y_label="innovation / its deviation",
             lines=tuple(lines),
         ),
-        "Measured less what the tuned filter predicted, over the deviation that it expects."
+        "Measured less predicted by the tuned filter, over the predicted deviation."
         + (
             f" The first of {now.value.shape[1]} recordings; the share is of all."
             if several
@@ -95,7 +95,7 @@ def windows(found: Innovations) -> Windows:
 
 
 def _nis(before: Windows | None, now: Windows) -> Shown:
-    from tuner.chances import chi_square_at
+    from tuner.distributions import chi_square_at
 
     low, high = (chi_square_at(q, now.numbers) / now.numbers for q in (0.025, 0.975))
     inside = int(((now.nis >= low) & (now.nis <= high)).sum())
@@ -150,7 +150,7 @@ def _correlation(before: Innovations, now: Innovations) -> Shown:
     return Shown(
         "innovations",
         chart,
-        "Innovations of a right filter are white: none tells of the next. The largest is "
+        "Innovations of a consistent filter are white: uncorrelated. The largest correlation is "
         f"{r[largest]:+.2f} at lag {largest + 1}.",
     )
 
@@ -178,7 +178,7 @@ def _spread(now: Innovations) -> Shown:
     )
     beyond = int((np.abs(e) > 4).sum())
     expected = 6.33e-5 * len(e)
-    title = f"{beyond} of {len(e)} innovations lie beyond four deviations; {expected:.2g} would"
+    title = f"{beyond} of {len(e)} innovations lie beyond four deviations; {expected:.2g} expected"
     chart = Chart("spread", title, "innovation / its deviation", "density", lines)
-    note = "How innovations are spread, beside the normal law that a right filter's follow. "
-    return Shown("innovations", chart, note + "What lies beyond is counted at the ends.")
+    note = "Distribution of the innovations, and the normal one of a consistent filter. "
+    return Shown("innovations", chart, note + "Values beyond the axis are counted at its ends.")

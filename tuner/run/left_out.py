@@ -13,7 +13,7 @@ from objectives import Data
 from tuner.identifiability.noise import NoModelError
 from tuner.identifiability.stretches import wrong_stretches
 from tuner.problem.problem import Problem
-from tuner.run.careful import parts_of
+from tuner.run.gate import parts_of
 
 SHOWN = 4
 """How many stretches are told one by one."""
@@ -70,7 +70,7 @@ def without_stretches(problem: Problem, gate: float, times: np.ndarray) -> tuple
     if 2 * gone >= seen:
         raise ValueError(
             f"{gone} of {seen} measured numbers lie in stretches that contradict the rest, so "
-            f"there is no rest; give more than stretches={gate:g}, or none"
+            f"too few are left; give more than stretches={gate:g}, or none"
         )
     filter, data = problem.filter, problem.data
     params = assembled(bare(filter), problem.parameters(problem.space.start()))

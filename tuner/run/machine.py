@@ -13,9 +13,9 @@ from tuner.code.names import identifier
 from tuner.code.size import Size, size
 from tuner.export.tuned import Tuned
 from tuner.problem.exported import Trial
-from tuner.run.at_once import at_once
 from tuner.run.code_files import VARIANTS, Variant, kept
 from tuner.run.result import CodeRecord
+from tuner.run.threads import at_once
 
 
 class Code(NamedTuple):

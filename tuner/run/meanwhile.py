@@ -10,7 +10,7 @@ from tuner.certificate.single_precision import halved
 from tuner.problem.problem import Problem
 from tuner.problem.programs import run_filter
 from tuner.problem.samples import numbers
-from tuner.run.at_once import at_once
+from tuner.run.threads import at_once
 
 LONG = 1_000_000
 """Samples from which a trial run takes longer than compiling."""

@@ -49,7 +49,7 @@ def powers(
     free = {name: np.asarray(value) for name, value in values.items() if name not in held}
     names = [name for name, value in free.items() if _may_scale(value)]
     if not names:
-        raise ValueError("every parameter is held")
+        raise ValueError("every parameter is fixed")
     found = _halves(*_slopes(problem, values, names))
     return {name: float(power) for name, power in zip(names, found, strict=True) if power}
 
@@ -136,7 +136,7 @@ def _halves(J: np.ndarray, D: np.ndarray) -> np.ndarray:
     sizes = np.where(sizes > 0, sizes, 1.0)
     along = np.linalg.lstsq(both / sizes, wanted, rcond=1e-10)[0] / sizes
     if not (np.abs(along) < LARGEST).all():
-        raise ValueError("no common factor of its noise leaves the estimates as they are")
+        raise ValueError("no common factor of its noise leaves the estimates unchanged")
     found: np.ndarray = np.round(2 * along) / 2
     return found
 

@@ -61,7 +61,7 @@ class OwnFile:
         data = self._read()
         if sha256 is not None and hashlib.sha256(data).hexdigest() != sha256:
             raise ValueError(
-                f"{self.path.name} is not what it was: its SHA-256 differs; to run it all the "
+                f"{self.path.name} has changed: its SHA-256 differs; to run it all the "
                 f"same, name it with --filter {self.path}:{self.name}"
             )
         return self._class_in(_module(self.path.resolve(), data))
@@ -142,7 +142,7 @@ def _why(path: Path, error: BaseException) -> str:
     what = " ".join(f"{type(error).__name__}: {_words(error)}".split()).rstrip(": ")
     way = "mend that line" if line else "give a Python file"
     if isinstance(error, ImportError):
-        way = "a filter's file stands alone: put what it needs into it, or install that"
+        way = "a filter's file is self-contained: put what it needs into it, or install that"
     elif isinstance(error, SystemExit):
         way = 'put what ends the program below if __name__ == "__main__"'
     return f"{path.name} cannot be loaded:{at} {what}; {way}"

@@ -19,10 +19,9 @@ from tuner.certificate.solution import Solution
 from tuner.data.source import Source
 from tuner.export.tuned import Provenance, Tuned
 from tuner.problem.problem import Problem
-from tuner.report.kept import Kept as ForReport
-from tuner.report.kept import kept_pictures, nothing_kept
+from tuner.report.report_json import Kept as ForReport
+from tuner.report.report_json import kept_pictures, nothing_kept
 from tuner.report.write import KEPT, PAGE, page_of
-from tuner.run.at_once import at_once
 from tuner.run.drawing import picture, table
 from tuner.run.environment import environment
 from tuner.run.figure import Figure
@@ -40,9 +39,10 @@ from tuner.run.result import (
     SolutionRecord,
     pretty,
 )
+from tuner.run.shared_run import Together
 from tuner.run.shown import Shown
 from tuner.run.study import Plan, Solutions, Task, best
-from tuner.run.together import Together
+from tuner.run.threads import at_once
 
 Progress: TypeAlias = Callable[[str, int, int], None]
 """Called with what is being done, and how many of how many parts are finished."""
@@ -243,7 +243,7 @@ class Run:
     def _outputs(self, problem: Problem, solution: Solution) -> str:
         """The tuned filter's outputs over the recording, in full."""
         from filters.declared import bare, channel_facts, output
-        from tuner.run.careful import SAID
+        from tuner.run.gate import SAID
 
         outputs = problem.outputs(solution)
         facts = channel_facts(bare(problem.filter), "outputs")

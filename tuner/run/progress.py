@@ -55,7 +55,7 @@ def read_progress(data: bytes) -> Progress:
     try:
         return Progress.model_validate_json(data)
     except ValidationError:
-        raise ValueError("progress.json is not that of a run; start anew with --force") from None
+        raise ValueError("progress.json is not that of a run; start again with --force") from None
 
 
 def going_on(progress: Progress, identity: Mapping[str, str], tasks: tuple[Task, ...]) -> Solutions:
@@ -73,8 +73,8 @@ def going_on(progress: Progress, identity: Mapping[str, str], tasks: tuple[Task,
     """
     if changed := differences(identity, progress.identity):
         raise ValueError(
-            f"--resume: there are {', '.join(changed)} than when the run was interrupted; put that "
-            "back, or start anew with --force or in another folder"
+            f"--resume: there are {', '.join(changed)} than in the interrupted run; restore them, "
+            "or start again with --force or in another folder"
         )
     known = {key_of(task): task.problem for task in tasks}
     found = {}
@@ -105,7 +105,7 @@ def check_again(problem: Any, solution: Solution, identity: str | None = None) -
     if not same or identity not in (None, problem.identity()):
         raise ValueError(
             f"{solution.problem} is not the problem that {solution.solver} solved before: its data "
-            "or what it computes has changed; start anew with --force or in another folder"
+            "or what it computes has changed; start again with --force or in another folder"
         )
 
 
@@ -131,4 +131,4 @@ def _solution(record: SolutionRecord) -> Solution:
     try:
         return record.solution()
     except (TypeError, KeyError, AttributeError):
-        raise ValueError("progress.json is not that of a run; start anew with --force") from None
+        raise ValueError("progress.json is not that of a run; start again with --force") from None

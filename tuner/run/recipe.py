@@ -89,7 +89,7 @@ class Recipe(_Entries):
     @model_validator(mode="after")
     def _log_has_files(self) -> "Recipe":
         if self.log is not None and not self.log.files:
-            raise ValueError('the log names no file; name one at least, files = ["log.csv"]')
+            raise ValueError('the log names no file; name at least one, files = ["log.csv"]')
         return self
 
     @classmethod
@@ -123,7 +123,7 @@ def read_recipe(path: Path) -> Recipe:
     try:
         return Recipe.model_validate(read_document(path))
     except ValidationError as error:
-        raise ValueError(f"{path.name} is no study.toml: {listed(faults_of(error))}") from None
+        raise ValueError(f"{path.name} is not a study.toml: {listed(faults_of(error))}") from None
 
 
 def read_document(path: Path) -> dict[str, Any]:
@@ -135,11 +135,11 @@ def read_document(path: Path) -> dict[str, Any]:
     try:
         return read_toml(path, LARGEST_FILE, "study.toml")
     except FileNotFoundError:
-        raise ValueError(f"{path} is not there; name a study or a study.toml") from None
+        raise ValueError(f"{path} does not exist; name a study or a study.toml") from None
     except OSError as error:
         raise ValueError(f"{path} cannot be read: {error.strerror}") from None
     except ValueError as error:
-        raise ValueError(f"{path.name} is no study.toml: {error}") from None
+        raise ValueError(f"{path.name} is not a study.toml: {error}") from None
 
 
 def faults_of(error: ValidationError) -> Iterator[str]:
@@ -193,6 +193,6 @@ def _log_beside(path: Path, name: str, digest: str) -> Path:
     if there:
         raise ValueError(
             f"{there[0]} is not the log of {path.name}: its SHA-256 differs; "
-            "to run it all the same, name it with --log"
+            "to run it nevertheless, name it with --log"
         )
     raise ValueError(f"the log {name} of {path} is not here; say where with --log FILE")

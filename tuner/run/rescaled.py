@@ -11,8 +11,8 @@ from tuner.certificate.solution import Solution, TunedParameter
 from tuner.problem.parameters import Fixed
 from tuner.problem.problem import Problem
 from tuner.run.amounts import run_with
+from tuner.run.fit_problem import NO_TRUTH, Posed
 from tuner.run.noise_scale import check_powers, powers, times
-from tuner.run.posed import NO_TRUTH, Posed
 from tuner.solvers.solver import Solver
 
 FACTOR = "variances_scaled_by"

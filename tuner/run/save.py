@@ -16,7 +16,7 @@ from pydantic_core import PydanticSerializationError
 from tuner.data.record import Record
 from tuner.data.signal import Signal
 from tuner.export import FORMATS
-from tuner.report.kept import kept_facts
+from tuner.report.report_json import kept_facts
 from tuner.run.fit_study import STUDY, FitSettings
 from tuner.run.folder import RunFolder
 from tuner.run.identity import identity_of_run
@@ -63,7 +63,7 @@ def save(made: Made, path: Path, *, force: bool) -> Path:
     if path.exists() and not (force and path.is_dir()):
         if not path.is_dir() or any(path.iterdir()):
             raise ValueError(
-                f"{path} is there already; name another folder, or give force=True to replace "
+                f"{path} already exists; name another folder, or give force=True to replace "
                 "its files"
             )
         path.rmdir()
@@ -87,7 +87,7 @@ def _write(made: Made, folder: RunFolder) -> None:
         text = recipe.to_toml()
     except (PydanticSerializationError, TypeError) as error:
         raise ValueError(
-            f"the settings of this fit cannot be written down ({error}); give options of numbers, "
+            f"the settings of this fit cannot be written ({error}); give options of numbers, "
             "words and lists"
         ) from None
     assert text

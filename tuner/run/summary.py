@@ -8,10 +8,10 @@ import numpy as np
 from tuner.certificate.solution import Solution, Status, TunedParameter
 from tuner.certificate.table import range_in_words
 from tuner.problem.parameters import Fixed
+from tuner.run.fit_problem import Posed
 from tuner.run.front import words as traded
 from tuner.run.held_out import HeldOut
-from tuner.run.judged import Judged
-from tuner.run.posed import Posed
+from tuner.run.judgement import Judged
 from tuner.run.rescaled import Rescaled
 
 WORDS = {
@@ -100,10 +100,10 @@ def _worth(posed: Posed, judged: Judged) -> Iterator[str]:
 def _rescaled(found: Rescaled) -> str:
     """The common factor of all variances, which accuracy leaves open."""
     if found.reason:
-        return f"NIS {found.nis[0]:.3g}, and the variances are as they were found: {found.reason}"
+        return f"NIS {found.nis[0]:.3g}, variances not scaled: {found.reason}"
     return (
-        f"{', '.join(found.powers)} scaled together by {found.factor:.3g}, which leaves the "
-        f"estimates: NIS {found.nis[1]:.3g}, {found.nis[0]:.3g} before"
+        f"{', '.join(found.powers)} scaled together by {found.factor:.3g}, estimates "
+        f"unchanged: NIS {found.nis[1]:.3g}, {found.nis[0]:.3g} before"
     )
 
 

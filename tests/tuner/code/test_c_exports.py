@@ -146,7 +146,7 @@ def test_at_another_rate(cli, observer):
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("--to", "json", "--tunable"), "--precision and --tunable say how C is written"),
+        (("--to", "json", "--tunable"), "--precision and --tunable need --to c"),
         (("--to", "c", "--precision", "half"), "--precision is 'half'; give double or float"),
         (("--to", "c", "-o", "gyro.c"), "gyro.c is the name of the source; name the header"),
     ],
@@ -165,7 +165,7 @@ def test_code_of_other_numbers_is_refused(cli, observer):
     file.write_text(json.dumps(result))
     code, _, err = cli("export", "run", "--to", "c", "-o", "other.h")
     assert code == 2
-    assert "is not of this run's numbers; run it again" in err
+    assert "was not written by this run; run it again" in err
     assert not Path("other.h").exists()
 
 

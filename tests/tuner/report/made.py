@@ -4,7 +4,7 @@ import numpy as np
 
 from tuner.certificate.solution import Status
 from tuner.data.source import Source
-from tuner.report.kept import SCHEMA, Kept, KeptRecord, kept_pictures
+from tuner.report.report_json import SCHEMA, Kept, KeptRecord, kept_pictures
 from tuner.run.comparison import claim, number, undecided
 from tuner.run.figure import Chart, Line, Map
 from tuner.run.fit_record import DiagnosticsRecord, FitRecord, GainRecord, HeldOutRecord

@@ -11,8 +11,8 @@ from tests.tuner.report import made
 from tuner.report.axis import FULL, Axis
 from tuner.report.contours import contoured
 from tuner.report.drawing import drawn
-from tuner.report.kept import MOST
-from tuner.report.thinned import rounded, rows
+from tuner.report.report_json import MOST
+from tuner.report.thinning import rounded, rows
 
 floats = st.floats(-1e12, 1e12)
 

@@ -18,8 +18,8 @@ def test_use():
     grade, sentence = told(made.result())
     assert grade == "use"
     assert sentence == (
-        "On the last 449 samples, which tuning did not see, it does 13 to 19 % better than before, "
-        "its innovations are what it expects, and all starts agree."
+        "On the last 449 samples, not used for tuning, its error is 13 to 19 % smaller than "
+        "before, its innovations are consistent with its variances, and all starts agree."
     )
 
 
@@ -27,8 +27,8 @@ def test_use():
     ("changed", "words"),
     [
         ({"in_doubt": ["q", "R"]}, "q and R are not determined by this recording"),
-        ({"held_out": None}, "Nothing was held out to judge it on"),
-        ({"held_out": made.held_out((-0.04, 0.04))}, "nobody can tell whether tuning helps"),
+        ({"held_out": None}, "Nothing was held out for judging"),
+        ({"held_out": made.held_out((-0.04, 0.04))}, "it is not clear whether tuning helps"),
         (
             {"diagnostics": [made.diagnostics(), made.diagnostics(failed=["whiteness"])]},
             "The innovations are correlated",
@@ -44,8 +44,11 @@ def test_with_care(changed, words):
 @pytest.mark.parametrize(
     ("held", "words"),
     [
-        (made.held_out((-0.2, -0.1)), "it does worse than before"),
-        (made.held_out(over=(-0.2, -0.1)), "it does worse than no filter (the constant mean)"),
+        (made.held_out((-0.2, -0.1)), "its error is larger than before"),
+        (
+            made.held_out(over=(-0.2, -0.1)),
+            "its error is larger than without filter (the constant mean)",
+        ),
     ],
 )
 def test_what_harms_is_not_used(held, words):

@@ -16,7 +16,7 @@ from filters.declared import parameter_facts
 from tuner.data.sensor_units import told_as
 from tuner.data.unit_text import powers_of, raised, written
 from tuner.data.units import Unit
-from tuner.run.noise_told import noise_told
+from tuner.run.noise_table import noise_told
 from tuner.run.noises import noises
 
 

@@ -35,7 +35,7 @@ def test_what_is_left_is_as_by_hand():
     np.testing.assert_allclose(values(fit), values(by_hand), rtol=0.1)
     refused = fit.judged.refused
     assert abs(refused.refused - wrong.sum()) <= 2  # one beside the level may pass
-    assert f"{refused.refused} of {refused.numbers} numbers refused" in fit.summary()
+    assert f"{refused.refused} of {refused.numbers} numbers rejected" in fit.summary()
     assert fit.outputs.refused.sum() == refused.refused
 
 
@@ -48,7 +48,7 @@ def test_heavy_tails_move_little():
     assert (factors > 1).all()
     assert (factors < 1.6).all()  # t counts what is wrong as its tails, which widens them
     assert values(plain)[1] > 50 * values(by_hand)[1]
-    assert "numbers taken at less than half their weight" in fit.summary()
+    assert "numbers given less than half their weight" in fit.summary()
     assert abs(fit.judged.refused.refused - wrong.sum()) <= 3
 
 
@@ -80,7 +80,7 @@ def test_the_command_line_counts_what_is_refused(cli, here):
     count = int(np.load(here / "out" / "outputs.npz")["refused"].sum())
     assert abs(count - wrong.sum()) <= 2
     found = json.loads((here / "out" / "result.json").read_text())["fit"]
-    assert f"{count} of 399 numbers refused" in found["lines"][2]
+    assert f"{count} of 399 numbers rejected" in found["lines"][2]
     assert (found["refused"]["refused"], found["refused"]["numbers"]) == (count, 399)
 
 

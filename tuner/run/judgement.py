@@ -10,12 +10,12 @@ from objectives.in_numpy import Method, in_numpy
 from tuner.certificate.solution import Solution, Status
 from tuner.diagnostics import Diagnostics
 from tuner.problem.problem import Problem
-from tuner.run.careful import Refused, refused_of
 from tuner.run.diagnosed import diagnosed
+from tuner.run.fit_problem import NO_TRUTH, Posed
 from tuner.run.front import Trade
+from tuner.run.gate import Refused, refused_of
 from tuner.run.held_out import HeldOut
 from tuner.run.left_out import LeftOut
-from tuner.run.posed import NO_TRUTH, Posed
 from tuner.run.rescaled import Rescaled
 
 

@@ -95,13 +95,13 @@ def care_of(cls: type[Any], options: Mapping[str, Any]) -> tuple[Care, dict[str,
         asked["stretches"] = _number("stretches", asked["stretches"], "times the usual deviation")
         if asked["stretches"] < 2:
             raise ValueError(
-                f"stretches={asked['stretches']:g} leaves out what is right; give 3 to 7"
+                f"stretches={asked['stretches']:g} rejects correct measurements; give 3 to 7"
             )
     if "gate" in asked and "student" in asked:
         raise ValueError("gate and student guard against the same outliers; give one of them")
     if "patience" in asked:
         if not {"gate", "student"} & asked.keys():
-            raise ValueError("patience is how long a gate refuses; give --set gate=4 with it")
+            raise ValueError("patience needs a gate; give --set gate=4 with it")
         if not isinstance(asked["patience"], int) or isinstance(asked["patience"], bool):
             raise ValueError(f"patience is {asked['patience']!r}; give a whole number of samples")
     return Care(**asked), {name: v for name, v in options.items() if name not in asked}
@@ -199,11 +199,11 @@ class Refused:
     @property
     def words(self) -> str:
         """In a few words."""
-        what = "taken at less than half their weight" if self.weighed else "refused"
+        what = "given less than half their weight" if self.weighed else "rejected"
         told = f"{self.refused} of {self.numbers} numbers {what}"
         taken = self.outside - self.refused
         return told + (
-            f", {taken} more were taken to recover from as many in a row" if taken else ""
+            f", {taken} more accepted to recover after rejections in a row" if taken else ""
         )
 
 
@@ -222,7 +222,7 @@ def refused_of(outputs: Any) -> Refused | None:
         what = "have less than half their weight" if weighed else "lie outside the gate"
         wider = "--set student=10" if weighed else "--set gate=6"
         raise ValueError(
-            f"{outside} of {numbers} measured numbers {what}, so there is nothing left to tune "
-            f"by; give a wider one, as in {wider}, another --start, or none"
+            f"{outside} of {numbers} measured numbers {what}, so too few are left; "
+            f"give a wider one, as in {wider}, another --start, or none"
         )
     return Refused(refused, outside, numbers, weighed)

@@ -26,7 +26,7 @@ from tests.tuner import fit_cases as cases
 from tuner import Positive, Problem, Space
 from tuner.catalogue import find
 from tuner.run.fit import pose_on
-from tuner.run.searched import Wishes
+from tuner.run.search_space import Wishes
 from tuner.solvers.gradient import minimise
 
 NILE = Path(__file__).resolve().parents[3] / "shared" / "data" / "tuning_benchmarks" / "nile.csv"

@@ -19,9 +19,9 @@ from tuner.problem.exported import exported_of
 from tuner.problem.problem import Problem
 from tuner.problem.programs import run_filter
 from tuner.problem.space import Space
-from tuner.run.careful import NAMES, care_of, guarded, with_noise
+from tuner.run.gate import NAMES, care_of, guarded, with_noise
 from tuner.run.left_out import LeftOut, without_stretches
-from tuner.run.searched import Wishes, own_unit, sizes_of, space_of
+from tuner.run.search_space import Wishes, own_unit, sizes_of, space_of
 
 HEADING = frozenset(("mag", "gps", "gps_vel"))
 """Inputs that show a heading; without one an attitude is judged by its inclination."""
@@ -133,7 +133,9 @@ def _check_parts(name: str, fact: Channel, values: np.ndarray, timeline: Timelin
     parts = np.shape(values)[np.ndim(timeline.dt) :]
     if parts != ((len(fact.axes),) if fact.axes else ()):
         has = f"{parts[0]} parts" if parts else "one part"
-        needs = f"{len(fact.axes)}: {', '.join(fact.axes)}" if fact.axes else "one number a sample"
+        needs = (
+            f"{len(fact.axes)}: {', '.join(fact.axes)}" if fact.axes else "one number per sample"
+        )
         raise ValueError(f"{name} has {has}, and the filter takes {needs}")
 
 
@@ -203,7 +205,7 @@ def choose_objective(
     if len(timeline.truth) > 1:
         raise ValueError(
             f"there are truths for {' and '.join(timeline.truth)}, and a fit has one; give one, "
-            "for errors of different units do not add up"
+            "since errors in different units cannot be added"
         )
     output = next(iter(timeline.truth), "")
     chosen = wished or _by_what_there_is(name, cls, outputs.get(output), timeline)

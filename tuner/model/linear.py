@@ -47,7 +47,7 @@ def one_step(model: Model, at: Values, dt: Any) -> Step:
     return exact(matrix, noise, dt, nilpotent(A))
 
 
-class Straight(ModelFilter):
+class LinearFilter(ModelFilter):
     """The Kalman filter of a linear model; measurements are taken one after another."""
 
     def init(self, params: Any) -> ModelState:

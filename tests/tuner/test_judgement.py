@@ -41,7 +41,7 @@ def test_what_fails_is_told_in_the_summary():
     z[[50, 150, 250, 350]] += [30.0, -30.0, 30.0, -30.0]
     told = fitted(z).summary().splitlines()[2]
     assert "4 of 399 innovations lie beyond 4 deviations" in told
-    assert told.endswith("outliers; fit with --set gate=4, which refuses them")
+    assert told.endswith("outliers; fit with --set gate=4, which rejects them")
 
 
 def test_wrapped_angles_are_told_and_their_outliers_are_not():

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from tuner.data.description import in_parts
 from tuner.data.record import Record
-from tuner.report.thinned import rounded, rows
+from tuner.report.thinning import rounded, rows
 from tuner.run.figure import Chart, Drawn, Line, Map
 from tuner.run.fit_record import Recorded
 from tuner.run.shown import Part, Shown

@@ -149,7 +149,7 @@ def scale_of(cls: type[Any], timeline: Timeline) -> Scale:
     largest = float(np.nanmax(np.abs(columns)))
     if largest > LARGEST or 0 < largest < 1 / LARGEST:
         raise ValueError(
-            f"{name} reaches {largest:.3g}, which is no size to compute with; give it in another "
+            f"{name} reaches {largest:.3g}, too extreme to compute with; give it in another "
             f"unit, or a factor, as in {name}=COLUMN*1e-30"
         )
     # The median is not moved by outliers; that of squares of normal numbers is 0.455.
@@ -221,7 +221,7 @@ def _parameter(name: str, fact: Param, wishes: Wishes) -> Parameter:
         init = typical if low < typical < high else middle
     if not low <= init <= high or (kind is Bounded and init in (low, high)):
         raise ValueError(
-            f"{name} begins at {init:g}, which is not within its search of {low:g} to {high:g}; "
+            f"{name} begins at {init:g}, which is outside its search range of {low:g} to {high:g}; "
             "move the start, or its bound"
         )
     return kind(init, low, high, fact.unit, meaning=fact.meaning)

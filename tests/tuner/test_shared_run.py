@@ -173,8 +173,8 @@ def test_workers_end_with_the_process_that_started_them(here):
     """They are told by a pipe, which no way of dying leaves open."""
     code = (
         "import sys\n"
-        "from tuner.run.together import workers\n"
-        "import tuner.run.together, subprocess\n"
+        "from tuner.run.shared_run import workers\n"
+        "import tuner.run.shared_run, subprocess\n"
         "real = subprocess.Popen\n"
         "def popen(command, **options):\n"
         "    at = command.index('-c') + 2\n"

@@ -5,7 +5,7 @@ import pytest
 import scipy.signal
 from scipy import stats
 
-from tuner import chances
+from tuner import distributions
 from tuner.run.spectrum_figure import density
 
 X, DEGREES = np.array([0.01, 0.7, 3.0, 40.0]), np.array([1.0, 3.0, 30.0, 4.5])
@@ -14,32 +14,34 @@ SAME = {"rtol": 1e-12}
 
 def test_distributions_are_those_of_scipy() -> None:
     for ours, theirs in (
-        (chances.chi_square_below(X, DEGREES), stats.chi2.cdf(X, DEGREES)),
-        (chances.chi_square_above(X, DEGREES), stats.chi2.sf(X, DEGREES)),
-        (chances.student_above(X, DEGREES), stats.t.sf(X, DEGREES)),
-        (chances.normal_above(X), stats.norm.sf(X)),
-        (chances.kolmogorov_above(X), stats.kstwobign.sf(X)),
+        (distributions.chi_square_below(X, DEGREES), stats.chi2.cdf(X, DEGREES)),
+        (distributions.chi_square_above(X, DEGREES), stats.chi2.sf(X, DEGREES)),
+        (distributions.student_above(X, DEGREES), stats.t.sf(X, DEGREES)),
+        (distributions.normal_above(X), stats.norm.sf(X)),
+        (distributions.kolmogorov_above(X), stats.kstwobign.sf(X)),
     ):
         np.testing.assert_allclose(ours, theirs, **SAME)
     for share in (0.025, 0.5, 0.975):
         np.testing.assert_allclose(
-            chances.chi_square_at(share, DEGREES), stats.chi2.ppf(share, DEGREES), **SAME
+            distributions.chi_square_at(share, DEGREES), stats.chi2.ppf(share, DEGREES), **SAME
         )
-        np.testing.assert_allclose(chances.student_at(share, 9), stats.t.ppf(share, 9), atol=1e-12)
+        np.testing.assert_allclose(
+            distributions.student_at(share, 9), stats.t.ppf(share, 9), atol=1e-12
+        )
 
 
 @pytest.mark.parametrize("count", [-1, 0, 3, 9, 10])
 def test_chance_of_more_is_the_binomial_one(count: int) -> None:
     np.testing.assert_allclose(
-        chances.more_than(count, 10, 0.2), stats.binom.sf(count, 10, 0.2), **SAME
+        distributions.more_than(count, 10, 0.2), stats.binom.sf(count, 10, 0.2), **SAME
     )
 
 
 def test_ranks_and_tails_are_those_of_scipy() -> None:
     values = np.random.default_rng(1).standard_t(4, 200).round(1)
-    assert chances.ranks(values).tolist() == stats.rankdata(values).tolist()
+    assert distributions.ranks(values).tolist() == stats.rankdata(values).tolist()
     theirs = stats.kurtosistest(values, alternative="greater").pvalue
-    np.testing.assert_allclose(chances.heavy_tails(values), theirs, **SAME)
+    np.testing.assert_allclose(distributions.heavy_tails(values), theirs, **SAME)
 
 
 @pytest.mark.parametrize("length", [64, 65])

@@ -12,7 +12,7 @@ from tests.tuner import fit_cases as cases
 from tuner.catalogue import find, names
 from tuner.problem.parameters import Bounded, Fixed, Positive
 from tuner.run.fit import pose_on
-from tuner.run.searched import Wishes
+from tuner.run.search_space import Wishes
 
 
 def posed(cls, *records, **wishes):

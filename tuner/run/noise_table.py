@@ -20,7 +20,7 @@ _SHOWN = 3  # a matrix of more states has too many numbers to be read
 def noise_told(
     filter: Any, values: Mapping[str, Any], units: Mapping[str, str]
 ) -> Iterator[Finding]:
-    """Every noise as variance a sample, density and deviation, and as data sheets tell it.
+    """Every noise as variance a sample, density and deviation, and in data sheet units.
 
     Args:
         filter: the filter, for its sample time.
@@ -37,9 +37,13 @@ def _process(noise: Noise, dt: float, at: str) -> Iterator[Finding]:
     entered = noise.square * dt
     unit = per(noise.powers, "s", -1) if noise.powers else {}
     root = written(raised(unit, 0.5))
-    yield Finding(f"{noise.name}.variance", entered, written(unit), f"enters in a sample {at}")
+    yield Finding(
+        f"{noise.name}.variance", entered, written(unit), f"process noise per sample {at}"
+    )
     yield Finding(f"{noise.name}.density", noise.square, written(noise.powers), noise.fact.meaning)
-    yield Finding(f"{noise.name}.deviation", float(np.sqrt(entered)), root, "of a sample's")
+    yield Finding(
+        f"{noise.name}.deviation", float(np.sqrt(entered)), root, "of the process noise per sample"
+    )
     for told in told_as(noise.fact.sensor):
         value, name = float(np.sqrt(noise.square)) * told.factor, told.name or told.unit
         yield Finding(f"{noise.name}.{name}", value, told.unit, f"{noise.fact.sensor}, as a root")
@@ -50,10 +54,10 @@ def _sampled(noise: Noise, dt: float, at: str) -> Iterator[Finding]:
     yield Finding(f"{noise.name}.variance", noise.square, unit, noise.fact.meaning)
     if noise.kind == "variance":
         density = written(per(noise.powers, "Hz")) if noise.powers else ""
-        told = f"the same as white noise with a sample {at}: over the rate"
+        told = f"white noise sampled {at}: variance over the rate"
         yield Finding(f"{noise.name}.density", noise.square * dt, density, told)
     root = written(raised(noise.powers, 0.5))
-    yield Finding(f"{noise.name}.deviation", deviation, root, "of a sample")
+    yield Finding(f"{noise.name}.deviation", deviation, root, "of a measurement")
 
 
 def gains_told(derived: Iterable[Quantity]) -> Iterator[Finding]:

@@ -14,7 +14,7 @@ from tuner.model.evaluate import Values
 from tuner.model.exact import Step
 from tuner.model.expression import ZERO
 from tuner.model.filter import ModelFilter, ModelState, held_of, inputs_now, noisy, start, values
-from tuner.model.straight import driving_names, one_step
+from tuner.model.linear import driving_names, one_step
 
 
 class Known(NamedTuple):
@@ -127,7 +127,7 @@ def _around(F: Array, Q: Array) -> Array:
     return matmul(matmul(F, Q), F.T)
 
 
-class Bent(ModelFilter):
+class NonlinearFilter(ModelFilter):
     """A filter that linearises its model, or follows sigma points through it."""
 
     def init(self, params: Any) -> ModelState:
