@@ -10,7 +10,15 @@ from jax import Array
 
 from filters.protocol import AnyFilter, over_time
 from filters.small_linalg import contracted, matmul
-from filters.unbroken import AFFINE, BENT, KNOWN, Step, dependence, needed, unbroken
+from filters.without_missing import (
+    AFFINE,
+    KNOWN,
+    NONLINEAR,
+    Step,
+    dependence,
+    needed,
+    without_missing,
+)
 
 Wanted: TypeAlias = Callable[[Any], Any]
 """A function of a sample's outputs."""
@@ -23,7 +31,7 @@ class Parts(NamedTuple):
         step: of the filter, for samples in which nothing is missing.
         moved: which leaves of the state follow the samples, by formulas that are linear in them;
             the others, covariances above all, follow from themselves.
-        outputs: of each leaf of the outputs ``KNOWN`` or ``AFFINE``; ``BENT`` where it is not
+        outputs: of each leaf of the outputs ``KNOWN`` or ``AFFINE``; ``NONLINEAR`` where it is not
             wanted.
         state: the shapes of a state.
         sample: of a sample's inputs.
@@ -79,7 +87,7 @@ def parts_of(filter: AnyFilter, params: Any, sample: Any, wanted: Wanted) -> Par
     (True, False, False)
     """
     state = jax.eval_shape(filter.init, params)
-    step = unbroken(filter.step, params, state, sample)
+    step = without_missing(filter.step, params, state, sample)
     closed, (after, output) = jax.make_jaxpr(step, return_shape=True)(params, state, sample)
     numbers = [_number(leaf) for leaf in jax.tree.leaves(sample)]
     begin = [KNOWN] * len(jax.tree.leaves(params))
@@ -92,9 +100,9 @@ def parts_of(filter: AnyFilter, params: Any, sample: Any, wanted: Wanted) -> Par
         moved = more
     used = needed(jax.make_jaxpr(wanted)(output))
     told = list(zip(used, kinds[len(moved) :], strict=True))
-    if len(set(moved)) < 2 or BENT in kinds[: len(moved)] or (True, BENT) in told:
+    if len(set(moved)) < 2 or NONLINEAR in kinds[: len(moved)] or (True, NONLINEAR) in told:
         return None
-    outputs = tuple(kind if own else BENT for own, kind in told)
+    outputs = tuple(kind if own else NONLINEAR for own, kind in told)
     return Parts(step, tuple(map(bool, moved)), outputs, state, sample, output)
 
 
@@ -196,7 +204,7 @@ def in_rows(system: Settled, row: int) -> Rows:
 
 
 def _number(leaf: Any) -> int:
-    return AFFINE if jnp.issubdtype(leaf.dtype, jnp.floating) else BENT
+    return AFFINE if jnp.issubdtype(leaf.dtype, jnp.floating) else NONLINEAR
 
 
 def _size(leaves: list[Any]) -> int:

@@ -13,7 +13,7 @@ from filters.invariant import invariant
 from filters.protocol import AnyFilter, over_time
 from filters.settled import Parts, Rows, in_rows, parts_of, settled
 from filters.small_linalg import matmul
-from filters.unbroken import unbroken
+from filters.without_missing import without_missing
 
 Terms: TypeAlias = Callable[[Any, Any], Any]
 """From a sample's outputs and its truth to numbers that are summed up over time."""
@@ -105,7 +105,7 @@ def summed(
         return None
     state, (sample, truth) = inner.init(params), jax.tree.map(lambda leaf: leaf[0], data)
     output = jax.eval_shape(inner.step, params, state, sample)[1]
-    whole = unbroken(lambda _, output, truth: terms(output, truth), (), output, truth)
+    whole = without_missing(lambda _, output, truth: terms(output, truth), (), output, truth)
     parts = parts_of(inner, params, sample, lambda output: whole((), output, truth))
     if parts is None:
         return None

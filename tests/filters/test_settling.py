@@ -26,7 +26,7 @@ from filters import (
     joined,
     summed,
 )
-from filters.unbroken import unbroken
+from filters.without_missing import without_missing
 from objectives import Data, InnovationLikelihood, score, score_and_gradient
 from tests.oracles import Model, kalman_nats
 
@@ -240,6 +240,6 @@ def test_short_records_are_taken_one_by_one():
     ],
 )
 def test_questions_of_missing_numbers_are_answered(asked):
-    once = unbroken(lambda p, s, u: (s, asked(u)), 0.0, 0.0, jnp.ones(2))
+    once = without_missing(lambda p, s, u: (s, asked(u)), 0.0, 0.0, jnp.ones(2))
     assert " ne " not in str(jax.make_jaxpr(once)(0.0, 0.0, jnp.ones(2)))
     np.testing.assert_array_equal(once(0.0, 0.0, jnp.array([3.0, -1.0]))[1], [3.0, -1.0])

@@ -30,7 +30,7 @@ _PRODUCTS = {"mul", "dot_general"}
 _CALLS = {"jit": "jaxpr", "closed_call": "call_jaxpr", "core_closed_call": "call_jaxpr"} | {
     f"custom_{kind}_call": "call_jaxpr" for kind in ("jvp", "vjp")
 }
-KNOWN, AFFINE, BENT = range(3)
+KNOWN, AFFINE, NONLINEAR = range(3)
 """How a number follows from a state and a sample: not at all; by a formula a x + b whose a and b
 depend on neither; in any other way."""
 
@@ -50,7 +50,7 @@ class _Value(NamedTuple):
     sampled: bool = False
 
 
-def unbroken(step: Step, params: Any, state: Any, sample: Any) -> Step:
+def without_missing(step: Step, params: Any, state: Any, sample: Any) -> Step:
     """A step for samples without a missing number: what it asks of NaN in them is answered.
 
     Args:
@@ -63,14 +63,14 @@ def unbroken(step: Step, params: Any, state: Any, sample: Any) -> Step:
         A step for arguments of the same shapes.
 
     >>> step = lambda p, s, u: (jnp.where(jnp.isnan(u), s, p * u), s)
-    >>> once = unbroken(step, 1.0, 1.0, 1.0)
+    >>> once = without_missing(step, 1.0, 1.0, 1.0)
     >>> print(jax.make_jaxpr(once)(1.0, 1.0, 1.0))
     { lambda ; a:f64[] b:f64[] c:f64[]. let d:f64[] = mul a c in (d, b) }
     """
     closed, shapes = jax.make_jaxpr(step, return_shape=True)(params, state, sample)
     tree = jax.tree.structure(shapes)
 
-    def without(params: Any, state: Any, sample: Any) -> tuple[Any, Any]:
+    def complete(params: Any, state: Any, sample: Any) -> tuple[Any, Any]:
         given = [_Value(leaf, fixed=True) for leaf in jax.tree.leaves(params)]
         given += [_Value(leaf) for leaf in jax.tree.leaves(state)]
         given += [_Value(leaf, sampled=True) for leaf in jax.tree.leaves(sample)]
@@ -78,11 +78,11 @@ def unbroken(step: Step, params: Any, state: Any, sample: Any) -> Step:
         result: tuple[Any, Any] = jax.tree.unflatten(tree, found)
         return result
 
-    return without
+    return complete
 
 
 def dependence(closed: ClosedJaxpr, given: Iterable[int]) -> list[int]:
-    """How the results of a formula follow from what is given: ``KNOWN``, ``AFFINE`` or ``BENT``.
+    """How results follow from what is given: ``KNOWN``, ``AFFINE`` or ``NONLINEAR``.
 
     Args:
         closed: the formula, without calls in it.
@@ -123,7 +123,7 @@ def _kind(eqn: JaxprEqn, operands: list[int]) -> int:
         or (name == "select_n" and operands[0] == KNOWN)
         or (name in ("dynamic_slice", "gather") and others_known and operands[0] == AFFINE)
     )
-    return AFFINE if straight else BENT
+    return AFFINE if straight else NONLINEAR
 
 
 def _evaluated(closed: ClosedJaxpr, given: list[_Value]) -> list[_Value]:
