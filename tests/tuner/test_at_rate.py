@@ -215,7 +215,7 @@ def test_an_own_class_has_it_from_its_linear_model(rate):
 @pytest.mark.parametrize(
     ("cls", "options", "words"),
     [
-        (Own, {"per_sample": True}, "the process noise of Own is a covariance of samples at 10 Hz"),
+        (Own, {"per_sample": True}, "the process noise of Own does not depend on dt"),
         (Bare, {}, "Bare has no method linear, so its numbers hold only for"),
         (Timeless, {}, "Timeless has no sample time, so its numbers hold only at their own rate"),
     ],

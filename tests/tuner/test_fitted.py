@@ -195,9 +195,9 @@ def test_nothing_is_overwritten_unasked(here, fit, monkeypatch):
     Path("full").mkdir()
     (Path("full") / "mine.txt").write_text("mine")
     before = snapshot(here)
-    with pytest.raises(ValueError, match=r"full is there already; .* give force=True"):
+    with pytest.raises(ValueError, match=r"full already exists; .* give force=True"):
         fit.save("full")
-    with pytest.raises(ValueError, match="is there already"):
+    with pytest.raises(ValueError, match="already exists"):
         fit.save("full/mine.txt", force=True)
     assert snapshot(here) == before
     # A folder that cannot be finished leaves nothing.
