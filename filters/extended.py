@@ -72,6 +72,7 @@ class ExtendedKalman:
         angles: which measurements are angles in rad, one word for each; z - h(x) of these is taken
             within half a turn. Empty where none is.
 
+    >>> import jax.numpy as jnp
     >>> def still(p, x, u):
     ...     return x
     >>> filter = ExtendedKalman(still, lambda p, x, u: p * jnp.eye(1), measure=still)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, TypeAlias
 
 import jax
 import numpy as np
@@ -15,6 +15,10 @@ from objectives.in_numpy.places import PLACES
 
 Evaluate = Callable[..., Any]
 """From an operation's NumPy arrays, and its parameters by name, to one result or several."""
+
+
+Orders: TypeAlias = dict[frozenset[str], list[str]]
+"""The order of results' names, for each set of names."""
 
 
 class _UnknownError(Exception):
@@ -53,42 +57,44 @@ def in_numpy(function: Callable[..., Any], *arguments: Any) -> Any:
     >>> in_numpy(lambda a: {"root": jnp.sqrt(a)}, np.array([4.0, 9.0]))
     {'root': array([2., 3.])}
     """
-    jitted, order = _jitted(function)
+    jitted, orders = _jitted(function)
     try:
         traced = jitted.trace(*arguments)
     except (jax.errors.JAXTypeError, jax.errors.JAXIndexError):
         found = function(*arguments)
-        return _in_order(jax.tree.map(np.asarray, found), [*found] if _named(found) else [])
+        return _in_order(jax.tree.map(np.asarray, found), _order(found))
     closed, shapes = traced.jaxpr, traced.out_info
     leaves = [np.asarray(leaf) for leaf in jax.tree.leaves(arguments)]
     try:
         with np.errstate(all="ignore"):
             found = _evaluated(closed.jaxpr, closed.consts, leaves)
     except _UnknownError:
-        return _in_order(jax.tree.map(np.asarray, jitted(*arguments)), order)
-    return _in_order(jax.tree.unflatten(jax.tree.structure(shapes), found), order)
+        return _in_order(jax.tree.map(np.asarray, jitted(*arguments)), orders)
+    return _in_order(jax.tree.unflatten(jax.tree.structure(shapes), found), orders)
 
 
 @lru_cache(maxsize=256)
-def _jitted(function: Callable[..., Any]) -> tuple[Any, list[str]]:
-    """The function to be traced, and the order of its results' names, once it was."""
-    order: list[str] = []
+def _jitted(function: Callable[..., Any]) -> tuple[Any, Orders]:
+    """The function to be traced, and the order of its results' names, known once it was."""
+    orders: Orders = {}
 
     def called(*arguments: Any) -> Any:
         found = function(*arguments)
-        order[:] = found if _named(found) else []
+        orders.update(_order(found))
         return found
 
-    return jax.jit(called), order
+    return jax.jit(called), orders
 
 
-def _named(found: Any) -> bool:
-    return type(found) is dict
+def _order(found: Any) -> Orders:
+    return {frozenset(found): [*found]} if type(found) is dict else {}
 
 
-def _in_order(found: Any, order: list[str]) -> Any:
+def _in_order(found: Any, orders: Orders) -> Any:
     """Results in the order of their function; JAX sorts their names."""
-    return {name: found[name] for name in order} if _named(found) and order else found
+    if type(found) is not dict:
+        return found
+    return {name: found[name] for name in orders.get(frozenset(found), found)}
 
 
 def _evaluated(jaxpr: Any, consts: Sequence[Any], given: Sequence[np.ndarray]) -> list[np.ndarray]:

@@ -82,7 +82,10 @@ def noise(values: Mapping[str, Any]) -> TiltNoise:
 
 
 def outputs(
-    filter: TiltKalman, inputs: TiltSample, parameters: TiltNoise, beside: Recordings
+    filter: TiltKalman,
+    inputs: TiltSample,
+    parameters: TiltNoise,
+    beside: Recordings | None = None,
 ) -> TiltOutputs:
     """A filter's outputs over a record, run in the shape of others to share their compilation.
 
@@ -92,23 +95,30 @@ def outputs(
         filter: the filter.
         inputs: of one record.
         parameters: the filter's.
-        beside: the records whose shape it takes, where they are as long.
+        beside: the records whose shape it takes, where they are as long; None: its own.
     """
     samples = len(inputs.gyr)
-    missing = max(len(beside.truth) - samples, 0)
+    count, length = (1, samples) if beside is None else (beside.count, len(beside.truth))
+    missing = max(length - samples, 0)
 
     def lanes(leaf: Array) -> np.ndarray:
         one = np.asarray(leaf)
         longer = np.concatenate([one, np.repeat(one[-1:], missing, axis=0)])
-        return np.repeat(longer[:, None], beside.count, axis=1)
+        return np.repeat(longer[:, None], count, axis=1)
 
-    found = run_filter(Lanes(filter, beside.count), parameters, jax.tree.map(lanes, inputs))
+    found = run_filter(Lanes(filter, count), parameters, jax.tree.map(lanes, inputs))
     first: TiltOutputs = jax.tree.map(lambda leaf: np.asarray(leaf)[:samples, 0], found)
     return first
 
 
-def errors(filter: TiltKalman, inputs: TiltSample, beside: Recordings) -> AngleErrors:
-    """S and M of (12) with the paper's parameters, where the true attitude is zero."""
+def errors(filter: TiltKalman, inputs: TiltSample, beside: Recordings | None = None) -> AngleErrors:
+    """S and M of (12) with the paper's parameters, where the true attitude is zero.
+
+    Args:
+        filter: the filter.
+        inputs: of one record.
+        beside: see :func:`outputs`.
+    """
     angles = outputs(filter, inputs, noise({}), beside).angles
     found: AngleErrors = _angle_errors(angles, np.zeros_like(angles))
     return found

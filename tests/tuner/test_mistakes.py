@@ -479,7 +479,7 @@ def test_an_objective_that_is_no_key():
         def __call__(self, outputs, truth):
             return mean_square(outputs, truth)
 
-    with pytest.raises(ValueError, match="the field weights of Weighed holds a list"):
+    with pytest.raises(ValueError, match="the field weights of Weighed is a list"):
         posed(linear(), objective=Weighed([1.0]), data=tuner.Data(nine(), np.zeros((9, 2))))
 
 

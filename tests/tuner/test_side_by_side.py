@@ -135,8 +135,10 @@ def threads_of_libraries():
 
 def test_linear_algebra_has_one_thread_within_a_search_and_its_own_again_after_it():
     with ThreadpoolController().select(user_api="blas").limit(limits=2):
+        before = threads_of_libraries()  # some libraries never have more than one
+        assert 2 in before
         with blas_on_one_thread():
             assert threads_of_libraries() == {1}
             with blas_on_one_thread():  # of another search that begins meanwhile
                 assert threads_of_libraries() == {1}
-        assert threads_of_libraries() == {2}
+        assert threads_of_libraries() == before

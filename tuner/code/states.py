@@ -64,7 +64,8 @@ def _drawn(
     empty = (
         (draw.random(near.shape) < 1 / 2) & (draw.random(count) < _SPARSE)[axes] & (far[axes] > 0)
     )
-    found = (near + moved * size * draw.normal(size=near.shape)) * whole * each
+    with np.errstate(over="ignore", invalid="ignore"):  # what is no number is not tried
+        found = (near + moved * size * draw.normal(size=near.shape)) * whole * each
     return np.where(empty, 0.0, found)
 
 

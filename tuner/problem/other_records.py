@@ -41,5 +41,5 @@ def mean_on(problem: Problem, parameters: Mapping[str, Any], data: Data) -> floa
         which = slice(first, first + count)
         part = jax.tree.map(lambda leaf, at=which: np.asarray(leaf)[:, at], data)
         static = problem.static._replace(filter=replace(problem.filter, count=count))
-        total += count * float(value_of(static, problem.space.start(), values, True, part))
+        total += count * float(value_of(static, problem.space.start(), values, np.True_, part))
     return float(total / records)
