@@ -1,5 +1,6 @@
 """The operations of a traced function, one after another, by NumPy."""
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -17,6 +18,10 @@ Evaluate = Callable[..., Any]
 """From an operation's NumPy arrays, and its parameters by name, to one result or several."""
 
 
+OFTEN = 100_000
+"""Operations from which a function would have been compiled in less time."""
+LOOP = 10
+"""Passes that are counted of a loop of unknown length."""
 Orders: TypeAlias = dict[frozenset[str], list[str]]
 """The order of results' names, for each set of names."""
 
@@ -47,7 +52,8 @@ def in_numpy(function: Callable[..., Any], *arguments: Any) -> Any:
     """A JAX function's result, in NumPy's arrays, without compiling anything.
 
     Numbers differ from those of ``jax.jit`` by rounding alone. A function that cannot be traced is
-    called as it is, and one with an operation that is not known here is compiled.
+    called as it is. One with an operation that is not known here is compiled, and so is one of
+    which calls with the same shapes have taken 100 000 operations.
 
     Args:
         function: of arrays and tuples of such; equal ones are traced once.
@@ -57,13 +63,16 @@ def in_numpy(function: Callable[..., Any], *arguments: Any) -> Any:
     >>> in_numpy(lambda a: {"root": jnp.sqrt(a)}, np.array([4.0, 9.0]))
     {'root': array([2., 3.])}
     """
-    jitted, orders = _jitted(function)
+    jitted, orders, taken = _jitted(function)
     try:
         traced = jitted.trace(*arguments)
     except (jax.errors.JAXTypeError, jax.errors.JAXIndexError):
         found = function(*arguments)
         return _in_order(jax.tree.map(np.asarray, found), _order(found))
     closed, shapes = traced.jaxpr, traced.out_info
+    taken[closed] += 1
+    if taken[closed] * _operations(closed) > OFTEN:
+        return _in_order(jax.tree.map(np.asarray, jitted(*arguments)), orders)
     leaves = [np.asarray(leaf) for leaf in jax.tree.leaves(arguments)]
     try:
         with np.errstate(all="ignore"):
@@ -74,8 +83,8 @@ def in_numpy(function: Callable[..., Any], *arguments: Any) -> Any:
 
 
 @lru_cache(maxsize=256)
-def _jitted(function: Callable[..., Any]) -> tuple[Any, Orders]:
-    """The function to be traced, and the order of its results' names, known once it was."""
+def _jitted(function: Callable[..., Any]) -> tuple[Any, Orders, Counter[Any]]:
+    """The function to be traced, the order of its results' names, and its calls by trace."""
     orders: Orders = {}
 
     def called(*arguments: Any) -> Any:
@@ -83,7 +92,24 @@ def _jitted(function: Callable[..., Any]) -> tuple[Any, Orders]:
         orders.update(_order(found))
         return found
 
-    return jax.jit(called), orders
+    return jax.jit(called), orders, Counter()
+
+
+@lru_cache(maxsize=256)
+def _operations(program: Any) -> int:
+    """About how many operations a traced program takes."""
+    count = 0
+    for equation in getattr(program, "jaxpr", program).eqns:
+        params = equation.params
+        passes = params.get("length", LOOP if equation.primitive.name == "while" else 1)
+        held = [each for value in params.values() for each in _several(value)]
+        inner = [each for each in held if hasattr(each, "eqns") or hasattr(each, "jaxpr")]
+        count += 1 + passes * sum(map(_operations, inner))
+    return count
+
+
+def _several(value: Any) -> tuple[Any, ...]:
+    return tuple(value) if isinstance(value, tuple | list) else (value,)
 
 
 def _order(found: Any) -> Orders:

@@ -12,7 +12,7 @@ from jax import Array
 
 from filters import ConstantAcceleration, ConstantAccelerationNoise
 from objectives import care, dare
-from objectives.in_numpy import Method, in_numpy
+from objectives.in_numpy import Method, evaluate, in_numpy
 from objectives.in_numpy.evaluate import KNOWN
 
 A = np.random.default_rng(0).standard_normal((4, 4)) / 2
@@ -178,3 +178,14 @@ def test_missing_numbers_stay_missing() -> None:
 
 def test_a_matrix_without_a_factor_has_none() -> None:
     assert np.isnan(in_numpy(jnp.linalg.cholesky, -np.eye(2))[np.tril_indices(2)]).all()
+
+
+def test_what_is_called_often_is_compiled(monkeypatch):
+    def root(a):
+        return {"root": jnp.sqrt(a), "a": a}
+
+    monkeypatch.setattr(evaluate, "OFTEN", 4)
+    compiled = evaluate._jitted(root)[0]
+    for calls in range(1, 7):
+        assert [*in_numpy(root, np.array(4.0)).items()] == [("root", 2.0), ("a", 4.0)]
+        assert compiled._cache_size() == (calls > 4)
