@@ -25,9 +25,7 @@ def main(arguments: list[str]) -> int:
     install("constraints-dev.txt" if testing else "constraints.txt")
     if testing:
         # One process per file: what its tests share is computed once.
-        # In the order of their folders: the many short examples come last, and no processor idles.
-        by_file = ("-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder")
-        pytest = (PYTHON, "-m", "pytest", *by_file)
+        pytest = (PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadfile")
         return call(*pytest, *arguments[1:], folder=ROOT)
     return call(BIN / "tuner", *(arguments or ["--help"]), folder=Path.cwd())
 
