@@ -1,9 +1,14 @@
 """Trials that several processes make: exact totals, lost processes, lost databases."""
 
+import contextlib
+import sqlite3
+import subprocess
+import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import optuna
@@ -20,7 +25,7 @@ from tuner.problem.problem import Problem
 from tuner.problem.space import Space
 from tuner.solvers import Ipopt, NelderMead, Sampler
 from tuner.solvers.starts import SharedStarts
-from tuner.trials.database import DatabaseError, without_password
+from tuner.trials.database import DatabaseError, merge_log, without_password
 from tuner.trials.numbered import Numbered
 from tuner.trials.search import opened
 
@@ -236,3 +241,22 @@ def test_no_password_is_shown():
         Sampler("tpe", seed=0, storage=f"{url}?connect_timeout=1", trials=1)(problem(bowl))
     assert "secret" not in str(raised.value)
     assert "\n" not in str(raised.value)
+
+
+def test_the_log_of_a_killed_process_is_brought_into_its_file(tmp_path):
+    file = tmp_path / "trials.sqlite3"
+    code = (
+        "import os, sqlite3, sys\n"
+        "file = sqlite3.connect(sys.argv[1])\n"
+        "file.execute('PRAGMA journal_mode=WAL')\n"
+        "file.execute('create table kept (n)')\n"
+        "file.execute('insert into kept values (7)')\n"
+        "file.commit()\n"
+        "os._exit(0)\n"
+    )
+    subprocess.run([sys.executable, "-c", code, file], check=True)
+    assert Path(f"{file}-wal").exists()
+    merge_log(f"sqlite:///{file}")
+    assert [each.name for each in tmp_path.iterdir()] == [file.name]
+    with contextlib.closing(sqlite3.connect(file)) as left:
+        assert left.execute("select n from kept").fetchall() == [(7,)]

@@ -22,7 +22,7 @@ from tuner.names import unknown
 from tuner.run.progress import key_of
 from tuner.run.sharing import help_with, number_of, parts, solved, told_by
 from tuner.run.study import Plan, Solutions, Task
-from tuner.trials.database import close, open_storage, told
+from tuner.trials.database import close, merge_log, open_storage, told
 from tuner.trials.search import POLL, Trials
 
 LARGEST_RECIPE = 10_000_000
@@ -143,6 +143,7 @@ def workers(count: int, url: str, name: str, words: Sequence[str]) -> Iterator[N
                 each.stdin.close()  # the leash
         for each in started:
             _ended(each)
+        merge_log(url)
 
 
 def _ended(process: "subprocess.Popen[bytes]") -> None:

@@ -7,6 +7,7 @@ import time
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING, Any
 
@@ -130,20 +131,37 @@ def _opened(url: str) -> "optuna.storages.RDBStorage":
 
 def _write_ahead(url: str) -> None:
     """Let a SQLite file keep its log beside it from the first table on."""
-    from sqlalchemy.engine import make_url
-
-    if not url.startswith("sqlite"):
-        return
-    file = make_url(url).database
-    if file in (None, "", ":memory:") or str(file).startswith("file:"):
+    if not (file := _sqlite_file(url)):
         return
     try:
-        with contextlib.closing(sqlite3.connect(str(file), timeout=PATIENCE)) as connection:
+        with contextlib.closing(sqlite3.connect(file, timeout=PATIENCE)) as connection:
             connection.execute("PRAGMA journal_mode=WAL")
     except sqlite3.OperationalError:
         pass  # what it is will be told as it is opened
     except sqlite3.DatabaseError as error:  # another file: SQLAlchemy would leave it open
         raise DatabaseError(f"the database of --storage cannot be used: {error}") from None
+
+
+def merge_log(url: str) -> None:
+    """Bring the log beside a SQLite file into it, which a process that was killed left there."""
+    file = _sqlite_file(url)
+    if not file or not Path(f"{file}-wal").exists():
+        return
+    with (
+        contextlib.suppress(sqlite3.DatabaseError),  # it stays beside the file, and nothing is lost
+        contextlib.closing(sqlite3.connect(file, timeout=1)) as connection,
+    ):
+        connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+
+
+def _sqlite_file(url: str) -> str:
+    """The path of a SQLite file; "" for other databases and for memory."""
+    from sqlalchemy.engine import make_url
+
+    if not url.startswith("sqlite"):
+        return ""
+    file = make_url(url).database or ""
+    return "" if file == ":memory:" or file.startswith("file:") else file
 
 
 def _engine(url: str) -> dict[str, Any]:
