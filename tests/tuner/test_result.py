@@ -247,6 +247,14 @@ def test_unknown_entries_are_refused(tmp_path):
         result(schema="tuner.result/2")
 
 
+def test_tuned_values_without_a_solution_are_refused(tmp_path):
+    plain = json.loads(result().to_json())
+    changed = plain | {"tuned": [{"name": "gyro"}], "solutions": []}
+    (tmp_path / "result.json").write_text(json.dumps(changed))
+    with pytest.raises(ValueError, match=r"the file: tuned values, and no solution they come from"):
+        read_result(tmp_path)
+
+
 def test_no_result(tmp_path):
     for path in (tmp_path, tmp_path / "nowhere"):
         sentence = f"{path} holds no result.json; give the folder of a finished run"

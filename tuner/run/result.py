@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
 
 from tuner.certificate.solution import Certificate, Solution, Starts, Status, TunedParameter
 from tuner.data.source import Source
@@ -206,6 +207,12 @@ class Result(Recorded):
     code: list[CodeRecord] = Field([], description="what is exported as C")
     identity: dict[str, str] = Field({}, description="digests of settings, data and code")
     not_drawn: list[str] = Field([], description="figures that could not be drawn, and why")
+
+    @model_validator(mode="after")
+    def _tuned_by_something(self) -> "Result":
+        if self.tuned and not self.solutions:
+            raise PydanticCustomError("no_solution", "tuned values, and no solution they come from")
+        return self
 
     def to_json(self) -> str:
         """JSON text; infinite numbers become null."""
