@@ -1,6 +1,5 @@
 """The operations of a traced function, one after another, by NumPy."""
 
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -24,6 +23,8 @@ LOOP = 10
 """Passes that are counted of a loop of unknown length."""
 Orders: TypeAlias = dict[frozenset[str], list[str]]
 """The order of results' names, for each set of names."""
+Taken: TypeAlias = dict[Any, tuple[int, int]]
+"""The operations of a call, and of all calls so far, for each trace."""
 
 
 class _UnknownError(Exception):
@@ -70,8 +71,9 @@ def in_numpy(function: Callable[..., Any], *arguments: Any) -> Any:
         found = function(*arguments)
         return _in_order(jax.tree.map(np.asarray, found), _order(found))
     closed, shapes = traced.jaxpr, traced.out_info
-    taken[closed] += 1
-    if taken[closed] * _operations(closed) > OFTEN:
+    each, so_far = taken.get(closed) or (_operations(closed), 0)
+    taken[closed] = each, so_far + each
+    if so_far + each > OFTEN:
         return _in_order(jax.tree.map(np.asarray, jitted(*arguments)), orders)
     leaves = [np.asarray(leaf) for leaf in jax.tree.leaves(arguments)]
     try:
@@ -82,9 +84,9 @@ def in_numpy(function: Callable[..., Any], *arguments: Any) -> Any:
     return _in_order(jax.tree.unflatten(jax.tree.structure(shapes), found), orders)
 
 
-@lru_cache(maxsize=256)
-def _jitted(function: Callable[..., Any]) -> tuple[Any, Orders, Counter[Any]]:
-    """The function to be traced, the order of its results' names, and its calls by trace."""
+@lru_cache(maxsize=64)  # those of some fifteen fits
+def _jitted(function: Callable[..., Any]) -> tuple[Any, Orders, Taken]:
+    """The function to be traced, the order of its results' names, and the operations it took."""
     orders: Orders = {}
 
     def called(*arguments: Any) -> Any:
@@ -92,10 +94,9 @@ def _jitted(function: Callable[..., Any]) -> tuple[Any, Orders, Counter[Any]]:
         orders.update(_order(found))
         return found
 
-    return jax.jit(called), orders, Counter()
+    return jax.jit(called), orders, {}
 
 
-@lru_cache(maxsize=256)
 def _operations(program: Any) -> int:
     """About how many operations a traced program takes."""
     count = 0

@@ -5,7 +5,7 @@ JAX records where each operation was traced. Without a record there is no name.
 
 import ast
 from collections.abc import Iterator
-from functools import cache, lru_cache
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
@@ -28,7 +28,6 @@ class Said(NamedTuple):
     where: str
 
 
-@lru_cache(4096)
 def said(source: Any) -> Said | None:
     """The assignment whose whole value an operation is, from the innermost call outwards.
 
