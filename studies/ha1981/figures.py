@@ -56,7 +56,7 @@ def _loops(channel: Channel, settings: Settings, designed: Gains) -> Chart:
     ]
     told = ", ".join(f"{line.label} {_within(line, channel.bound)}" for line in lines)
     lines.append(Line("bound", at[[0, -1]], np.full(2, channel.bound), drawn="limit"))
-    title = f"Conventional loop: at the bound to {100 * NEAR:g} % stays {told}"
+    title = f"Conventional loop, at most {100 * NEAR:g} % above the bound: {told}"
     return _over_time(channel, "fig3_conventional", title, lines)
 
 
@@ -88,7 +88,7 @@ def _steps(channel: Channel, designed: Gains) -> Chart:
 
 
 def _overshoots(lines: list[Line]) -> str:
-    return ", ".join(f"{100 * (line.y.max() - 1):.2g} % ({line.label})" for line in lines)
+    return ", ".join(f"{100 * max(line.y.max() - 1, 0.0):.2g} % ({line.label})" for line in lines)
 
 
 def _schemes(channel: Channel, settings: Settings) -> Iterator[Chart]:
@@ -150,7 +150,7 @@ def _both(channel: Channel, settings: Settings, designed: Gains) -> Chart:
         Line("bound", at[[1, -1]], np.full(2, channel.bound), drawn="limit"),
     ]
     told = f"the loop {_within(lines[0], channel.bound)}, the Kalman scheme "
-    title = f"At the bound to {100 * NEAR:g} % stays {told}{_within(lines[1], channel.bound)}"
+    title = f"At most {100 * NEAR:g} % above the bound: {told}{_within(lines[1], channel.bound)}"
     return replace(_over_time(channel, "both_schemes", title, lines), log="xy")
 
 
@@ -160,7 +160,7 @@ def _replayed(channel: Channel, settings: Settings) -> Chart:
         Line(f"{by} by {by}", at, scheme.replay(channel, settings.Ts, settings.seconds, by=by))
         for by in ("sample", "time")
     ]
-    factors = " and ".join(f"{line.y[-1]:.2g} ({line.label})" for line in lines)
+    factors = " and ".join(f"{line.y[-1]:.3g} ({line.label})" for line in lines)
     return Chart(
         name="replay",
         title=f"Gains of Ts = {settings.Ts:g} s replayed every {scheme.REPLAY:g} s: in the end, "

@@ -35,19 +35,26 @@ def figures(bench: Bench, solutions: Solutions) -> Iterator[Figure]:
         r = np.asarray(found[each].r)
         names = ("r1 (ax)", "r2 (ay)")
         axes = [Line(label, t, r[:, k], drawn="points") for k, label in enumerate(names)]
-        low, high = r.min(axis=0), r.max(axis=0)
-        told = " and ".join(
-            f"{name} in {low[k]:.2g} to {high[k]:.2g} g^2" for k, name in enumerate(names)
-        )
         yield Chart(
             name=f"fig6_{each}",
-            title=f"Fig. 6: the {LABELS[each]} filter takes {told}",
+            title=f"Fig. 6: the {LABELS[each]} filter takes {_variances(r, names)}",
             x_label="time, s",
             y_label="variance r of the accelerometer, g^2",
             lines=merged(axes),
             log="y",
         )
     yield _held_out(bench, solutions)
+
+
+def _variances(r: np.ndarray, names: tuple[str, ...]) -> str:
+    """The range of each variance; two values that all share as such."""
+    found = np.unique(r.round(9))
+    if len(found) == 2 and np.array_equal(r[:, 0], r[:, 1]):
+        high = 100 * float(np.mean(r[:, 0] > found.mean()))
+        return f"{found[0]:.2g} or {found[1]:.2g} g^2 on both axes, {high:.0f} % the latter"
+    low, high_ones = r.min(axis=0), r.max(axis=0)
+    each = zip(names, low, high_ones, strict=True)
+    return " and ".join(f"{name} from {a:.2g} to {b:.2g} g^2" for name, a, b in each)
 
 
 def _degrees(values: dict[str, float]) -> str:

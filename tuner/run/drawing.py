@@ -107,7 +107,7 @@ def _draw_map(figure: Map, canvas: "Canvas", axes: "Axes") -> None:
 
 def entitle(axes: "Axes", title: str, above: float = 0.0) -> None:
     """A title over some axes, left, over so many points of legend; in lines that fit."""
-    words = typeset(title)
+    words = re.sub(r"(?<=[\d=]) (?=\S{1,8}(?:\s|$))", "\N{NO-BREAK SPACE}", typeset(title))
     text = axes.set_title(words, loc="left", pad=6 + above, fontsize=11, fontweight="bold")
     canvas = axes.get_figure(root=True)
     if canvas is None:
