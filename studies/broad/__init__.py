@@ -33,4 +33,5 @@ STUDY = Study(
     settings=Settings,
     plan=plan,
     needs="the folder of the benchmark's .mat files: --set folder=PATH",
+    takes="ten minutes for twelve trials",
 )

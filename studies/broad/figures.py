@@ -27,28 +27,44 @@ def _figures(case: Case, solutions: Solutions, names: Sequence[str], end: str) -
     contest, folds, room = case.contest, case.folds, names[0]
     found = {name: judged_at(name, contest, solutions) for name in names}
     at, label = _numbers(contest)
-    lines = [Line(name, at, one.inclination) for name, one in found.items()]
+    lines = [Line(_words(name), at, one.inclination) for name, one in found.items()]
     if folds:
-        errors = left_out(case, solutions, room)
-        lines.insert(0, Line(f"{room}, trial left out", at[list(folds)], errors))
-    said = ", without a lead" if end else ""
+        apart = left_out(case, solutions, room)
+        lines.append(Line(f"{_words(room)}, trial left out", at[list(folds)], apart))
+    said = "without a lead" if end else "with a lead"
+    errors = {name: float(np.mean(one.inclination)) for name, one in found.items()}
     yield Chart(
         name=f"by_trial{end}",
-        title=f"Inclination error in motion by trial{said}",
+        title=f"Mean inclination error of {len(at)} trials, {said}: {_ranked(errors)}",
         x_label=label,
-        y_label="RMSE, deg",
+        y_label="inclination, RMSE in motion, deg",
         lines=tuple(lines),
         log="y",
         numbered=True,
     )
+    last = {name: float(one.inclination[-1]) for name, one in found.items()}
     yield Chart(
         name=f"in_time{end}",
-        title=f"Inclination error of {contest.trials[-1].name}{said}",
-        x_label="t, s",
-        y_label=f"RMS over {WINDOW:g} s, deg",
-        lines=tuple(Line(name, *_in_time(contest, one.last)) for name, one in found.items()),
+        title=f"Inclination error in {contest.trials[-1].name}, {said}: {_ranked(last)}",
+        x_label="time, s",
+        y_label=f"inclination, RMS error over {WINDOW:g} s, deg",
+        lines=tuple(
+            Line(_words(name), *_in_time(contest, one.last)) for name, one in found.items()
+        ),
         log="y",
     )
+
+
+def _words(name: str) -> str:
+    """A filter as people write it; whether it has a lead is said in the title."""
+    return name.removesuffix("_now").removesuffix("_lead").replace("_", " ")
+
+
+def _ranked(errors: dict[str, float]) -> str:
+    """The best filter and the next one, with their errors."""
+    best, *others = sorted(errors, key=errors.__getitem__)
+    told = f"{_words(best)} {errors[best]:.2f} deg"
+    return f"{told}, next {_words(others[0])} {errors[others[0]]:.2f} deg" if others else told
 
 
 def _numbers(contest: Contest) -> tuple[np.ndarray, str]:

@@ -8,6 +8,9 @@ from studies.chauhan2009.data import BEFORE, Records, times
 from studies.chauhan2009.paper import EVERY
 from studies.chauhan2009.settings import Settings
 
+TOLERATED = 5.0
+"""Largest error of a settled estimate, %."""
+
 
 class Behaviour(NamedTuple):
     """Behaviour on single records, ``(k,)`` each, in per cent of the step.
@@ -39,7 +42,7 @@ def behaviour(pitch: np.ndarray, found: Records, settings: Settings, step: float
     error = 100 * np.degrees(pitch - np.asarray(found.truth))[at] / step
     after = (t > BEFORE) & (t <= BEFORE + 60)
     late = t > settings.seconds - 60
-    since = np.where((np.abs(error) > 5) & (t > BEFORE)[:, None], t[:, None] - BEFORE, 0.0)
+    since = np.where((np.abs(error) > TOLERATED) & (t > BEFORE)[:, None], t[:, None] - BEFORE, 0.0)
     return Behaviour(
         peak=np.abs(error[after]).max(axis=0),
         settled=since.max(axis=0),

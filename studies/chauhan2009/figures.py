@@ -1,16 +1,16 @@
 """Figures 2 to 9 as far as the text describes them, and the sweep over lambda."""
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from studies.chauhan2009.behaviour import Behaviour
-from studies.chauhan2009.data import Step, times
+from studies.chauhan2009.behaviour import TOLERATED, Behaviour
+from studies.chauhan2009.data import BEFORE, MOTIONS, Step, times
 from studies.chauhan2009.paper import DRIVEN, EVERY, MAGNIFIED, STEADY, TRACKED
 from studies.chauhan2009.problems import CONSTANT, estimated
-from studies.chauhan2009.sweep import SHOWN, Sweep
-from tuner.run.figure import Chart, Figure, Line, merged
+from studies.chauhan2009.sweep import SHOWN, Sweep, ranges
+from tuner.run.figure import Chart, Figure, Line
 from tuner.run.study import Solutions, best, tuned_values
 
 
@@ -24,26 +24,47 @@ def figures(sweep: Sweep, solutions: Solutions) -> Iterator[Figure]:
 
 
 def _tracking(sweep: Sweep) -> Chart:
-    lines = []
+    lines, errors = [], []
     for angle in TRACKED:
-        pitch = np.asarray(sweep.fuzzy(Step(angle, "seen")).angles)[:, 0, 1]
-        lines.append(Line(f"{angle:g} deg", times(sweep.settings), np.degrees(pitch)))
-    title = "Figs 2 to 4: pitch tracked with fuzzy noise, one seed"
-    return Chart("fig2_tracking", title, "t, s", "pitch, deg", tuple(lines))
+        pitch, error = _followed(sweep, angle)
+        lines.append(Line(f"{angle:g} deg", times(sweep.settings), pitch))
+        errors.append(_rms(error[_late(sweep)]))
+    title = (
+        f"Figs 2 to 4: fuzzy noise follows steps of {TRACKED[0]:g} to {TRACKED[-1]:g} deg, "
+        f"at the end to {max(errors):.2g} deg rms"
+    )
+    return Chart("fig2_tracking", title, "time, s", "pitch, deg", tuple(lines))
 
 
 def _steady(sweep: Sweep) -> Chart:
     at = slice(EVERY - 1, None, EVERY)
-    t = times(sweep.settings)[at]
-    late = t > sweep.settings.seconds - 60
-    lines = []
+    late = _late(sweep)[at]
+    t, lines, errors = times(sweep.settings)[at][late], [], []
     for angle in STEADY:
-        step = Step(angle, "seen")
-        pitch = np.asarray(sweep.fuzzy(step).angles)[:, 0, 1]
-        error = np.degrees(pitch - np.asarray(sweep.made(step).truth)[:, 0])[at][late]
-        lines.append(Line(f"{angle:g} deg", t[late], error))
-    title = "Fig. 5 in degrees: the steady error does not depend on the angle"
-    return Chart("fig5_steady", title, "t, s", "pitch error, deg", tuple(lines))
+        error = _followed(sweep, angle)[1][at][late]
+        lines.append(Line(f"{angle:g} deg", t, error))
+        errors.append(_rms(error))
+    told = ", ".join(f"{e:.2g} at {angle:g}" for angle, e in zip(STEADY, errors, strict=True))
+    title = (
+        f"Fig. 5 in degrees: the steady error, {told} deg rms, does not grow as the angle shrinks"
+    )
+    return Chart("fig5_steady", title, "time, s", "pitch error, deg", tuple(lines))
+
+
+def _followed(sweep: Sweep, angle: float) -> tuple[np.ndarray, np.ndarray]:
+    """Pitch and its error by fuzzy noise after a step that the gyroscopes see, deg, one seed."""
+    step = Step(angle, "seen")
+    pitch = np.degrees(np.asarray(sweep.fuzzy(step).angles)[:, 0, 1])
+    return pitch, pitch - np.degrees(np.asarray(sweep.made(step).truth)[:, 0])
+
+
+def _late(sweep: Sweep) -> np.ndarray:
+    """Whether a tick is in the last minute."""
+    return times(sweep.settings) > sweep.settings.seconds - 60
+
+
+def _rms(error: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(error**2)))
 
 
 def _driven(sweep: Sweep, step: Step, solutions: Solutions) -> Chart:
@@ -56,32 +77,72 @@ def _driven(sweep: Sweep, step: Step, solutions: Solutions) -> Chart:
     found: dict[str, Any] = {"fuzzy": sweep.fuzzy(step).angles}
     found |= {f"random, lambda {factor:g}": random[factor] for factor in SHOWN}
     found["constant, tuned"] = estimated(CONSTANT, made.inputs, constant).angles
-    truth, lines = np.asarray(made.truth)[:, 0], []
+    truth, lines, settled = np.asarray(made.truth)[:, 0], [], {}
     for label, angles in found.items():
-        error = np.degrees(np.asarray(angles)[:, 0, 1] - truth)[at][shown]
-        lines.append(Line(label, t[shown], 100 * error / step.pitch))
-    title = f"Figs 6 to 9: driving noise at {step.pitch:g} deg, a step the gyroscopes do not see"
-    return Chart(f"fig6_driven_{step.pitch:g}", title, "t, s", "pitch error, %", tuple(lines))
+        error = 100 * np.degrees(np.asarray(angles)[:, 0, 1] - truth)[at] / step.pitch
+        lines.append(Line(label, t[shown], error[shown]))
+        outside = t[(np.abs(error) > TOLERATED) & (t > BEFORE)]
+        settled[label] = max(outside, default=BEFORE) - BEFORE
+    return Chart(
+        name=f"fig6_driven_{step.pitch:g}",
+        title=f"Figs 6 to 9: {step.pitch:g} deg that the gyroscopes do not see: the error last "
+        f"exceeds {TOLERATED:g} % after {settled['fuzzy']:.0f} s with fuzzy noise, "
+        f"{settled['constant, tuned']:.0f} s with constant noise",
+        x_label="time, s",
+        y_label="pitch error, %",
+        lines=tuple(lines),
+    )
+
+
+class _Part(NamedTuple):
+    """A part of the behaviour, and whether laws are compared by their ratio or difference."""
+
+    name: str
+    axis: str
+    unit: str
+    ratio: bool
+
+
+PARTS = {
+    "peak": _Part("largest error in 60 s", "random over fuzzy", "%", ratio=True),
+    "settled": _Part(f"last error above {TOLERATED:g} %", "random less fuzzy, s", "s", ratio=False),
+    "ripple": _Part("deviation over the last 60 s", "random over fuzzy", "%", ratio=True),
+}
 
 
 def _swept(sweep: Sweep) -> Iterator[Chart]:
-    """Means over the records: random noise over lambda, beside fuzzy noise."""
+    """Means over the records: random noise over lambda against fuzzy noise.
+
+    In every chart a step has the same colour.
+    """
     factors = np.array(sweep.settings.factors)
-    named = {"peak": "largest error in 60 s, %", "settled": "last error above 5 %, s"}
-    named["ripple"] = "deviation over the last 60 s, %"
-    for part, label in named.items():
-        lines = []
+    for part, words in PARTS.items():
+        lines, lower = [], dict.fromkeys(MOTIONS, np.ones(len(factors), bool))
         for case in sweep.cases:
             if case.step.pitch not in (DRIVEN[1], MAGNIFIED):
                 continue
-            what = f"{case.step.pitch:g} deg {case.step.motion}"
+            fuzzy = _mean(case.fuzzy, part)
             random = np.array([_mean(each, part) for each in case.random])
-            lines.append(Line(f"random, {what}", factors, random))
-            lines.append(
-                Line(f"fuzzy, {what}", factors, np.full(len(factors), _mean(case.fuzzy, part)))
-            )
-        title = f"Random noise over lambda beside fuzzy noise: {label.split(',')[0]}"
-        yield Chart(f"sweep_{part}", title, "lambda", label, merged(lines), log="x")
+            against = random / fuzzy if words.ratio else random - fuzzy
+            name = f"{case.step.pitch:g} deg {case.step.motion}, fuzzy {fuzzy:.2g} {words.unit}"
+            lines.append(Line(name, factors, against))
+            motion = case.step.motion
+            lower[motion] = lower[motion] & (against < (1 if words.ratio else 0))
+        told = [
+            f"{ranges(list(factors[found]), list(factors))} ({motion} steps)"
+            for motion, found in lower.items()
+        ]
+        same = np.full(2, 1.0 if words.ratio else 0.0)
+        equal = Line("as with fuzzy noise", factors[[0, -1]], same, drawn="limit")
+        yield Chart(
+            name=f"sweep_{part}",
+            title=f"{words.name[0].upper()}{words.name[1:]}: below fuzzy noise's for lambda "
+            f"{' and '.join(told)}",
+            x_label="lambda",
+            y_label=f"{words.name}, {words.axis}",
+            lines=(*lines, equal),
+            log="xy" if words.ratio else "x",
+        )
 
 
 def _mean(found: Behaviour, part: str) -> float:

@@ -41,5 +41,6 @@ STUDY = Study(
     settings=Settings,
     plan=plan,
     needs="a study.toml with A, C, Q, R and error",
+    takes="ten seconds",
     at_rate=at_rate,
 )

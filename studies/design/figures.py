@@ -12,6 +12,8 @@ from tuner.run.figure import Chart, Figure, Line
 from tuner.run.study import Solutions, best
 
 CURVE = 400
+SMALL = 0.02
+"""An error that is this share of its largest has decayed."""
 
 
 def figures(posed: Posed, solutions: Solutions) -> Iterator[Figure]:
@@ -60,11 +62,13 @@ def _response(designed: Designed, L: np.ndarray) -> Chart:
         rows.append(rows[-1] @ F)
     found, at = np.array(rows), np.arange(count) * step
     size = np.abs(found).max(axis=0)
+    large = at[(np.abs(found) > SMALL * size).any(axis=1)]
     return Chart(
         name="response",
-        title="The error that counts after an error in one state, each over its largest",
-        x_label="t, s",
-        y_label="share of its largest",
+        title="After an initial error in any one state, the error that counts is within "
+        f"{100 * SMALL:g} % of its largest from {large[-1]:.3g} s on",
+        x_label="time, s",
+        y_label="error that counts, over its largest",
         lines=tuple(
             Line(f"{name} (x {size[i]:.3g})", at, found[:, i] / size[i])
             for i, name in enumerate(full.states)

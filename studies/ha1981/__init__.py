@@ -34,4 +34,5 @@ STUDY = Study(
     "for the Bias Error Reduction of INS Vertical Channel, 1981",
     settings=Settings,
     plan=plan,
+    takes="half a minute",
 )

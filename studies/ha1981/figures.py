@@ -24,6 +24,8 @@ from tuner.run.study import Solutions, best, tuned_values
 
 FINE = 0.1
 """Time step of continuous curves, s."""
+NEAR = 0.1
+"""A variance that is above the bound by this share is as good as at it."""
 
 
 def figures(case: tuple[Channel, Settings], solutions: Solutions) -> Iterator[Figure]:
@@ -52,10 +54,18 @@ def _loops(channel: Channel, settings: Settings, designed: Gains) -> Chart:
         Line(name, at, loop_history(channel, gains, FINE, span))
         for name, gains in _designs(channel, designed).items()
     ]
+    told = ", ".join(f"{line.label} {_within(line, channel.bound)}" for line in lines)
     lines.append(Line("bound", at[[0, -1]], np.full(2, channel.bound), drawn="limit"))
-    return _over_time(
-        channel, "fig3_conventional", "Conventional loop: forms of one steady variance", lines
-    )
+    title = f"Conventional loop, at most {100 * NEAR:g} % above the bound: {told}"
+    return _over_time(channel, "fig3_conventional", title, lines)
+
+
+def _within(line: Line, bound: float) -> str:
+    """From when on a curve stays near the bound, or below it, in words."""
+    above = line.x[line.y > (1 + NEAR) * bound]
+    if not len(above):
+        return "always"
+    return "never" if above[-1] == line.x[-1] else f"from {above[-1]:.0f} s on"
 
 
 def _steps(channel: Channel, designed: Gains) -> Chart:
@@ -70,11 +80,15 @@ def _steps(channel: Channel, designed: Gains) -> Chart:
         lines.append(Line(name, at, 1 + np.array(rows)))
     return Chart(
         name="step_response",
-        title="Estimated bias over the true one, forms of one steady variance",
-        x_label="t, s",
-        y_label="estimate over truth",
+        title=f"Forms of one steady variance overshoot a step of the bias by {_overshoots(lines)}",
+        x_label="time, s",
+        y_label="estimated bias over the true one",
         lines=tuple(lines),
     )
+
+
+def _overshoots(lines: list[Line]) -> str:
+    return ", ".join(f"{100 * max(line.y.max() - 1, 0.0):.2g} % ({line.label})" for line in lines)
 
 
 def _schemes(channel: Channel, settings: Settings) -> Iterator[Chart]:
@@ -86,8 +100,11 @@ def _schemes(channel: Channel, settings: Settings) -> Iterator[Chart]:
         else:
             history = kalman_history(channel, Ts, settings.seconds)
             found[f"Ts = {Ts:g} s"] = times(settings.seconds, Ts), history
-    lines = [Line(name, at, np.asarray(h.P[:, 0, 0])) for name, (at, h) in found.items()]
-    yield _over_time(channel, "fig5_kalman", "Kalman scheme: variance of the bias", lines)
+    lines = [Line(name, at[1:], np.asarray(h.P[1:, 0, 0])) for name, (at, h) in found.items()]
+    ends = [line.y[-1] for line in lines]
+    title = f"Kalman scheme: after {settings.seconds:g} s the variance is {min(ends):.3g} to "
+    title += f"{max(ends):.3g} {channel.squared} at every sampling period"
+    yield replace(_over_time(channel, "fig5_kalman", title, lines), log="xy")
     for i, unit in enumerate(("1/s^2", "1/s", "1")):
         # The continuous filter's gains are per second: a different quantity.
         gains = [
@@ -95,10 +112,11 @@ def _schemes(channel: Channel, settings: Settings) -> Iterator[Chart]:
             for name, (at, h) in found.items()
             if name != "continuous"
         ]
+        peak = max(int(np.argmax(line.y[1:])) + 1 for line in gains)
         yield Chart(
             name=f"fig{6 + i}_K{i + 1}",
-            title=f"Kalman gain K{i + 1} by sampling period: most happens in the first samples",
-            x_label="t, s",
+            title=f"Kalman gain K{i + 1} is largest within the first {peak} samples, whatever Ts",
+            x_label="time, s",
             y_label=f"K{i + 1}, {unit}",
             lines=tuple(replace(line, x=line.x[1:], y=line.y[1:]) for line in gains),
             log="x",
@@ -109,10 +127,12 @@ def _sensitivity(channel: Channel, settings: Settings) -> Chart:
     at = times(settings.seconds, settings.Ts)
     found = scheme.sensitivities(channel, settings.Ts, settings.seconds)
     names = {"q_a": "q_a", "q_b": "q_b", "sigma2_ab": "sigma^2_AB"}
+    last = ", ".join(f"{found[key][-1]:.2g} ({name})" for key, name in names.items())
     return Chart(
         name="fig9_sensitivity",
-        title=f"Normalised sensitivity of P11 by (19), stored gains of Ts = {settings.Ts:g} s",
-        x_label="t, s",
+        title=f"Sensitivity of P11 by (19), stored gains of Ts = {settings.Ts:g} s: in the end "
+        f"{last}",
+        x_label="time, s",
         y_label="d ln P11 / d ln parameter",
         lines=tuple(Line(names[key], at, values) for key, values in found.items()),
     )
@@ -122,13 +142,16 @@ def _both(channel: Channel, settings: Settings, designed: Gains) -> Chart:
     span = 2 * settings.seconds
     at = times(span, settings.Ts)
     kalman = np.asarray(kalman_history(channel, settings.Ts, span).P)[:, 0, 0]
+    loop = loop_history(channel, designed, settings.Ts, span)
     lines = [
-        Line("conventional loop", at, loop_history(channel, designed, settings.Ts, span)),
-        Line(f"Kalman scheme, Ts = {settings.Ts:g} s", at, kalman),
+        Line("conventional loop", at[1:], loop[1:]),
+        Line(f"Kalman scheme, Ts = {settings.Ts:g} s", at[1:], kalman[1:]),
         Line("q_a / t", at[1:], channel.q_a / at[1:]),
-        Line("bound", at[[0, -1]], np.full(2, channel.bound), drawn="limit"),
+        Line("bound", at[[1, -1]], np.full(2, channel.bound), drawn="limit"),
     ]
-    return _over_time(channel, "both_schemes", "Both schemes at one bound", lines)
+    told = f"the loop {_within(lines[0], channel.bound)}, the Kalman scheme "
+    title = f"At most {100 * NEAR:g} % above the bound: {told}{_within(lines[1], channel.bound)}"
+    return replace(_over_time(channel, "both_schemes", title, lines), log="xy")
 
 
 def _replayed(channel: Channel, settings: Settings) -> Chart:
@@ -137,10 +160,12 @@ def _replayed(channel: Channel, settings: Settings) -> Chart:
         Line(f"{by} by {by}", at, scheme.replay(channel, settings.Ts, settings.seconds, by=by))
         for by in ("sample", "time")
     ]
+    factors = " and ".join(f"{line.y[-1]:.3g} ({line.label})" for line in lines)
     return Chart(
         name="replay",
-        title=f"Gains of Ts = {settings.Ts:g} s replayed every {scheme.REPLAY:g} s",
-        x_label="t, s",
+        title=f"Gains of Ts = {settings.Ts:g} s replayed every {scheme.REPLAY:g} s: in the end, "
+        f"P11 is too large by the factor {factors}",
+        x_label="time, s",
         y_label="P11 over that of gains made for it",
         lines=tuple(lines),
         log="y",
@@ -164,8 +189,10 @@ def _stored(channel: Channel, settings: Settings, solutions: Solutions) -> Chart
     count = len(storage.edges) - 2
     return Chart(
         name="stored_gains",
-        title=f"{count} stored gains besides the first, Ts = {settings.Ts:g} s",
-        x_label="t, s",
+        title=f"{count} stored gains besides the first, Ts = {settings.Ts:g} s: P11 is larger by "
+        + " and ".join(f"{100 * (line.y[-1] - 1):.2g} % ({line.label})" for line in lines)
+        + " in the end",
+        x_label="time, s",
         y_label="P11 over the Kalman filter's",
         lines=tuple(lines),
     )
@@ -190,7 +217,7 @@ def _over_time(channel: Channel, name: str, title: str, lines: list[Line]) -> Ch
     return Chart(
         name=name,
         title=title,
-        x_label="t, s",
+        x_label="time, s",
         y_label=f"variance of the bias's error, {channel.squared}",
         lines=tuple(lines),
         log="y",

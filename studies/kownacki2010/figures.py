@@ -64,7 +64,18 @@ def _responses(bench: Bench, ratio: float, *, published: bool = True) -> Figure:
     chosen = {"Table 2": KownackiNoise(table.R, table.Q, ones)} if published else {}
     chosen[f"optimum, Q/R = {ratio:.4g}"] = KownackiNoise(bench.R, ratio * bench.R, ones)
     name = f"{'fig9' if published else 'step'}_{bench.sensor.name}"
-    return _chart(bench, name, "Step response with tuned Q and R", chosen, window=(0.48, 0.65))
+    chart = _chart(bench, name, "", chosen, window=(0.48, 0.65))
+    *answers, step = chart.lines
+    told = ", ".join(_rise(line, step, line.label.partition(",")[0]) for line in answers)
+    return replace(chart, title=f"90 % of the step is reached {told} ({bench.sensor.name})")
+
+
+def _rise(answer: Line, step: Line, name: str) -> str:
+    """When an answer reaches 90 % of the step after it, in words."""
+    begun = answer.x[np.argmax(step.y > 0.5 * step.y[-1])]
+    reached = answer.x[answer.y >= 0.9 * step.y[-1]]
+    by = "at the optimum" if name == "optimum" else f"with {name}"
+    return f"after {reached[0] - begun:.2g} s {by}" if len(reached) else f"later {by}"
 
 
 def _chart(
@@ -107,7 +118,8 @@ def _surface(bench: Bench, ratio: float) -> Figure:
     inside = (R * ratio >= Q[0]) & (R * ratio <= Q[-1])
     return Map(
         name=f"fig8_{bench.sensor.name}",
-        title=f"Cost (10), reading {bench.settings.reading} ({bench.sensor.name}): only Q/R counts",
+        title=f"Cost (10), reading {bench.settings.reading}, is lowest along a line of "
+        f"constant Q/R = {ratio:.4g} ({bench.sensor.name})",
         x_label=f"R, ({bench.unit})^2",
         y_label=f"Q, ({bench.unit})^2/s^2",
         z_label="cost",
@@ -138,7 +150,7 @@ def _tradeoff(bench: Bench, ratio: float, *, published: bool = True) -> Figure:
         lines=(
             Line("Q/R from a thousandth to a thousandfold", noise, inertia),
             *(
-                Line(f"{word}: Q/R = {ratios[i]:.3g}", noise[[i]], inertia[[i]])
+                Line(f"{word}: Q/R = {ratios[i]:.4g}", noise[[i]], inertia[[i]])
                 for word, i in zip(words, optima, strict=True)
             ),
             *(_of_table_2(bench, problem) if published else ()),

@@ -89,5 +89,6 @@ STUDY = Study(
     settings=Settings,
     plan=plan,
     needs="a record of a sensor at rest: --log FILE --map NAME=COLUMN",
+    takes="ten seconds",
     channels=channels,
 )

@@ -46,8 +46,8 @@ def _allan(rest: Rest) -> Chart:
 def _latency(rest: Rest, K: float | None) -> Chart:
     """Noise of the output over its latency."""
     axis, dt, scale = rest.axis, rest.dt, rest.axis.scale
-    least = dt * float(np.sqrt(rest.R / rest.Q)) if rest.Q > 0 else 0.0
-    longest = max(10 * least, 100 * dt) if least else axis.seconds / 3
+    best_at = dt * float(np.sqrt(rest.R / rest.Q)) if rest.Q > 0 else 0.0
+    longest = max(10 * best_at, 100 * dt) if best_at else axis.seconds / 3
     if K is not None:
         longest = max(longest, 3 * float(asked.latency(K, dt)))
     delays = np.geomspace(0.3 * dt, longest, POINTS)
@@ -58,18 +58,22 @@ def _latency(rest: Rest, K: float | None) -> Chart:
         return np.asarray(scale * np.sqrt(variance))
 
     lines = [Line("noise of the output", delays, noise(delays))]
-    at = asked.knee(rest.R, rest.Q, dt)
+    at, unit = asked.knee(rest.R, rest.Q, dt), axis.written or "1"
+    told = f"{noise(delays[:1])[0]:.2g} {unit} at a lag of {delays[0]:.2g} s"
+    told += f", {noise(delays[-1:])[0]:.2g} at {delays[-1]:.2g} s"
     if np.isfinite(at):
         there = np.array([at])
+        least = float(noise(delays).min())
+        told = f"{noise(there)[0]:.2g} {unit} at the knee, {at:.2g} s; never below {least:.2g}"
         lines.append(Line(f"knee, {at:.3g} s", there, noise(there)))
     if K is not None and rest.requirement is not None:
         there = np.atleast_1d(asked.latency(K, dt))
         lines.append(Line(rest.requirement.words, there, noise(there)))
     return Chart(
         name=f"latency_{axis.name}",
-        title=f"Noise against latency of x = x + K1 (z - x) ({axis.name})",
+        title=f"Noise of {axis.name} after x = x + K1 (z - x): {told}",
         x_label="lag behind a steady change, s",
-        y_label=f"deviation of the output at rest, {axis.written or '1'}",
+        y_label=f"deviation of the output at rest, {unit}",
         lines=tuple(lines),
         log="xy",
     )

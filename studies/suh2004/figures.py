@@ -22,28 +22,43 @@ def figures(bench: Bench, solutions: Solutions) -> Iterator[Figure]:
     by_hand, beside = noise({}), bench.tuned_on
     found = {name: outputs(one, inputs, by_hand, beside) for name, one in FILTERS.items()}
     for at, name in ((1, "roll"), (0, "pitch")):
-        lines = tuple(
-            Line(LABELS[each], t, np.degrees(np.asarray(o.angles)[:, at]))
-            for each, o in found.items()
+        angles = {each: np.degrees(np.asarray(o.angles)[:, at]) for each, o in found.items()}
+        largest = {LABELS[each]: float(np.abs(angle).max()) for each, angle in angles.items()}
+        yield Chart(
+            name=f"fig5_{name}",
+            title=f"Fig. 5: the true {name} is 0; the largest errors are {_degrees(largest)}",
+            x_label="time, s",
+            y_label=f"{name}, deg",
+            lines=tuple(Line(LABELS[each], t, angle) for each, angle in angles.items()),
         )
-        title = f"Fig. 5: {name} estimated on the cart; the truth is 0"
-        yield Chart(f"fig5_{name}", title, "t, s", f"{name}, deg", lines)
     for each in ("simple", "two_step"):
         r = np.asarray(found[each].r)
+        names = ("r1 (ax)", "r2 (ay)")
+        axes = [Line(label, t, r[:, k], drawn="points") for k, label in enumerate(names)]
         yield Chart(
             name=f"fig6_{each}",
-            title=f"Fig. 6: variances that the {LABELS[each]} filter takes",
-            x_label="t, s",
-            y_label="r, g^2",
-            lines=merged(
-                [
-                    Line(label, t, r[:, k], drawn="points")
-                    for k, label in enumerate(("r1 (ax)", "r2 (ay)"))
-                ]
-            ),
+            title=f"Fig. 6: the {LABELS[each]} filter takes {_variances(r, names)}",
+            x_label="time, s",
+            y_label="variance r of the accelerometer, g^2",
+            lines=merged(axes),
             log="y",
         )
     yield _held_out(bench, solutions)
+
+
+def _variances(r: np.ndarray, names: tuple[str, ...]) -> str:
+    """The range of each variance; two values that all share as such."""
+    found = np.unique(r.round(9))
+    if len(found) == 2 and np.array_equal(r[:, 0], r[:, 1]):
+        high = 100 * float(np.mean(r[:, 0] > found.mean()))
+        return f"{found[0]:.2g} or {found[1]:.2g} g^2 on both axes, {high:.0f} % the latter"
+    low, high_ones = r.min(axis=0), r.max(axis=0)
+    each = zip(names, low, high_ones, strict=True)
+    return " and ".join(f"{name} from {a:.2g} to {b:.2g} g^2" for name, a, b in each)
+
+
+def _degrees(values: dict[str, float]) -> str:
+    return ", ".join(f"{value:.2g} deg ({name})" for name, value in values.items())
 
 
 def _held_out(bench: Bench, solutions: Solutions) -> Chart:
@@ -52,11 +67,16 @@ def _held_out(bench: Bench, solutions: Solutions) -> Chart:
     truth = np.asarray(bench.judged_on.truth)[:, 0, 1]
     t = DT * np.arange(len(truth))
     heuristic = outputs(TWO_STEP, inputs, noise({}), bench.tuned_on)
-    lines = [Line("two-step, by hand", t, np.degrees(np.asarray(heuristic.angles)[:, 1] - truth))]
+    found = {"two-step, by hand": heuristic}
     for name, filter in FILTERS.items():
         values = noise(tuned_values(best(name, solutions)))
-        tuned = outputs(filter, inputs, values, bench.tuned_on)
-        error = np.degrees(np.asarray(tuned.angles)[:, 1] - truth)
-        lines.append(Line(f"{LABELS[name]}, tuned", t, error))
-    title = "Roll error on a held-out record with motion, accelerations and bias"
-    return Chart("held_out_roll", title, "t, s", "error, deg", tuple(lines))
+        found[f"{LABELS[name]}, tuned"] = outputs(filter, inputs, values, bench.tuned_on)
+    errors = {name: np.degrees(np.asarray(one.angles)[:, 1] - truth) for name, one in found.items()}
+    rms = {name: float(np.sqrt(np.mean(error**2))) for name, error in errors.items()}
+    return Chart(
+        name="held_out_roll",
+        title=f"Roll error on a held-out record, rms: {_degrees(rms)}",
+        x_label="time, s",
+        y_label="roll error, deg",
+        lines=tuple(Line(name, t, error) for name, error in errors.items()),
+    )

@@ -46,7 +46,7 @@ def _bands(bench: Bench, name: str, title: str, cases: dict[str, Case]) -> Itera
                 Line(f"median{label}", found.t, median),
             ]
         words = f"{title}: {angle} error of {bench.settings.runs} runs, {case.trajectory}"
-        yield Chart(f"{name}_{angle}", words, "t, s", f"{angle} error, deg", tuple(lines))
+        yield Chart(f"{name}_{angle}", words, "time, s", f"{angle} error, deg", tuple(lines))
 
 
 def _flights(bench: Bench) -> Iterator[Chart]:
@@ -60,7 +60,7 @@ def _flights(bench: Bench) -> Iterator[Chart]:
         plain, filtered = (float(line.y.max()) for line in lines[:2])
         title = f"{name}: {filtered:.2g} deg at most with the velocity filter, {plain:.2g} without"
         label = f"root mean square roll error of {runs} runs, deg"
-        yield Chart(f"flight_{name}", title, "t, s", label, lines)
+        yield Chart(f"flight_{name}", title, "time, s", label, lines)
 
 
 def _rms(found: Spread, label: str, level: float) -> Line:

@@ -669,12 +669,14 @@ def test_figures(monkeypatch):
     names = ["01_calm", "03_calm", "26_disturbed_a", "28_disturbed_b"]
     found = {("room", "x"): solution()} | {(f"without_{n}", "x"): solution() for n in names}
     by_trial, in_time = figures(Case(Judged(names), [0, 2], ("room",)), found)
-    left, room = by_trial.lines
+    room, left = by_trial.lines
     np.testing.assert_array_equal(left.x, [1, 26])
     np.testing.assert_array_equal(left.y, [1, 3])
     np.testing.assert_array_equal(room.x, [1, 3, 26, 28])
     np.testing.assert_array_equal(room.y, [1, 2, 3, 4])
     assert by_trial.x_label == "number of the trial"
+    assert by_trial.title == "Mean inclination error of 4 trials, with a lead: room 2.50 deg"
+    assert in_time.title == "Inclination error in 28_disturbed_b, with a lead: room 4.00 deg"
     (line,) = in_time.lines
     np.testing.assert_allclose(line.x, [1.5, 2.5])
     # half of the second window has no error at all

@@ -602,8 +602,18 @@ def test_figures_have_bands_and_gaps(compared):
     assert np.nanmin(band.upper) > 0
     seen = ~np.isnan(bad.z[:, 0])
     assert (~np.isnan(innovation.x)).sum() == seen.sum()
-    for line in drawn["attitude_psi_bad"].lines:
+    inside = np.nanmean(
+        np.abs(innovation.y[~np.isnan(innovation.y)]) <= band.upper[~np.isnan(band.y)]
+    )
+    assert f"{100 * inside:.0f} % of the innovations" in drawn["innovations_phi_bad"].title
+    *curves, constructed = drawn["attitude_psi_bad"].lines
+    for line in curves:
         assert np.nanmax(np.abs(np.diff(line.y))) <= 180
+    assert constructed.drawn == "points"
+    shaded = [line for line in drawn["glitch_bad"].lines if line.drawn == "band"]
+    assert [line.x.tolist() for line in shaded] == [bad.t[bad.glitch][[0, -1]].tolist()]
+    errors = {line.label: line.y[-1] for line in drawn["prediction_one"].lines}
+    assert f"{errors['straight on']:.2g} m (straight on)" in drawn["prediction_one"].title
 
 
 # --------------------------------------------------------------------------------- real flights

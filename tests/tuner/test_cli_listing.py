@@ -14,6 +14,7 @@ import pytest
 from filters import Channel, Param
 from tuner import catalogue
 from tuner.cli.sheet import as_json, grids, page, sheet_of
+from tuner.run.study import find_study, study_names
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -173,3 +174,10 @@ def test_the_page_in_docs_is_what_filters_declare():
     ours = sorted(table["project"]["entry-points"]["tuner.filters"])
     sheets = [sheet_of(name, catalogue.find("tuner.filters", name)) for name in ours]
     assert made.read_text(encoding="utf-8") == page(sheets)
+
+
+def test_every_study_says_how_long_it_takes():
+    """A fit's time depends on the recording; every other study's is known."""
+    for name in study_names():
+        study = find_study(name)
+        assert bool(study.takes) is (name != "fit"), name

@@ -129,6 +129,21 @@ def test_a_legend_covers_no_curve(count, drawn):
     assert title.y0 >= legend.y1 - 2 or legend.x0 >= frame.x1
 
 
+def test_a_long_title_stays_within_the_picture():
+    x = np.linspace(0.0, 1.0, 9)
+    canvas = new_canvas((8, 5))
+    axes = canvas.subplots()
+    title = "what was found, with all the numbers that it takes, and a unit; " * 4
+    draw(Chart("c", title, "x", "y", (Line("a", x, x), Line("b", x, -x))), canvas, axes)
+    canvas.draw_without_rendering()
+    box, legend = axes._left_title.get_window_extent(), axes.get_legend().get_window_extent()
+    assert axes._left_title.get_text().split() == title.split()
+    assert box.x0 >= 0
+    assert box.x1 <= 880
+    assert box.y1 <= 550
+    assert box.y0 >= legend.y1 - 2
+
+
 def test_curves_that_coincide_are_one():
     x = np.linspace(0.0, 1.0, 50)
     lines = [Line("a", x, x), Line("b", x, 1 - x), Line("c", x, x + 0.005), Line("d", x, x + 0.02)]

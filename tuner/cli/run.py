@@ -55,12 +55,12 @@ def execute(request: Request) -> int:
         return 0
     folder = open_folder(request.out, study.name, force=request.force, resume=request.resume)
     storage = request.storage or _own_database(folder)
+    if study.takes and not request.claims:
+        print(f"{study.name} takes about {study.takes} on two processors", file=sys.stderr)
     with planning():
         plan = _chosen(study.plan(settings, records, seed, storage), request)
         plan = shared_plan(plan, storage) if _is_shared(request) else plan
     _say_notes(plan)
-    if study.takes:
-        print(f"{study.name} takes about {study.takes} on two processors", file=sys.stderr)
     values = settings.model_dump(mode="json")
     recipe = Recipe.of(
         study.name,

@@ -133,10 +133,7 @@ def drawn(chart: KeptChart) -> Drawing:
 def shapes(lines: Sequence[KeptLine], x: Axis, y: Axis, *, dashed: bool = False) -> Iterator[Shape]:
     """Lines as paths: bands lowest, then limits, points and curves."""
     order = {"band": 0, "limit": 1, "points": 2, "curve": 3}
-    free = (f"c{i % COLOURS}" for i in range(len(lines) + COLOURS))
-    taken = {ROLES[line.label] for line in lines if line.label in ROLES}
-    bands = (f"c{i % COLOURS}" for i in range(len(lines)))
-    looks = [_look(line, bands if line.drawn == "band" else free, taken) for line in lines]
+    looks = _looks(lines)
     curves = [line for line in lines if line.drawn == "curve" and len(line.x) > 1]
     dashes = dashed and 1 < len(curves) <= DASHED
     told = list(zip(lines, looks, strict=True))
@@ -145,12 +142,23 @@ def shapes(lines: Sequence[KeptLine], x: Axis, y: Axis, *, dashed: bool = False)
         yield replace(_shape(line, look, x, y), label=label(line.label), dash=dash)
 
 
-def _look(line: KeptLine, free: Iterator[str], taken: Iterable[str]) -> str:
-    if line.label in ROLES:
-        return ROLES[line.label]
-    if line.drawn == "limit":
-        return "muted"
-    return next(look for look in free if look not in taken or line.drawn == "band")
+def _looks(lines: Sequence[KeptLine]) -> list[str]:
+    """A colour for each line; a band has that of the curve which follows it."""
+    taken = {ROLES[line.label] for line in lines if line.label in ROLES}
+    found, next_one = [], 0
+    for line in lines:
+        if line.label in ROLES:
+            found.append(ROLES[line.label])
+        elif line.drawn == "limit":
+            found.append("muted")
+        elif line.drawn == "band":
+            found.append(f"c{next_one % COLOURS}")
+        else:
+            while f"c{next_one % COLOURS}" in taken:
+                next_one += 1
+            found.append(f"c{next_one % COLOURS}")
+            next_one += 1
+    return found
 
 
 def _shape(line: KeptLine, look: str, x: Axis, y: Axis) -> Shape:

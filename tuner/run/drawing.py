@@ -2,6 +2,7 @@
 
 import io
 import re
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -105,9 +106,17 @@ def _draw_map(figure: Map, canvas: "Canvas", axes: "Axes") -> None:
 
 
 def entitle(axes: "Axes", title: str, above: float = 0.0) -> None:
-    """A title over some axes, left, over so many points of legend."""
-    text = axes.set_title(typeset(title), loc="left", pad=6 + above, wrap=True)
-    text.set(fontsize=11, fontweight="bold")
+    """A title over some axes, left, over so many points of legend; in lines that fit."""
+    words = re.sub(r"(?<=[\d=]) (?=\S{1,8}(?:\s|$))", "\N{NO-BREAK SPACE}", typeset(title))
+    text = axes.set_title(words, loc="left", pad=6 + above, fontsize=11, fontweight="bold")
+    canvas = axes.get_figure(root=True)
+    if canvas is None:
+        return
+    # Matplotlib's own wrapping takes no place in the layout.
+    available = axes.get_window_extent().width
+    width = text.get_window_extent(_renderer(canvas)).width
+    if width > available:
+        text.set_text(fill(words, int(len(words) * available / width)))
 
 
 def _explain(canvas: "Canvas", axes: "Axes") -> float:
