@@ -20,7 +20,7 @@ from tuner.data.record import Record
 from tuner.names import unknown
 from tuner.run.cache import use_cache
 from tuner.run.check import Check
-from tuner.run.chosen import Chosen
+from tuner.run.filter_choice import FilterChoice
 from tuner.run.fit_record import DiagnosticsRecord
 from tuner.run.fit_study import STUDY, FitSettings
 from tuner.run.own_file import own_file
@@ -44,7 +44,7 @@ class InUse:
         notes: what should be known, a sentence each.
     """
 
-    which: Chosen
+    which: FilterChoice
     values: Mapping[str, Any]
     units: Mapping[str, str]
     options: Mapping[str, Any]

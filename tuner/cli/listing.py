@@ -50,9 +50,9 @@ def _show_list(what: str, json: bool) -> None:
 
 def _show_facts(names_: list[str], *, json: bool, md: bool) -> None:
     from tuner.cli.sheet import as_json, grids, page, sheet_of
-    from tuner.run.chosen import chosen
+    from tuner.run.filter_choice import choose_filter
 
-    found = [chosen(name) for name in names_]
+    found = [choose_filter(name) for name in names_]
     sheets = [sheet_of(each.name, each.cls, each.home) for each in found]
     if json:
         _print_json({"filters": {sheet.name: as_json(sheet) for sheet in sheets}})

@@ -22,7 +22,7 @@ from tuner.run.cache import use_cache
 from tuner.run.folder import RunFolder, open_folder
 from tuner.run.identity import identity_of_run
 from tuner.run.pipeline import Run, trusted, write_down
-from tuner.run.progress import going_on, read_progress
+from tuner.run.progress_file import read_progress, resumed_solutions
 from tuner.run.recipe import Recipe
 from tuner.run.result import Result
 from tuner.run.shared_run import Together, workers
@@ -168,7 +168,7 @@ def _finished(folder: RunFolder, recipe: Recipe, run: Run) -> Solutions:
     # A run that was interrupted as it began has written none.
     if not progress.exists():
         return {}
-    return going_on(read_progress(progress.read_bytes()), run.identity, run.plan.tasks)
+    return resumed_solutions(read_progress(progress.read_bytes()), run.identity, run.plan.tasks)
 
 
 def _solve(run: Run, request: Request, recipe: Recipe, finished: Solutions) -> Solutions:

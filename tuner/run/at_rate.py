@@ -15,11 +15,11 @@ from tuner.problem.exported import Trial, derived_of, once
 from tuner.problem.invented import invented
 from tuner.problem.steady_form import steady_form_of
 from tuner.problem.steady_gains import system_of
-from tuner.run.chosen import Chosen
+from tuner.run.filter_choice import FilterChoice
 from tuner.run.finding import Finding
 from tuner.run.gate import care_of, with_noise
+from tuner.run.noise_parameters import noise_parameters
 from tuner.run.noise_table import gains_told, noise_told
-from tuner.run.noises import noises
 
 _TRACKERS = {"alpha-beta": "constant-velocity", "alpha-beta-gamma": "constant-acceleration"}
 _SAME = 1e-12
@@ -43,7 +43,7 @@ class AtRate:
 
 
 def filter_at_rate(
-    which: Chosen,
+    which: FilterChoice,
     options: Mapping[str, Any],
     tuned: Tuned,
     rate_hz: float,
@@ -100,7 +100,7 @@ def _made(cls: type[Any], name: str, options: Mapping[str, Any], dt: float) -> A
     return cls(dt=dt, **options)
 
 
-def _check(which: Chosen, cls: type[Any], values: Mapping[str, Any], filter: Any) -> None:
+def _check(which: FilterChoice, cls: type[Any], values: Mapping[str, Any], filter: Any) -> None:
     """Refuse a filter whose numbers are those of one sample time."""
     name, at = which.name, f"samples at {1 / filter.dt:.6g} Hz"
     facts = parameter_facts(cls)
@@ -135,7 +135,9 @@ def _check_density(name: str, at: str, values: Mapping[str, Any], filter: Any) -
 def _averaged(
     filter: Any, values: Mapping[str, Any], units: Mapping[str, str], asked: Collection[str]
 ) -> list[str]:
-    known = [each.name for each in noises(filter, values, units) if each.kind == "variance"]
+    known = [
+        each.name for each in noise_parameters(filter, values, units) if each.kind == "variance"
+    ]
     for name in asked:
         if name not in known:
             raise unknown("variance of a sample", name, known)
@@ -163,7 +165,7 @@ def _notes(
     now: float,
 ) -> Iterator[str]:
     """The assumption about a measurement's variance, and its value under the other one."""
-    for each in noises(filter, values, units):
+    for each in noise_parameters(filter, values, units):
         if each.kind != "variance" or np.isclose(before, now):
             continue
         if each.name in averaged:

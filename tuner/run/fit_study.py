@@ -13,7 +13,7 @@ from tuner.export.tuned import Tuned
 from tuner.names import unknown
 from tuner.problem.facts import check_facts
 from tuner.run.at_rate import AtRate, filter_at_rate
-from tuner.run.chosen import Chosen, chosen
+from tuner.run.filter_choice import FilterChoice, choose_filter
 from tuner.run.fit import Request, asked_for, plan_fit, pose_on
 from tuner.run.front import in_order, posed_against
 from tuner.run.gate import NAMES
@@ -88,11 +88,11 @@ class FitSettings(StudySettings):
         return filter if file is None else file.told
 
     @property
-    def which(self) -> Chosen:
+    def which(self) -> FilterChoice:
         """The filter that is tuned."""
         if self.model is not None:
-            return chosen(self.model)
-        return chosen(self.filter or "", self.filter_sha256)
+            return choose_filter(self.model)
+        return choose_filter(self.filter or "", self.filter_sha256)
 
     @property
     def wishes(self) -> Wishes:

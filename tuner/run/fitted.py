@@ -13,7 +13,7 @@ from tuner.certificate.solution import Solution
 from tuner.certificate.table import as_html
 from tuner.data.record import Record
 from tuner.problem.kept_programs import forget_old_ones
-from tuner.run.chosen import Model, chosen
+from tuner.run.filter_choice import Model, choose_filter
 from tuner.run.fit import Request, asked_for, concluded, plan_fit, pose_on
 from tuner.run.fit_problem import Posed
 from tuner.run.front import in_order, posed_against
@@ -205,7 +205,7 @@ def fit(
     forget_old_ones()
     objective, against = in_order(objective, against)
     wishes = Wishes(start or {}, fix or {}, bound or {}, options or {}, objective)
-    which = chosen(filter)
+    which = choose_filter(filter)
     records = (record,) if isinstance(record, Record) else tuple(record)
     begun = time.perf_counter()
     posed = pose_on(which.name, which.cls, records, wishes)

@@ -16,7 +16,7 @@ from tests.tuner.model.documents import COMPASS, GPS, ROBOT, SHORT, VERTICAL, WH
 from tuner import Problem, Space
 from tuner.model import model_filter, read_model, template
 from tuner.model.template import KINDS
-from tuner.run.rescaled import nees_of
+from tuner.run.variance_scaling import nees_of
 
 
 @pytest.fixture

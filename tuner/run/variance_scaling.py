@@ -10,9 +10,9 @@ from filters.declared import bare, channel_facts
 from tuner.certificate.solution import Solution, TunedParameter
 from tuner.problem.parameters import Fixed
 from tuner.problem.problem import Problem
-from tuner.run.amounts import run_with
 from tuner.run.fit_problem import NO_TRUTH, Posed
-from tuner.run.noise_scale import check_powers, powers, times
+from tuner.run.sample_terms import run_with
+from tuner.run.variance_powers import check_powers, scaled_values, variance_powers
 from tuner.solvers.solver import Solver
 
 FACTOR = "variances_scaled_by"
@@ -20,7 +20,7 @@ FACTOR = "variances_scaled_by"
 
 
 @dataclass(frozen=True)
-class Rescaled:
+class VarianceScaling:
     """The result of a rescaling.
 
     Attributes:
@@ -39,7 +39,7 @@ class Rescaled:
     reason: str = ""
 
 
-def rescaled(problem: Problem, solution: Solution) -> tuple[Solution, Rescaled]:
+def scale_variances(problem: Problem, solution: Solution) -> tuple[Solution, VarianceScaling]:
     """Scale all of a solution's noise variances by one factor, which leaves its estimates.
 
     An error against a truth determines a Kalman filter's gains, and so the ratios of its variances,
@@ -58,12 +58,12 @@ def rescaled(problem: Problem, solution: Solution) -> tuple[Solution, Rescaled]:
     """
     values = {name: parameter.value for name, parameter in solution.parameters.items()}
     nis, nees = nis_of(problem, values), nees_of(problem, values)
-    untouched = Rescaled(1.0, {}, (nis, nis), None if nees is None else (nees, nees))
+    untouched = VarianceScaling(1.0, {}, (nis, nis), None if nees is None else (nees, nees))
     if not 0 < nis < np.inf:
         return solution, replace(untouched, reason="no factor makes it 1")
     try:
         found = _powers(problem, values, nis)
-        z = problem.space.unconstrain(times(values, found, nis))
+        z = problem.space.unconstrain(scaled_values(values, found, nis))
     except ValueError as error:
         return solution, replace(untouched, reason=str(error))
     parameters = {
@@ -73,11 +73,11 @@ def rescaled(problem: Problem, solution: Solution) -> tuple[Solution, Rescaled]:
     derived = problem.derived(z) | {FACTOR: nis}
     after = None if nees is None else (nees, nees / nis)
     scaled = replace(solution, z=z, parameters=parameters, derived=derived)
-    return scaled, Rescaled(nis, found, (nis, 1.0), after)
+    return scaled, VarianceScaling(nis, found, (nis, 1.0), after)
 
 
 @dataclass(frozen=True)
-class ThenRescaled:
+class WithScaledVariances:
     """A solver whose solutions are rescaled to a NIS of 1.
 
     Attributes:
@@ -98,36 +98,38 @@ class ThenRescaled:
 
     def __call__(self, problem: Problem) -> Solution:
         """Solve, and rescale where the estimates stay."""
-        return rescaled(problem, self.solver(problem))[0]
+        return scale_variances(problem, self.solver(problem))[0]
 
 
-def may_be_rescaled(posed: Posed) -> bool:
+def can_scale_variances(posed: Posed) -> bool:
     """Whether a fit is for accuracy, of a filter whose innovations have variances."""
     outputs = channel_facts(bare(posed.problem.filter), "outputs")
     return posed.objective not in NO_TRUTH and {"innovation", "variance"} <= outputs.keys()
 
 
-def as_found(problem: Problem, solution: Solution) -> Rescaled:
-    """The effect of :func:`rescaled` on a solution of :class:`ThenRescaled`, or why it had none."""
+def scaling_of(problem: Problem, solution: Solution) -> VarianceScaling:
+    """The scaling of a solution of :class:`WithScaledVariances`, or why there was none."""
     if FACTOR not in solution.derived:
-        return rescaled(problem, solution)[1]
+        return scale_variances(problem, solution)[1]
     values = {name: parameter.value for name, parameter in solution.parameters.items()}
     factor, nis, nees = solution.derived[FACTOR], nis_of(problem, values), nees_of(problem, values)
     before = None if nees is None else (factor * nees, nees)
-    return Rescaled(factor, powers(problem, values, _held(problem)), (factor * nis, nis), before)
+    return VarianceScaling(
+        factor, variance_powers(problem, values, _held(problem)), (factor * nis, nis), before
+    )
 
 
 def _powers(problem: Problem, values: Mapping[str, Any], factor: float) -> dict[str, float]:
     """Of what is not held; where that does not do, and what is held would, that is said."""
     held = _held(problem)
     try:
-        found = powers(problem, values, held)
+        found = variance_powers(problem, values, held)
         check_powers(problem, values, found, factor)
         return found
     except ValueError:
         if not held:
             raise
-    found = powers(problem, values)
+    found = variance_powers(problem, values)
     check_powers(problem, values, found, factor)
     raise ValueError(
         f"{' and '.join(sorted(held & found.keys()))} is held; {', '.join(found)} scaled together "

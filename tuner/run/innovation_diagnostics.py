@@ -17,7 +17,9 @@ TURNS = {"rad": (2 * np.pi,), "unit": (2 * np.pi, 360.0)}
 """A full turn by the unit of a measurement; one of which nobody told the unit may be an angle."""
 
 
-def diagnosed(posed: Posed, values: Mapping[str, Any], *, fitted: int = 0) -> Diagnostics | None:
+def diagnose_innovations(
+    posed: Posed, values: Mapping[str, Any], *, fitted: int = 0
+) -> Diagnostics | None:
     """The diagnosis of some parameters' innovations; None for a filter without innovations.
 
     Args:

@@ -14,7 +14,7 @@ from tuner.run.identity import differences
 from tuner.run.result import SolutionRecord
 from tuner.run.study import Solutions, Task
 
-AGAIN = 1e-4
+SCORE_TOLERANCE = 1e-4
 """Share by which a solution that is scored again may differ from what was written."""
 
 
@@ -28,7 +28,7 @@ class Finished(Recorded):
     solution: SolutionRecord
 
 
-class Progress(Recorded):
+class ProgressFile(Recorded):
     """The finished part of a run.
 
     Attributes:
@@ -46,19 +46,21 @@ class Progress(Recorded):
         return self.model_dump_json(by_alias=True) + "\n"
 
 
-def read_progress(data: bytes) -> Progress:
+def read_progress(data: bytes) -> ProgressFile:
     """The finished part of a run.
 
     Raises:
         ValueError: where it is no progress.json.
     """
     try:
-        return Progress.model_validate_json(data)
+        return ProgressFile.model_validate_json(data)
     except ValidationError:
         raise ValueError("progress.json is not that of a run; start again with --force") from None
 
 
-def going_on(progress: Progress, identity: Mapping[str, str], tasks: tuple[Task, ...]) -> Solutions:
+def resumed_solutions(
+    progress: ProgressFile, identity: Mapping[str, str], tasks: tuple[Task, ...]
+) -> Solutions:
     """The solutions of an interrupted run that its tasks need not find again.
 
     Each is scored again: it counts where it solves the very problem of its name.
@@ -76,18 +78,18 @@ def going_on(progress: Progress, identity: Mapping[str, str], tasks: tuple[Task,
             f"--resume: there are {', '.join(changed)} than in the interrupted run; restore them, "
             "or start again with --force or in another folder"
         )
-    known = {key_of(task): task.problem for task in tasks}
+    known = {task_key(task): task.problem for task in tasks}
     found = {}
     for each in progress.finished:
         solution = _solution(each.solution)
         key = solution.problem, solution.solver
         if key in known:
-            check_again(known[key], solution, each.identity)
+            check_solution(known[key], solution, each.identity)
             found[key] = solution
     return found
 
 
-def check_again(problem: Any, solution: Solution, identity: str | None = None) -> None:
+def check_solution(problem: Any, solution: Solution, identity: str | None = None) -> None:
     """Refuse a solution that is none of a problem; convex programs are proved by their duals.
 
     Args:
@@ -101,7 +103,9 @@ def check_again(problem: Any, solution: Solution, identity: str | None = None) -
     if not isinstance(problem, Problem):
         return
     values = _values(problem, solution)
-    same = any(np.isclose(value, solution.value, rtol=AGAIN, atol=0.0) for value in values)
+    same = any(
+        np.isclose(value, solution.value, rtol=SCORE_TOLERANCE, atol=0.0) for value in values
+    )
     if not same or identity not in (None, problem.identity()):
         raise ValueError(
             f"{solution.problem} is not the problem that {solution.solver} solved before: its data "
@@ -117,12 +121,12 @@ def _values(problem: Problem, solution: Solution) -> Iterator[float]:
         yield problem.score({name: each.value for name, each in solution.parameters.items()})
 
 
-def key_of(task: Task) -> tuple[str, str]:
+def task_key(task: Task) -> tuple[str, str]:
     """By which the solution of a task is known."""
     return task.problem.name, task.solver.name
 
 
-def digest_of(task: Task) -> str:
+def problem_identity(task: Task) -> str:
     """The identity of a task's problem; "" of a convex program, which its data make."""
     return task.problem.identity() if isinstance(task.problem, Problem) else ""
 

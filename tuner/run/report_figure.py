@@ -10,7 +10,7 @@ Part: TypeAlias = Literal["signal", "innovations", "certificate", "search", "fig
 
 
 @dataclass(frozen=True, eq=False)
-class Shown:
+class ReportFigure:
     """A figure of a report.
 
     Attributes:

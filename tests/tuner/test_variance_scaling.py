@@ -26,10 +26,10 @@ from tuner.problem.parameters import Fixed, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.space import Space
 from tuner.run.fit import pose_on
-from tuner.run.noise_scale import check_powers, powers
-from tuner.run.rescaled import nees_of, rescaled
 from tuner.run.result import read_result
 from tuner.run.search_space import Wishes
+from tuner.run.variance_powers import check_powers, variance_powers
+from tuner.run.variance_scaling import nees_of, scale_variances
 from tuner.solvers.gradient import Gradient
 
 LEVEL = cases.level()
@@ -107,7 +107,7 @@ def test_a_gate_that_would_decide_otherwise_is_not_scaled():
     wishes = Wishes(options={"gate": 4.0})
     problem = pose_on("local-level", LocalLevel, (record,), wishes).problem
     values = {"q": np.array(0.1), "R": np.array(1.0)}
-    by = powers(problem, values)
+    by = variance_powers(problem, values)
     assert by == {"q": 1.0, "R": 1.0}
     check_powers(problem, values, by, 1.5)
     with pytest.raises(ValueError, match="noise of its own, or a gate"):
@@ -118,7 +118,7 @@ def test_no_noise_tells_no_factor():
     record = tuner.Record.of({"z": np.ones(60)}, rate_hz=1.0, truth={"level": np.full(60, 1.1)})
     problem = pose_on("local-level", LocalLevel, (record,), Wishes()).problem
     solution = Gradient("l-bfgs-b", seed=0, starts=1)(problem)
-    same, found = rescaled(problem, solution)
+    same, found = scale_variances(problem, solution)
     assert same is solution
     assert (found.factor, found.reason) == (1.0, "no factor makes it 1")
 
@@ -131,7 +131,7 @@ def test_variances_and_deviations_are_told_apart():
         {"acc": climb["acc"], "baro": climb["baro"]}, rate_hz=20.0, truth=truth
     )
     problem = pose_on("vertical", Vertical, (record,), Wishes()).problem
-    assert powers(problem, problem.parameters(problem.space.start())) == {
+    assert variance_powers(problem, problem.parameters(problem.space.start())) == {
         **{"q_acc": 1.0, "q_bias": 1.0, "R_baro": 1.0},
         **{"climb0": 0.5, "bias0": 0.5},
     }
@@ -163,7 +163,7 @@ def test_matrices_are_scaled_and_the_nees_is_told():
         data=Data(Sample(z), x),
     )
     solution = Gradient("l-bfgs-b", seed=0, starts=1)(problem)
-    scaled, found = rescaled(problem, solution)
+    scaled, found = scale_variances(problem, solution)
     assert found.powers == {"Q": 1.0, "R": 1.0, "P0": 1.0}
     assert scaled.parameters["Q"].value == pytest.approx(found.factor * np.array(Q), rel=1e-12)
     before, after = problem.outputs(solution), problem.outputs(scaled)

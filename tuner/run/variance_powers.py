@@ -12,7 +12,7 @@ from filters import run
 from filters.declared import bare, channel_facts
 from tuner.problem.problem import Problem
 from tuner.problem.programs import Static
-from tuner.run.amounts import run_with
+from tuner.run.sample_terms import run_with
 
 SAME = 1e-9
 """Estimates that differ by less than this share of their own size are unchanged."""
@@ -29,7 +29,7 @@ class Seen(NamedTuple):
     variances: np.ndarray
 
 
-def powers(
+def variance_powers(
     problem: Problem, values: Mapping[str, Any], held: Collection[str] = ()
 ) -> dict[str, float]:
     """The power of one common factor by which each parameter scales all variances, by name.
@@ -61,10 +61,12 @@ def _may_scale(value: np.ndarray) -> bool:
     return bool((numbers >= 0).all() and (numbers > 0).any())
 
 
-def times(values: Mapping[str, Any], by: Mapping[str, float], factor: float) -> dict[str, Any]:
+def scaled_values(
+    values: Mapping[str, Any], by: Mapping[str, float], factor: float
+) -> dict[str, Any]:
     """Parameters with all variances multiplied by a factor.
 
-    >>> times({"R": 2.0, "sigma": 3.0, "tau": 1.0}, {"R": 1.0, "sigma": 0.5}, 4.0)
+    >>> scaled_values({"R": 2.0, "sigma": 3.0, "tau": 1.0}, {"R": 1.0, "sigma": 0.5}, 4.0)
     {'R': 8.0, 'sigma': 6.0, 'tau': 1.0}
     """
     return {
@@ -149,7 +151,7 @@ def check_powers(
     Raises:
         ValueError: where they do not.
     """
-    before, after = run_with(problem, values), run_with(problem, times(values, by, factor))
+    before, after = run_with(problem, values), run_with(problem, scaled_values(values, by, factor))
     pairs = zip(_kept(problem, before), _kept(problem, after), strict=True)
     apart = max(float(np.nanmax(np.abs(a - b), initial=0.0)) / _size(a) for a, b in pairs)
     if not apart <= SAME:

@@ -13,7 +13,7 @@ from tuner.run.own_file import OwnFile, own_file
 
 
 @dataclass(frozen=True)
-class Chosen:
+class FilterChoice:
     """A filter that was chosen.
 
     Attributes:
@@ -29,12 +29,12 @@ class Chosen:
     home: str = ""
 
 
-Model: TypeAlias = str | PathLike[str] | type[Any] | Mapping[str, Any] | Chosen
+Model: TypeAlias = str | PathLike[str] | type[Any] | Mapping[str, Any] | FilterChoice
 """A name of ``tuner list filters``, FILE.py:CLASS, a class that declares its facts, the path of a
 model in TOML, what such a file holds, or what was chosen before."""
 
 
-def chosen(model: Model, sha256: str | None = None) -> Chosen:
+def choose_filter(model: Model, sha256: str | None = None) -> FilterChoice:
     """The filter that is meant; a file of Python is run, for the caller names it.
 
     Args:
@@ -45,10 +45,10 @@ def chosen(model: Model, sha256: str | None = None) -> Chosen:
         ValueError: for an unknown name, a file that cannot be used or has another checksum, and a
             model with faults.
 
-    >>> chosen("local-level").cls.__name__
+    >>> choose_filter("local-level").cls.__name__
     'LocalLevel'
     """
-    if isinstance(model, Chosen):
+    if isinstance(model, FilterChoice):
         return model
     if isinstance(model, type):
         return _of_class(model)
@@ -56,19 +56,19 @@ def chosen(model: Model, sha256: str | None = None) -> Chosen:
         from tuner.model import model_filter
 
         cls: type[Any] = model_filter(model)
-        return Chosen(cls.__name__, cls, {"model": dict(model)})
+        return FilterChoice(cls.__name__, cls, {"model": dict(model)})
     if not isinstance(model, str | PathLike):
         raise ValueError(_no_class(model))
     told = str(model)
     if told.endswith(".toml"):
         from tuner.model import read_model
 
-        return replace(chosen(read_model(Path(told))), home=Path(told).name)
+        return replace(choose_filter(read_model(Path(told))), home=Path(told).name)
     file = own_file(told)
     if file is not None:
         settings = {"filter": told, "filter_sha256": file.sha256}
-        return Chosen(file.name, file.load(sha256), settings, file.told)
-    return Chosen(told, find("tuner.filters", told), {"filter": told})
+        return FilterChoice(file.name, file.load(sha256), settings, file.told)
+    return FilterChoice(told, find("tuner.filters", told), {"filter": told})
 
 
 def _no_class(thing: Any) -> str:
@@ -82,16 +82,16 @@ def _no_class(thing: Any) -> str:
     return f"{thing!r} is no filter's name or class; give {cls.__name__}"
 
 
-def _of_class(cls: type[Any]) -> Chosen:
+def _of_class(cls: type[Any]) -> FilterChoice:
     """A class under the name that it has on the command line, if it has one there."""
     value = f"{cls.__module__}:{cls.__qualname__}"
     for point in entry_points(group="tuner.filters"):
         if point.value == value:
-            return Chosen(point.name, cls, {"filter": point.name})
+            return FilterChoice(point.name, cls, {"filter": point.name})
     file = _file_of(cls)
     told = {} if file is None else {"filter_sha256": file.sha256}
     name = cls.__name__ if file is None else f"{file.path}:{file.name}"
-    return Chosen(cls.__name__, cls, {"filter": name, **told})
+    return FilterChoice(cls.__name__, cls, {"filter": name, **told})
 
 
 def _file_of(cls: type[Any]) -> OwnFile | None:

@@ -12,18 +12,18 @@ from tuner.problem.programs import run_filter
 from tuner.problem.samples import numbers
 from tuner.run.threads import at_once
 
-LONG = 1_000_000
+LONG_RECORD = 1_000_000
 """Samples from which a trial run takes longer than compiling."""
-LATER = ("matplotlib.figure", "matplotlib.backends.backend_agg", "contourpy", "jinja2")
+REPORT_PACKAGES = ("matplotlib.figure", "matplotlib.backends.backend_agg", "contourpy", "jinja2")
 """What draws pictures and writes reports."""
 
 
 @contextmanager
-def meanwhile(work: Callable[[], None]) -> Iterator[None]:
+def in_background(work: Callable[[], None]) -> Iterator[None]:
     """Do something in another thread, which is waited for in the end.
 
     >>> done = []
-    >>> with meanwhile(lambda: done.append("compiled")):
+    >>> with in_background(lambda: done.append("compiled")):
     ...     pass
     >>> done
     ['compiled']
@@ -33,14 +33,14 @@ def meanwhile(work: Callable[[], None]) -> Iterator[None]:
         yield
 
 
-def compile_for(problem: Problem) -> None:
+def compile_ahead(problem: Problem) -> None:
     """Compile what a search and what follows it run, at the start of the search.
 
     XLA compiles without the interpreter's lock. What fails here fails again where it is needed,
     and is told there.
     """
     leaves = jax.tree.leaves(problem.data.inputs)
-    if not problem.space.size or not leaves or len(leaves[0]) > LONG:
+    if not problem.space.size or not leaves or len(leaves[0]) > LONG_RECORD:
         return
     z = problem.space.start()
     for trial in (
@@ -54,8 +54,8 @@ def compile_for(problem: Problem) -> None:
             trial()
 
 
-def import_later() -> None:
+def import_report_packages() -> None:
     """Import what the end of a run takes; what is not installed is missed there."""
-    for name in LATER:
+    for name in REPORT_PACKAGES:
         with suppress(Exception):
             import_module(name)

@@ -8,7 +8,6 @@ import numpy as np
 from filters.declared import bare, channel_facts
 from tuner.certificate.solution import Status
 from tuner.diagnostics import Innovations
-from tuner.run.diagnosed import innovations_of
 from tuner.run.estimate_figures import estimates
 from tuner.run.figure import Chart, Line
 from tuner.run.fit_figures import figures
@@ -16,8 +15,9 @@ from tuner.run.fit_plot import estimate_of
 from tuner.run.fit_problem import Posed
 from tuner.run.fit_surface import surface
 from tuner.run.front import Against, picture_of, trade
+from tuner.run.innovation_diagnostics import innovations_of
 from tuner.run.innovation_figures import drawn_innovations
-from tuner.run.shown import Shown
+from tuner.run.report_figure import ReportFigure
 from tuner.run.spectrum_figure import spectra
 from tuner.run.study import Solutions, best
 
@@ -25,7 +25,9 @@ MOST = 4
 """Parts of a measurement or a truth that are drawn."""
 
 
-def shown_of(posed: Posed, solutions: Solutions, against: Against | None) -> Iterator[Shown]:
+def report_figures(
+    posed: Posed, solutions: Solutions, against: Against | None
+) -> Iterator[ReportFigure]:
     """The figures of a fit's report, in their order."""
     solution = best(posed.problem.name, solutions)
     if solution.status is Status.FAILED:
@@ -34,7 +36,7 @@ def shown_of(posed: Posed, solutions: Solutions, against: Against | None) -> Ite
     if posed.output:
         note = "The first recording of several." if np.ndim(posed.timeline.dt) == 2 else ""
         for figure in [*figures(posed, solutions)][:MOST]:
-            yield Shown("signal", figure, note)
+            yield ReportFigure("signal", figure, note)
     if "innovation" in channel_facts(bare(posed.problem.filter), "outputs"):
         begun = posed.problem.parameters(posed.problem.space.start())
         before, now = innovations_of(posed, begun), innovations_of(posed, tuned)
@@ -45,12 +47,14 @@ def shown_of(posed: Posed, solutions: Solutions, against: Against | None) -> Ite
     yield from surface(posed.problem, solution)
     if against is not None:
         note = "No other point is better in both objectives. The knee is the best compromise."
-        yield from (Shown("search", each, note) for each in picture_of(posed, trade(against)))
+        yield from (
+            ReportFigure("search", each, note) for each in picture_of(posed, trade(against))
+        )
 
 
 def _signals(
     posed: Posed, begun: Mapping[str, Any], tuned: Mapping[str, Any], now: Innovations
-) -> Iterator[Shown]:
+) -> Iterator[ReportFigure]:
     """Each part of what was measured, with what was predicted and the estimate before and after."""
     if now.levels is None:
         return
@@ -95,7 +99,7 @@ def _signal(
     name: str,
     estimates: Mapping[str, np.ndarray],
     refused: np.ndarray,
-) -> Shown:
+) -> ReportFigure:
     """One measurement.
 
     Args:
@@ -135,4 +139,4 @@ def _signal(
         y_label=f"{called}, {now.unit}" if now.unit else called,
         lines=tuple(lines),
     )
-    return Shown("signal", chart, note)
+    return ReportFigure("signal", chart, note)

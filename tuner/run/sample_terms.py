@@ -18,7 +18,7 @@ from tuner.run.blocks import block_mean
 
 
 @dataclass(frozen=True, eq=False)
-class Amounts:
+class SampleTerms:
     """The terms of an objective in each of N samples of k recordings, and their weights.
 
     Attributes:
@@ -29,16 +29,16 @@ class Amounts:
     added: np.ndarray
     counts: np.ndarray
 
-    def only(self, judges: np.ndarray) -> "Amounts":
+    def only(self, judges: np.ndarray) -> "SampleTerms":
         """Those of some samples ``(N, 1)`` or recordings ``(1, k)``; nothing counts elsewhere."""
-        return Amounts(np.where(judges, self.added, 0.0), np.where(judges, self.counts, 0.0))
+        return SampleTerms(np.where(judges, self.added, 0.0), np.where(judges, self.counts, 0.0))
 
-    def finite(self) -> "Amounts":
+    def finite(self) -> "SampleTerms":
         """Those that are finite; nothing counts elsewhere."""
         return self.only(np.isfinite(self.added))
 
-    def __add__(self, other: "Amounts") -> "Amounts":
-        return Amounts(self.added + other.added, self.counts + other.counts)
+    def __add__(self, other: "SampleTerms") -> "SampleTerms":
+        return SampleTerms(self.added + other.added, self.counts + other.counts)
 
     @property
     def mean(self) -> float:
@@ -48,7 +48,7 @@ class Amounts:
 
 
 @dataclass(frozen=True)
-class Gain:
+class Improvement:
     """By which share of a value another one is lower on the same samples.
 
     Attributes:
@@ -70,11 +70,11 @@ class Gain:
         return "worse" if self.high < 0 else "no better"
 
 
-def amounts(problem: Problem, values: Mapping[str, Any]) -> Amounts | None:
+def sample_terms(problem: Problem, values: Mapping[str, Any]) -> SampleTerms | None:
     """The objective's terms for some parameters; None where it is no sum over samples."""
     if problem.filter is None or not adds_up(problem):
         return None
-    return amounts_of(problem, run_with(problem, values))
+    return terms_of(problem, run_with(problem, values))
 
 
 def run_with(problem: Problem, values: Mapping[str, Any]) -> Any:
@@ -94,10 +94,10 @@ def adds_up(problem: Problem) -> bool:
     return isinstance(total, tuple) and [np.shape(leaf) for leaf in total] == [(), ()]
 
 
-def amounts_of(problem: Problem, outputs: Any) -> Amounts:
+def terms_of(problem: Problem, outputs: Any) -> SampleTerms:
     """The same of outputs, time first, whoever made them; infinite where one is not a number."""
     found = added_by(problem, outputs)
-    return Amounts(np.where(np.isfinite(found.amounts), found.amounts, np.inf), found.counts)
+    return SampleTerms(np.where(np.isfinite(found.amounts), found.amounts, np.inf), found.counts)
 
 
 def value_of(problem: Problem, mean: float) -> float:
@@ -131,7 +131,7 @@ class _Slope:
         return slope
 
 
-def gain(problem: Problem, before: Amounts, now: Amounts) -> Gain:
+def improvement(problem: Problem, before: SampleTerms, now: SampleTerms) -> Improvement:
     """By how much one filter is better than another, where both count the same.
 
     The interval is that of the difference of both values' logarithms, to first order in what each
@@ -151,18 +151,18 @@ def gain(problem: Problem, before: Amounts, now: Amounts) -> Gain:
     apart = block_mean(pulls[1] - pulls[0], pair[0].counts)
     log = np.log(values[1] / values[0])
     share, low, high = (float(-np.expm1(log + end)) for end in (0.0, apart.high, apart.low))
-    return Gain(share, low, high, apart.blocks)
+    return Improvement(share, low, high, apart.blocks)
 
 
-def _pull(objective: Any, found: Amounts) -> np.ndarray:
+def _pull(objective: Any, found: SampleTerms) -> np.ndarray:
     """How far each sample moves the logarithm of the value, times how much counts."""
     slope = in_numpy(_Slope(objective), found.mean)
     return np.asarray(float(slope) * (found.added - found.mean * found.counts))
 
 
-def _without_interval(before: float, now: float) -> Gain:
+def _without_interval(before: float, now: float) -> Improvement:
     """Where one of two values is 0 or infinite, or nothing counts."""
     if np.isnan([before, now]).any():
-        return Gain(float("nan"), -np.inf, np.inf, 0)
+        return Improvement(float("nan"), -np.inf, np.inf, 0)
     share = 0.0 if before == now else 1 - now / before if before else -np.inf
-    return Gain(float(share), float(share), float(share), 0)
+    return Improvement(float(share), float(share), float(share), 0)

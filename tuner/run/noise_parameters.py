@@ -14,7 +14,7 @@ _SAME = 1e-9
 Kind = Literal["density", "variance", "a sample", ""]
 
 
-class Noise(NamedTuple):
+class NoiseParameter(NamedTuple):
     """A parameter that says how large a noise is.
 
     Attributes:
@@ -33,7 +33,9 @@ class Noise(NamedTuple):
     fact: Param
 
 
-def noises(filter: Any, values: Mapping[str, Any], units: Mapping[str, str]) -> Iterator[Noise]:
+def noise_parameters(
+    filter: Any, values: Mapping[str, Any], units: Mapping[str, str]
+) -> Iterator[NoiseParameter]:
     """The parameters that are noises.
 
     A variance's unit is a square, a density's a square in a number of seconds that is odd, and its
@@ -60,7 +62,7 @@ def noises(filter: Any, values: Mapping[str, Any], units: Mapping[str, str]) -> 
             kind = _by_model(filter, values, name)
         if kind:
             kind = "a sample" if fact.per_sample else kind
-            yield Noise(name, value**2 if root else value, square, kind, fact)
+            yield NoiseParameter(name, value**2 if root else value, square, kind, fact)
 
 
 def _by_unit(square: Powers) -> Kind:

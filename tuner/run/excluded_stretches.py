@@ -20,7 +20,7 @@ SHOWN = 4
 
 
 @dataclass(frozen=True)
-class LeftOut:
+class ExcludedStretches:
     """Stretches that were left out.
 
     Attributes:
@@ -49,7 +49,9 @@ class LeftOut:
         return f"{self.numbers} of {self.of} numbers left out ({', '.join(told)}{rest})"
 
 
-def without_stretches(problem: Problem, gate: float, times: np.ndarray) -> tuple[Data, LeftOut]:
+def without_stretches(
+    problem: Problem, gate: float, times: np.ndarray
+) -> tuple[Data, ExcludedStretches]:
     """A problem's data without the stretches that contradict the rest, and which they are.
 
     Args:
@@ -86,7 +88,7 @@ def without_stretches(problem: Problem, gate: float, times: np.ndarray) -> tuple
         for lane, each in enumerate(wrong)
         for start, end in _runs(each, found[lane].seen)
     )
-    return Data(inputs, data.truth), LeftOut(gone, seen, stretches, len(found))
+    return Data(inputs, data.truth), ExcludedStretches(gone, seen, stretches, len(found))
 
 
 def _runs(wrong: np.ndarray, seen: np.ndarray) -> Iterator[tuple[int, int]]:
