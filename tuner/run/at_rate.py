@@ -43,7 +43,7 @@ class AtRate:
 
 
 def filter_at_rate(
-    which: FilterChoice,
+    choice: FilterChoice,
     options: Mapping[str, Any],
     tuned: Tuned,
     rate_hz: float,
@@ -56,7 +56,7 @@ def filter_at_rate(
     to be densities times the rate, as of a sensor that averages between its samples.
 
     Args:
-        which: the filter.
+        choice: the filter.
         options: fields of its class, and what a fit adds to any filter.
         tuned: its numbers at the rate that it was tuned at.
         rate_hz: the other rate.
@@ -65,14 +65,14 @@ def filter_at_rate(
     Raises:
         ValueError: for a filter whose numbers belong to its own rate, in one sentence.
     """
-    cls, options = with_noise(which.cls, options, tuned.dt or 1.0)
+    cls, options = with_noise(choice.cls, options, tuned.dt or 1.0)
     _, options = care_of(cls, options)
     numbers = {quantity.name: quantity for quantity in tuned.quantities}
     values = {name: numbers[name].value for name in parameter_facts(cls) if name in numbers}
     units = {name: numbers[name].unit for name in values}
-    filter = _made(cls, which.name, options, 1 / rate_hz)
+    filter = _made(cls, choice.name, options, 1 / rate_hz)
     before = replace(filter, dt=tuned.dt)
-    _check(which, cls, values, before)
+    _check(choice, cls, values, before)
     averaged = _averaged(before, values, units, densities)
     values |= {name: values[name] * tuned.dt * rate_hz for name in averaged}
     params = assembled(cls, values)
@@ -100,9 +100,9 @@ def _made(cls: type[Any], name: str, options: Mapping[str, Any], dt: float) -> A
     return cls(dt=dt, **options)
 
 
-def _check(which: FilterChoice, cls: type[Any], values: Mapping[str, Any], filter: Any) -> None:
+def _check(choice: FilterChoice, cls: type[Any], values: Mapping[str, Any], filter: Any) -> None:
     """Refuse a filter whose numbers are those of one sample time."""
-    name, at = which.name, f"samples at {1 / filter.dt:.6g} Hz"
+    name, at = choice.name, f"samples at {1 / filter.dt:.6g} Hz"
     facts = parameter_facts(cls)
     held = [parameter for parameter in values if facts[parameter].per_sample]
     if held:

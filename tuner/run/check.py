@@ -68,11 +68,11 @@ def check(
     >>> 0.008 < found.diagnostics.factor < 0.012, found.diagnostics["size"].verdict
     (True, 'failed')
     """
-    which = choose_filter(filter)
+    choice = choose_filter(filter)
     records = (record,) if isinstance(record, Record) else tuple(record)
     held = {n: _plain(v) for n, v in values.items()}
     wishes = Wishes(fix=held, options=options or {}, objective=objective, held=True)
-    posed = pose_on(which.name, which.cls, records, wishes)
+    posed = pose_on(choice.name, choice.cls, records, wishes)
     return checked(posed)
 
 

@@ -8,16 +8,16 @@ from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppres
 from typing import Any, cast
 
 from tuner.cli.fault import fault_of
-from tuner.shown import Shown, on_one_line
 from tuner.stop import code_of, say_interrupted
+from tuner.terminal_text import PrintableStream, on_one_line
 
 
-def outcome(run: Callable[[], int], *, whole: bool) -> int:
+def exit_code_of(run: Callable[[], int], *, with_traceback: bool) -> int:
     """The exit code of a command.
 
     Args:
         run: the command; it returns its own exit code.
-        whole: whether the traceback of an error is shown.
+        with_traceback: whether the traceback of an error is shown.
     """
     with _shown():
         try:
@@ -31,13 +31,13 @@ def outcome(run: Callable[[], int], *, whole: bool) -> int:
         except Exception as error:
             if _nobody_reads(error):
                 return 0
-            if whole:
+            if with_traceback:
                 traceback.print_exception(error, file=sys.stderr)
-            return refuse(error)
+            return report_error(error)
         return code
 
 
-def refuse(error: BaseException) -> int:
+def report_error(error: BaseException) -> int:
     """Say in one line what was wrong, and return the exit code."""
     fault = fault_of(error)
     with suppress(OSError):  # nobody may read it
@@ -48,7 +48,7 @@ def refuse(error: BaseException) -> int:
 @contextmanager
 def _shown() -> Iterator[None]:
     """Nothing that a terminal would obey is written while this lasts."""
-    out, err = (cast("Any", Shown(stream)) for stream in (sys.stdout, sys.stderr))
+    out, err = (cast("Any", PrintableStream(stream)) for stream in (sys.stdout, sys.stderr))
     with redirect_stdout(out), redirect_stderr(err):
         yield
 

@@ -9,7 +9,7 @@ from typing import NoReturn
 from tuner.stop import clean_up, finish, is_interrupted
 
 
-def leave(code: int) -> NoReturn:
+def exit_process(code: int) -> NoReturn:
     """End the process.
 
     After an interruption or an error threads may still be in compiled code, which nobody waits for,

@@ -9,7 +9,7 @@ from tuner.run.own_file import OwnFile, own_file
 
 
 @dataclass(frozen=True)
-class Which:
+class FilterOption:
     """The filter that a command line names: by ``--filter``, by ``--model``, or not at all."""
 
     filter: str | None = None
@@ -42,12 +42,14 @@ class Which:
         return {"filter": self.filter, "filter_sha256": sha256, "model": model}
 
 
-def refuse_code(document: Mapping[str, Any], which: Which, where: Path, command: str) -> None:
+def refuse_code(
+    document: Mapping[str, Any], option: FilterOption, where: Path, command: str
+) -> None:
     """Refuse a file whose settings name a Python file, unless a person names one as well.
 
     Args:
         document: what the file holds.
-        which: what the command line names.
+        option: what the command line names.
         where: the file, or its folder.
         command: what was asked for, such as ``tuner run study.toml``.
 
@@ -57,16 +59,16 @@ def refuse_code(document: Mapping[str, Any], which: Which, where: Path, command:
     settings = document.get("settings")
     filter = settings.get("filter") if isinstance(settings, Mapping) else None
     file = own_file(filter) if isinstance(filter, str) else None
-    if file is not None and not which.named:
+    if file is not None and not option.named:
         raise ValueError(
             f"{where} names the class {file.told} of a Python file, and no input file runs code; "
             f"if it is yours, name it: {command} --filter {file.told}"
         )
 
 
-def changed(settings: Mapping[str, Any], which: Which) -> list[str]:
+def file_changes(settings: Mapping[str, Any], option: FilterOption) -> list[str]:
     """A sentence where the file that is named is not what it was when settings were written."""
-    file, before = which.file, settings.get("filter_sha256")
+    file, before = option.file, settings.get("filter_sha256")
     if file is None or before is None or settings.get("filter") != file.told:
         return []
     if file.sha256 == before:

@@ -13,12 +13,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tuner.cli.door import outcome
-from tuner.cli.everywhere import Everywhere
+from tuner.cli.common_options import CommonOptions
+from tuner.cli.exit_code import exit_code_of
 from tuner.cli.fault import fault_of
 from tuner.limits import LEAST, VARIABLE, check_amount, largest, memory, parse_size
 from tuner.run.threads import at_once
-from tuner.shown import hand_out, shown
+from tuner.terminal_text import printable, write_to_stream
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -57,19 +57,21 @@ ERRORS = [
 
 @pytest.mark.parametrize("error", ERRORS, ids=lambda error: type(error).__name__)
 def test_every_exception_is_one_sentence(capsys, error):
-    code = outcome(raising(error), whole=False)
+    code = exit_code_of(raising(error), with_traceback=False)
     out, err = capsys.readouterr()
     assert code in (1, 2)
     assert out == ""
     assert err.startswith("tuner: ")
     assert len(err.splitlines()) == 1
     assert "Traceback" not in err
-    assert shown(err) == err
+    assert printable(err) == err
 
 
 def test_faults_of_the_program_are_told_from_the_users(capsys):
-    assert outcome(raising(ValueError("no column 'x'; name another")), whole=False) == 2
-    assert outcome(raising(TypeError("an integer is required")), whole=False) == 1
+    assert (
+        exit_code_of(raising(ValueError("no column 'x'; name another")), with_traceback=False) == 2
+    )
+    assert exit_code_of(raising(TypeError("an integer is required")), with_traceback=False) == 1
     err = capsys.readouterr().err
     assert "no column 'x'; name another\n" in err
     assert "test_door.py" not in err  # where it was raised is asked for by --traceback
@@ -83,9 +85,9 @@ def test_the_words_of_libraries_say_where():
 
 @given(st.text())
 def test_no_control_character_is_shown(text):
-    safe = shown(text)
+    safe = printable(text)
     assert all(c in "\t\n" or (c >= " " and not "\x7f" <= c <= "\x9f") for c in safe)
-    assert shown(safe) == safe
+    assert printable(safe) == safe
     safe.encode()
 
 
@@ -100,10 +102,10 @@ def test_names_with_control_characters(cli, here):
 
 
 def test_options_of_every_command_stand_anywhere():
-    assert Everywhere.of(["--memory=4G", "fit", "--", "--traceback"]) == Everywhere(
+    assert CommonOptions.of(["--memory=4G", "fit", "--", "--traceback"]) == CommonOptions(
         ["fit", "--", "--traceback"], memory="4G"
     )
-    assert Everywhere.of(["fit", "--memory"]) == Everywhere(["fit"], memory="")
+    assert CommonOptions.of(["fit", "--memory"]) == CommonOptions(["fit"], memory="")
 
 
 @pytest.mark.parametrize("size", ["", "much", "-1GB", "4", "900MB", "nan", "1" * 50 + "GB"])
@@ -219,7 +221,10 @@ def test_a_pipe_that_nobody_reads_is_no_fault():
 
 
 def test_a_broken_pipe_of_another_kind_is_told(capsys):
-    assert outcome(raising(BrokenPipeError(32, "Broken pipe", "socket")), whole=False) == 2
+    assert (
+        exit_code_of(raising(BrokenPipeError(32, "Broken pipe", "socket")), with_traceback=False)
+        == 2
+    )
     assert "socket: Broken pipe" in capsys.readouterr().err
 
 
@@ -232,7 +237,7 @@ def test_a_file_that_is_handed_out_to_a_terminal():
     for kind, expected in ((Terminal, b"unit = '\\u009b31m'\n"), (io.TextIOWrapper, data)):
         raw = io.BytesIO()
         stream = kind(raw, encoding="utf-8")
-        hand_out(data, stream)
+        write_to_stream(data, stream)
         stream.flush()
         assert raw.getvalue() == expected
 

@@ -9,7 +9,7 @@ from tuner.limits import VARIABLE, bound_process, parse_size
 
 
 @dataclass(frozen=True)
-class Everywhere:
+class CommonOptions:
     """The options that every command takes.
 
     Attributes:
@@ -23,11 +23,11 @@ class Everywhere:
     memory: str | None = None
 
     @classmethod
-    def of(cls, arguments: Sequence[str]) -> "Everywhere":
+    def of(cls, arguments: Sequence[str]) -> "CommonOptions":
         """Take the options out of a line; what stands behind ``--`` is none.
 
-        >>> Everywhere.of(["run", "--memory", "2GB", "toy", "--traceback"])
-        Everywhere(rest=['run', 'toy'], traceback=True, memory='2GB')
+        >>> CommonOptions.of(["run", "--memory", "2GB", "toy", "--traceback"])
+        CommonOptions(rest=['run', 'toy'], traceback=True, memory='2GB')
         """
         rest: list[str] = []
         traceback, memory = False, None

@@ -8,7 +8,7 @@ from tuner.run.fit_record import FitRecord
 from tuner.run.result import CodeRecord, ParameterRecord, Result
 
 
-def grid(names: Sequence[str], fits: Sequence[Result]) -> list[list[str]]:
+def comparison_table(names: Sequence[str], fits: Sequence[Result]) -> list[list[str]]:
     """A header, and a line a quantity with a cell for each fit."""
     lines = [[label, *map(cell, fits)] for label, cell in _JUDGED]
     found = [_parameters(result) for result in fits]

@@ -10,10 +10,10 @@ _OBEYED = re.compile(
 )
 
 
-def shown(text: str) -> str:
+def printable(text: str) -> str:
     r"""The text without control characters: as JSON writes them, so that JSON stays what it is.
 
-    >>> shown("gx\x1b[2J"), shown("rate\r\n")
+    >>> printable("gx\x1b[2J"), shown("rate\r\n")
     ('gx\\u001b[2J', 'rate\\u000d\n')
     """
     return _OBEYED.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
@@ -25,10 +25,10 @@ def on_one_line(text: str) -> str:
     >>> on_one_line("this cannot\nbe solved")
     'this cannot be solved'
     """
-    return shown(" ".join(text.split()))
+    return printable(" ".join(text.split()))
 
 
-class Shown:
+class PrintableStream:
     """A stream of text whose every character is safe for a terminal.
 
     Attributes:
@@ -40,7 +40,7 @@ class Shown:
 
     def write(self, text: str) -> int:
         """Write text, its control characters written out."""
-        self.plain.write(shown(text))
+        self.plain.write(printable(text))
         return len(text)
 
     def writelines(self, lines: "list[str]") -> None:
@@ -53,13 +53,13 @@ class Shown:
 
 
 def plain(stream: TextIO) -> TextIO:
-    """The stream behind :class:`Shown`, or the stream itself."""
-    return stream.plain if isinstance(stream, Shown) else stream
+    """The stream behind :class:`PrintableStream`, or the stream itself."""
+    return stream.plain if isinstance(stream, PrintableStream) else stream
 
 
-def hand_out(data: bytes, stream: TextIO) -> None:
+def write_to_stream(data: bytes, stream: TextIO) -> None:
     """Write a file's bytes to a stream: unchanged, but to a terminal as safe text."""
     if stream.isatty():
-        stream.write(shown(data.decode(errors="backslashreplace")))
+        stream.write(printable(data.decode(errors="backslashreplace")))
     else:
         stream.buffer.write(data)

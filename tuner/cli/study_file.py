@@ -13,7 +13,7 @@ from tuner.run.recipe import Recipe, faults_of
 from tuner.run.study import find_study
 
 
-def read_whole(path: Path, document: Mapping[str, Any], more: Mapping[str, Any]) -> Recipe:
+def read_study_file(path: Path, document: Mapping[str, Any], more: Mapping[str, Any]) -> Recipe:
     """The recipe in a file, whose settings the command line may have more of.
 
     Args:

@@ -23,7 +23,7 @@ class Grid(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Sheet:
+class Datasheet:
     """The facts of one filter.
 
     Attributes:
@@ -51,7 +51,7 @@ class Sheet:
     options: Mapping[str, Option]
 
 
-def sheet_of(name: str, filter: type[Any], home: str = "") -> Sheet:
+def datasheet_of(name: str, filter: type[Any], home: str = "") -> Datasheet:
     """The facts of a filter's class.
 
     Args:
@@ -62,7 +62,7 @@ def sheet_of(name: str, filter: type[Any], home: str = "") -> Sheet:
     Raises:
         ValueError: where it declares none.
     """
-    return Sheet(
+    return Datasheet(
         name=name,
         home=home or f"{filter.__module__}.{filter.__name__}",
         about=first_line(filter),
@@ -81,7 +81,7 @@ def first_line(thing: Any) -> str:
     return (inspect.getdoc(thing) or "").partition("\n")[0]
 
 
-def grids(sheet: Sheet) -> list[Grid]:
+def grids(sheet: Datasheet) -> list[Grid]:
     """The tables of a sheet; those that would be empty are left out."""
     inputs = [[*line, _may(name, sheet)] for name, line in _channels(sheet.inputs).items()]
     all_ = [
@@ -95,7 +95,7 @@ def grids(sheet: Sheet) -> list[Grid]:
     return [grid for grid in all_ if len(grid.lines) > 1]
 
 
-def as_json(sheet: Sheet) -> dict[str, Any]:
+def as_json(sheet: Datasheet) -> dict[str, Any]:
     """A sheet as JSON holds it."""
     parts = {
         part: {name: fact._asdict() for name, fact in getattr(sheet, part).items()}
@@ -106,7 +106,7 @@ def as_json(sheet: Sheet) -> dict[str, Any]:
     return {"class": sheet.home, "about": sheet.about, **parts}
 
 
-def page(sheets: Iterable[Sheet]) -> str:
+def page(sheets: Iterable[Datasheet]) -> str:
     """The page of several filters, in Markdown."""
     begun = (
         "# Filters\n\nMade by `tuner list filters --md` from what the filters declare about "
@@ -128,7 +128,7 @@ def _channels(facts: Mapping[str, Channel]) -> dict[str, list[str]]:
     }
 
 
-def _may(name: str, sheet: Sheet) -> str:
+def _may(name: str, sheet: Datasheet) -> str:
     return "no" if name in sheet.optional else "yes"
 
 
@@ -167,7 +167,7 @@ def _option(item: tuple[str, Option]) -> list[str]:
     return [name, ", ".join(map(str, option.words)), default]
 
 
-def _section(sheet: Sheet) -> str:
+def _section(sheet: Datasheet) -> str:
     head = f"\n## {sheet.name}\n\n`{sheet.home}`: {sheet.about}\n"
     return head + "".join(map(_table, grids(sheet)))
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from tuner.run.pipeline import Progress
-from tuner.shown import plain, shown
+from tuner.terminal_text import plain, printable
 
 EVERY = 10.0
 """Seconds between two lines, where TUNER_PROGRESS says nothing else."""
@@ -16,7 +16,7 @@ _PLANNING = "reading and planning"
 
 
 @contextmanager
-def progress(check: Callable[[], None]) -> Iterator[Progress]:
+def show_progress(check: Callable[[], None]) -> Iterator[Progress]:
     """Tell how far a run is, from the first second on.
 
     Args:
@@ -27,7 +27,7 @@ def progress(check: Callable[[], None]) -> Iterator[Progress]:
 
 
 @contextmanager
-def planning() -> Iterator[None]:
+def show_planning() -> Iterator[None]:
     """Tell that a run is read and planned."""
     if sys.stderr.isatty():
         print("reading and planning ...", file=sys.stderr)
@@ -60,7 +60,7 @@ def _every(now: list[str]) -> Iterator[None]:
 
     def tell() -> None:
         while not done.wait(every):
-            told = f"{time.monotonic() - begun:.0f} s: {shown(now[0])}"
+            told = f"{time.monotonic() - begun:.0f} s: {printable(now[0])}"
             print(told, file=sys.stderr, flush=True)
 
     teller = threading.Thread(target=tell, daemon=True)
@@ -109,6 +109,6 @@ def _bar(check: Callable[[], None]) -> Iterator[Progress]:
 
         def report(what: str, part: int, parts: int) -> None:
             check()
-            bar.update(task, description=shown(what), completed=part, total=parts)
+            bar.update(task, description=printable(what), completed=part, total=parts)
 
         yield report

@@ -4,12 +4,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from tuner import export
-from tuner.cli.which import Which
+from tuner.cli.filter_option import FilterOption
 from tuner.export import Tuned
 
 
 @dataclass(frozen=True)
-class Wanted:
+class ExportRequest:
     """The request for an export on the command line.
 
     Attributes:
@@ -18,7 +18,7 @@ class Wanted:
         problem: which one, where a run has several.
         rate_hz: the sample rate; None: the one that it was tuned at.
         densities: parameters that grow with the rate.
-        which: the file of the filter's class, where it is from one.
+        filter_option: the file of the filter's class, where it is from one.
         force: whether a file is replaced, and what did not converge is exported.
         precision: of a filter in C; None: double.
         tunable: whether the parameters of a filter in C can be set as it runs.
@@ -32,7 +32,7 @@ class Wanted:
     problem: str | None = None
     rate_hz: float | None = None
     densities: tuple[str, ...] = ()
-    which: Which = field(default_factory=Which)
+    filter_option: FilterOption = field(default_factory=FilterOption)
     force: bool = False
     precision: str | None = None
     tunable: bool = False
@@ -41,7 +41,7 @@ class Wanted:
     approximate: bool = False
 
 
-def path_of(tuned: Tuned, to: str, wanted: Wanted) -> Path:
+def output_path(tuned: Tuned, to: str, request: ExportRequest) -> Path:
     """The file that is written."""
-    at = "" if wanted.rate_hz is None else f"_{wanted.rate_hz:g}hz"
-    return Path(wanted.output) if wanted.output else Path(f"{tuned.name}{at}{export.suffix(to)}")
+    at = "" if request.rate_hz is None else f"_{request.rate_hz:g}hz"
+    return Path(request.output) if request.output else Path(f"{tuned.name}{at}{export.suffix(to)}")
