@@ -12,7 +12,7 @@ from tuner.catalogue import names
 from tuner.export.tuned import Quantity, Tuned
 from tuner.names import unknown
 from tuner.problem.exported import Trial, derived_of, once
-from tuner.problem.invented import invented
+from tuner.problem.random_inputs import random_inputs
 from tuner.problem.steady_form import steady_form_of
 from tuner.problem.steady_gains import system_of
 from tuner.run.filter_choice import FilterChoice
@@ -88,7 +88,7 @@ def filter_at_rate(
 
 def _trials(filter: Any, params: Any) -> dict[str, Trial]:
     """The filter, on invented samples: a fit's recording is of another rate."""
-    return {"full": Trial(filter, params, invented(filter))} | steady_form_of(filter, params)
+    return {"full": Trial(filter, params, random_inputs(filter))} | steady_form_of(filter, params)
 
 
 def _made(cls: type[Any], name: str, options: Mapping[str, Any], dt: float) -> Any:

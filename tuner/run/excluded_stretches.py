@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from filters import Lanes, assembled, bare
-from filters.measured import Holes
+from filters.measurement_mask import MeasurementMask
 from objectives import Data
 from tuner.identifiability.noise import NoModelError
 from tuner.identifiability.stretches import wrong_stretches
@@ -76,7 +76,7 @@ def without_stretches(
         )
     filter, data = problem.filter, problem.data
     params = assembled(bare(filter), problem.parameters(problem.space.start()))
-    without = jax.vmap(Holes(parts_of(filter, params, data.inputs)).made)
+    without = jax.vmap(MeasurementMask(parts_of(filter, params, data.inputs)).made)
     wrong = [each.wrong for each in found]
     if isinstance(filter, Lanes):
         inputs = jax.vmap(without)(data.inputs, jnp.asarray(np.stack(wrong, axis=1)))

@@ -10,7 +10,7 @@ import numpy as np
 from filters.declared import bare, channel_facts
 from tuner.certificate.solution import Solution, Status
 from tuner.data.merge import stacked, timeline
-from tuner.data.plausible import implausible
+from tuner.data.plausibility import check_plausibility
 from tuner.data.record import Record
 from tuner.data.source import Source
 from tuner.identifiability.determined import Determined, determined
@@ -111,7 +111,7 @@ def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wish
     for line in lines:
         check_channels(name, cls, line)
     facts = channel_facts(cls, "inputs"), channel_facts(cls, "outputs")
-    strange = [words for line in lines for words in implausible(line, *facts)]
+    strange = [words for line in lines for words in check_plausibility(line, *facts)]
     source = _source([part for record in records for part in record.sources])
     line = lines[0] if len(lines) == 1 else stacked(lines)
     posed = pose(name, cls, line, wishes, source)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.tuner.recordings import refusal
-from tuner.data.logs.apart import Reader, open_apart
+from tuner.data.logs.reader_process import Reader, open_in_process
 
 READER = Reader("made_up_reader", "made-up log", "numpy", "none")
 
@@ -53,7 +53,7 @@ def reader(tmp_path, monkeypatch):
 def opened(path: Path, kind: str):
     path = path / "some.log"
     path.write_text(kind)
-    return open_apart(path, READER)
+    return open_in_process(path, READER)
 
 
 def test_arrays_come_back_as_they_were(tmp_path):
@@ -94,7 +94,7 @@ def test_objects_cannot_come_back(tmp_path):
 
 
 def test_time_is_bounded(tmp_path, monkeypatch):
-    monkeypatch.setattr("tuner.data.logs.apart._SECONDS", 1)
+    monkeypatch.setattr("tuner.data.logs.reader_process._SECONDS", 1)
     (tmp_path / "made_up_reader.py").write_text("while True: pass")
     sentence = refusal(tmp_path, "good", reader=opened)
     assert "its reader was ended by signal" in sentence or "not read within 2 s" in sentence

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from tuner.data.frames import frame_of, rotated
 from tuner.data.logs import LogError
 from tuner.data.merge import timeline
-from tuner.data.plausible import check_accelerometer, implausible
+from tuner.data.plausibility import check_accelerometer, check_plausibility
 from tuner.data.record import Record
 
 G = 9.80665
@@ -43,7 +43,7 @@ ATT, GYR, ACC = wandering()
 
 def judged(gyr=GYR, acc=ACC, att=ATT):
     record = Record.of({"gyr": gyr, "acc": acc}, rate_hz=HZ, truth={"att": att})
-    return implausible(timeline(record), INPUTS, OUTPUTS)
+    return check_plausibility(timeline(record), INPUTS, OUTPUTS)
 
 
 def refusal(**channels):
@@ -103,16 +103,16 @@ def test_gyroscopes_in_degrees_are_known_by_gravity_alone():
     other = Record.of({"gyr": np.radians(slow[0]), "acc": slow[1]}, rate_hz=HZ)
     assert np.abs(np.degrees(slow[0])).max() < 35.0  # within what a gyroscope can measure
     with pytest.raises(LogError, match="as fast as gravity does .* looks like deg/s"):
-        implausible(timeline(record), INPUTS)
+        check_plausibility(timeline(record), INPUTS)
     with pytest.raises(LogError, match="rad/s were taken for deg/s"):
-        implausible(timeline(other), INPUTS)
+        check_plausibility(timeline(other), INPUTS)
 
 
 def test_gyroscopes_in_degrees_are_known_by_the_truth_alone():
     att, gyr, _ = wandering(2, size=0.2)
     record = Record.of({"gyr": np.degrees(gyr)}, rate_hz=HZ, truth={"att": att})
     with pytest.raises(LogError, match="as much as att, so it looks like deg/s"):
-        implausible(timeline(record), INPUTS, OUTPUTS)
+        check_plausibility(timeline(record), INPUTS, OUTPUTS)
 
 
 def flipped(turn):

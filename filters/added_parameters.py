@@ -7,8 +7,8 @@ from typing import Annotated, Any, ClassVar, NamedTuple, cast, get_type_hints
 from filters.declared import Param, channel_facts
 
 
-class Dressed:
-    """Common part of the classes that :func:`dressed` makes; their fields are those of the filter.
+class WithParameters:
+    """Base of the classes that :func:`with_parameters` makes; their fields are those of the filter.
 
     Attributes:
         base: class of the filter inside.
@@ -56,9 +56,9 @@ class Dressed:
         return {each.name: getattr(self, each.name) for each in fields(made)}
 
 
-def dressed(
+def with_parameters(
     base: type[Any],
-    kind: type[Dressed],
+    kind: type[WithParameters],
     facts: Mapping[str, tuple[Any, Param]],
     recipe: tuple[Callable[..., type[Any]], tuple[Any, ...]],
 ) -> type[Any]:
@@ -88,7 +88,7 @@ def dressed(
     return make_dataclass(name, own, bases=(kind,), frozen=True, namespace=given)
 
 
-def needs(base: type[Any], part: str, why: str) -> None:
+def require_channel(base: type[Any], part: str, why: str) -> None:
     """Refuse a filter that lacks the input that an addition needs.
 
     Raises:

@@ -25,7 +25,7 @@ from tuner.limits import memory
 
 _START = """import sys, os
 sys.path[:] = sys.argv[1].split(os.pathsep)
-from tuner.data.logs.child import main
+from tuner.data.logs.reader_worker import main
 main()"""
 _SECONDS, _SECONDS_A_MIB = 60, 4
 _BYTES, _BYTES_A_BYTE = 4 << 30, 32  # of addresses, which cost nothing until they are used
@@ -52,7 +52,7 @@ class Reader:
     mend: str = "copy or record it again"
 
 
-def open_apart(path: Path, reader: Reader) -> Table:
+def open_in_process(path: Path, reader: Reader) -> Table:
     """Open a log by a reader of another package.
 
     Raises:

@@ -16,7 +16,7 @@ Declared: TypeAlias = "Mapping[str, Channel] | None"
 
 
 @dataclass(frozen=True)
-class Wanted:
+class MappedChannel:
     """One channel, or one truth, of one file.
 
     Attributes:
@@ -32,7 +32,7 @@ class Wanted:
     truth: bool
 
 
-def asked(
+def parse_mappings(
     texts: Sequence[str], declared: Declared, files: Sequence[str], *, truth: bool
 ) -> list[tuple[Mapped, "Channel | None", bool]]:
     """The user's text for ``--map``, or for ``--truth``, parsed.
@@ -50,9 +50,9 @@ def asked(
     return [(m, declared[m.channel] if declared else None, truth) for m in maps]
 
 
-def shared_out(
+def assigned_to_files(
     tables: Sequence[Table], maps: Sequence[tuple[Mapped, "Channel | None", bool]]
-) -> list[list[Wanted]] | None:
+) -> list[list[MappedChannel]] | None:
     """The channels to read from each file; None where each of several files has everything.
 
     Raises:
@@ -61,7 +61,7 @@ def shared_out(
     holders = [_holders(tables, mapped) for mapped, _, _ in maps]
     if len(tables) > 1 and all(len(found) == len(tables) for found in holders):
         return None
-    shares: list[list[Wanted]] = [[] for _ in tables]
+    shares: list[list[MappedChannel]] = [[] for _ in tables]
     for (mapped, declared, truth), found in zip(maps, holders, strict=True):
         if not found:
             raise _nowhere(tables, mapped)
@@ -72,20 +72,24 @@ def shared_out(
                 f"say which is meant, such as {mapped.channel}={files[0]}/{mapped.source}"
             )
         ((index, parts),) = found.items()
-        shares[index].append(Wanted(mapped, parts, declared, truth))
+        shares[index].append(MappedChannel(mapped, parts, declared, truth))
     for table, share in zip(tables, shares, strict=True):
         if not share:
             raise LogError(f"{table.file}: nothing is read from it; map a column of it or leave it")
     return shares
 
 
-def all_of(table: Table, maps: Sequence[tuple[Mapped, "Channel | None", bool]]) -> list[Wanted]:
+def channels_of_file(
+    table: Table, maps: Sequence[tuple[Mapped, "Channel | None", bool]]
+) -> list[MappedChannel]:
     """The channels to read from a file that has everything."""
-    (share,) = shared_out([table], maps) or [[]]
+    (share,) = assigned_to_files([table], maps) or [[]]
     return share
 
 
-def by_clock(table: Table, share: Sequence[Wanted]) -> list[tuple[Table, list[Wanted]]]:
+def channels_by_clock(
+    table: Table, share: Sequence[MappedChannel]
+) -> list[tuple[Table, list[MappedChannel]]]:
     """The channels to read from a file, for each of its clocks.
 
     Raises:
@@ -93,7 +97,7 @@ def by_clock(table: Table, share: Sequence[Wanted]) -> list[tuple[Table, list[Wa
     """
     if not table.groups:
         return [(table, list(share))]
-    shares: dict[int, list[Wanted]] = {}
+    shares: dict[int, list[MappedChannel]] = {}
     for wanted in share:
         columns = {part.column for part in wanted.parts}
         holders = [i for i, group in enumerate(table.groups) if columns <= set(group.names)]

@@ -17,10 +17,12 @@ from objectives import Data, is_fold
 from tuner.problem.facts import check_frozen
 from tuner.problem.mistakes import described, told
 from tuner.problem.model_shapes import check_model
-from tuner.problem.stepped import check_operations, check_outputs, check_state
+from tuner.problem.step_checks import check_operations, check_outputs, check_state
 
 
-def try_out(name: str, filter: Any, build: Any, space: Any, objective: Any, data: Data) -> None:
+def check_shapes(
+    name: str, filter: Any, build: Any, space: Any, objective: Any, data: Data
+) -> None:
     """Refuse a filter, parameters, inputs or a truth that the time loop cannot take.
 
     Args:

@@ -13,12 +13,12 @@ from jax import Array
 from filters.declared import bare
 from filters.protocol import AnyFilter, run
 
-Parts: TypeAlias = tuple[tuple[tuple[int, int], ...], ...]
+MeasuredEntries: TypeAlias = tuple[tuple[tuple[int, int], ...], ...]
 """For every innovation, the numbers of a sample without which there is none: which leaf of the
 inputs, and which of its entries."""
 
 
-def measured(filter: AnyFilter, params: Any, inputs: Any) -> Parts:
+def measured_entries(filter: AnyFilter, params: Any, inputs: Any) -> MeasuredEntries:
     """The numbers that a filter's innovations are made of.
 
     Every number of a sample is made missing (NaN), one at a time; it belongs to the innovations
@@ -39,7 +39,7 @@ def measured(filter: AnyFilter, params: Any, inputs: Any) -> Parts:
     >>> from filters import Vertical, VerticalNoise, VerticalSample
     >>> record = VerticalSample(acc=jnp.zeros(9), baro=jnp.ones(9))
     >>> noise = VerticalNoise(*map(jnp.array, (0.01, 1e-4, 0.1)))
-    >>> measured(Vertical(dt=0.1), noise, record)  # of leaf 1, the height, its only entry
+    >>> measured_entries(Vertical(dt=0.1), noise, record)  # of leaf 1, the height, its only entry
     (((1, 0),),)
     """
     counts = np.asarray(_variances(filter, params, inputs)) > 0
@@ -65,14 +65,14 @@ _quickly = partial(
 
 
 @dataclass(frozen=True)
-class Holes:
+class MeasurementMask:
     """Masks that make the measurements of some innovations missing.
 
     Attributes:
-        parts: of :func:`measured`.
+        parts: of :func:`measured_entries`.
     """
 
-    parts: Parts
+    parts: MeasuredEntries
     _owners: dict[int, tuple[tuple[int, int], ...]] = field(init=False, compare=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -93,7 +93,7 @@ class Holes:
             if leaf >= len(leaves) or jnp.size(leaves[leaf]) <= max(entry for entry, _ in owners):
                 raise ValueError(
                     "the samples have other parts than the record in which the measurements were "
-                    "found; find them again by filters.measured"
+                    "found; find them again by filters.measured_entries"
                 )
             mask = np.zeros((jnp.size(leaves[leaf]), len(self.parts)), bool)
             mask[tuple(np.array(owners).T)] = True
@@ -114,7 +114,7 @@ class Holes:
         return (jnp.asarray(share) & refused).any(axis=1)
 
 
-def judged(filter: Any, outputs: Any) -> None:
+def check_innovations(filter: Any, outputs: Any) -> None:
     """Refuse a filter that outputs too little about its innovations.
 
     Raises:
@@ -133,14 +133,14 @@ def judged(filter: Any, outputs: Any) -> None:
         )
 
 
-def widened(outputs: Any, more: tuple[str, ...]) -> Any:
+def with_fields(outputs: Any, more: tuple[str, ...]) -> Any:
     """A NamedTuple's class with more fields after its own; the same one every time.
 
     >>> from typing import NamedTuple
     >>> class Pair(NamedTuple):
     ...     left: int
     ...     right: int
-    >>> widened(Pair, ("middle",))(1, 2, 3).middle
+    >>> with_fields(Pair, ("middle",))(1, 2, 3).middle
     3
     """
     known: Any = outputs
@@ -156,7 +156,7 @@ def _widened(outputs: Any, more: tuple[str, ...]) -> Any:
 @_quickly
 def _variances(filter: AnyFilter, params: Any, inputs: Any) -> Array:
     outputs = run(filter, params, inputs)[1]
-    judged(filter, outputs)
+    check_innovations(filter, outputs)
     variance: Array = outputs.variance
     return variance
 

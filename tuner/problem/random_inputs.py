@@ -9,7 +9,7 @@ from filters.declared import channel_facts, inputs_of, optional
 COUNT = 100
 
 
-def invented(filter: Any, channels: frozenset[str] | None = None) -> Any:
+def random_inputs(filter: Any, channels: frozenset[str] | None = None) -> Any:
     """Inputs of a filter, time first: random numbers of size one.
 
     Args:

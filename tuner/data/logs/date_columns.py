@@ -31,7 +31,7 @@ def _kind(column: Raw) -> str:
     return ("date" if moments.dated else "") + ("time" if moments.timed else "")
 
 
-def read_written(
+def read_dates(
     columns: Columns, mapping: Mapping, parts: Sequence[Mapping]
 ) -> tuple[Moments, tuple[str, ...]]:
     """Dates or times of day, and what was assumed of them.

@@ -30,7 +30,7 @@ class _Scale(NamedTuple):
 _FORCES = tuple(_Scale(*pair) for pair in ((1.0, "g"), (1e3, "mg"), (980.665, "gal")))
 
 
-def implausible(
+def check_plausibility(
     line: Timeline, inputs: "Mapping[str, Channel]", outputs: "Mapping[str, Channel] | None" = None
 ) -> tuple[str, ...]:
     """Refuse channels that physics excludes, and say what looks strange.
