@@ -57,7 +57,8 @@ class Student:
     >>> from filters import LevelSample, LocalLevel, LocalLevelNoise, measured_entries, run
     >>> level, noise = LocalLevel(dt=1.0), LocalLevelNoise(jnp.array(0.01), jnp.array(1.0))
     >>> record = LevelSample(jnp.array([5.0, 5.0, 4.9, 80.0, 5.1]))
-    >>> outputs = run(Student(level, measured_entries(level, noise, record), nu=4.0), noise, record)[1]
+    >>> student = Student(level, measured_entries(level, noise, record), nu=4.0)
+    >>> outputs = run(student, noise, record)[1]
     >>> outputs.weight[:, 0].round(3).tolist()
     [1.0, 1.0, 1.0, 0.002, 1.0]
     """

@@ -13,7 +13,7 @@ _OBEYED = re.compile(
 def printable(text: str) -> str:
     r"""The text without control characters: as JSON writes them, so that JSON stays what it is.
 
-    >>> printable("gx\x1b[2J"), shown("rate\r\n")
+    >>> printable("gx\x1b[2J"), printable("rate\r\n")
     ('gx\\u001b[2J', 'rate\\u000d\n')
     """
     return _OBEYED.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
