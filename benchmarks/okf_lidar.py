@@ -30,7 +30,7 @@ from tuner.certificate.table import range_in_words
 from tuner.problem.parameters import Covariance, Fixed, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.space import Space
-from tuner.run.rescaled import nees_of, nis_of, rescaled
+from tuner.run.variance_scaling import nees_of, nis_of, scale_variances
 from tuner.solvers.gradient import Gradient
 
 TRAINED, P0 = 700, 1000.0
@@ -208,7 +208,7 @@ def results(file: Path) -> dict[str, tuple[Outcome, Solution | None]]:
         solution = solver(problem)
         found[name] = outcome(judge, problem, values_of(solution)), solution
         if truth:
-            scaled, _ = rescaled(problem, solution)
+            scaled, _ = scale_variances(problem, solution)
             found[f"{name}, rescaled"] = outcome(judge, problem, values_of(scaled)), scaled
     return found
 

@@ -126,7 +126,7 @@ from filters.local_level import (  # noqa: E402
     LocalLevelNoise,
     LocalLevelOutputs,
 )
-from filters.measured import measured  # noqa: E402
+from filters.measurement_mask import measured_entries  # noqa: E402
 from filters.parametrised import parametrised  # noqa: E402
 from filters.pi_complementary import (  # noqa: E402
     PiComplementary,
@@ -298,7 +298,7 @@ __all__ = [
     "loop_error",
     "loop_option",
     "loop_step",
-    "measured",
+    "measured_entries",
     "optional",
     "output",
     "packed",

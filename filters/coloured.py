@@ -7,9 +7,9 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from filters.added_parameters import WithParameters, require_channel, with_parameters
 from filters.declared import Param
 from filters.diffuse import AnyEstimate, advance, begin, take
-from filters.dressed import Dressed, dressed, needs
 from filters.linear import LinearForm, LinearModel, Transition
 
 
@@ -58,7 +58,7 @@ class ColouredState(NamedTuple):
     begun: Array
 
 
-class _Coloured(Dressed):
+class _Coloured(WithParameters):
     """A filter whose measurement noise is a first-order Markov process of the variance R.
 
     It is the Kalman filter of the same model with the noise among its states (:func:`coloured`),
@@ -129,7 +129,7 @@ def coloured_noise(base: type[Any], step: float) -> type[Any]:
     >>> run(slower(dt=1.0), params, LevelSample(jnp.array([3.0, 4.0])))[1].level.round(6).tolist()
     [3.0, 3.5]
     """
-    needs(base, "sigma", "its noise cannot be coloured")
+    require_channel(base, "sigma", "its noise cannot be coloured")
     tau = Param(
         "s",
         "time constant of the measurement noise, a first-order Markov process of the variance R",
@@ -139,7 +139,7 @@ def coloured_noise(base: type[Any], step: float) -> type[Any]:
         smaller="the noise is white",
         larger="an error stays for long, and samples in a row say little more than one",
     )
-    return dressed(base, _Coloured, {"tau": (Array, tau)}, (coloured_noise, (step,)))
+    return with_parameters(base, _Coloured, {"tau": (Array, tau)}, (coloured_noise, (step,)))
 
 
 def _blocks(one: Array, other: Array) -> Array:

@@ -7,7 +7,12 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from filters.measured import Holes, Parts, judged, widened
+from filters.measurement_mask import (
+    MeasuredEntries,
+    MeasurementMask,
+    check_innovations,
+    with_fields,
+)
 from filters.protocol import AnyFilter
 
 PATIENCE = 10
@@ -49,20 +54,20 @@ class Gated:
 
     Attributes:
         filter: the filter; the gate is right only if its innovations' variances are.
-        parts: which numbers its innovations are made of, by :func:`filters.measured`.
+        parts: which numbers its innovations are made of, by :func:`filters.measured_entries`.
         gate: in standard deviations; one correct number in 16,000 is beyond 4.
         patience: refusals in a row after which the next numbers are taken; 1 or more.
 
-    >>> from filters import LevelSample, LocalLevel, LocalLevelNoise, measured, run
+    >>> from filters import LevelSample, LocalLevel, LocalLevelNoise, measured_entries, run
     >>> level, noise = LocalLevel(dt=1.0), LocalLevelNoise(jnp.array(0.01), jnp.array(1.0))
     >>> record = LevelSample(jnp.array([5.0, 5.0, 4.9, 80.0, 5.1]))
-    >>> outputs = run(Gated(level, measured(level, noise, record)), noise, record)[1]
+    >>> outputs = run(Gated(level, measured_entries(level, noise, record)), noise, record)[1]
     >>> outputs.refused[:, 0].tolist(), round(outputs.level[3].item(), 2)
     ([0.0, 0.0, 0.0, 1.0, 0.0], 4.97)
     """
 
     filter: AnyFilter
-    parts: Parts
+    parts: MeasuredEntries
     gate: float = 4.0
     patience: int = PATIENCE
     same_params = True
@@ -88,7 +93,7 @@ class Gated:
 
     def step(self, params: Any, state: GatedState, inputs: Any) -> tuple[GatedState, Any]:
         """Take one sample, and take it again without its first wrong number while there is one."""
-        holes = Holes(self.parts)
+        holes = MeasurementMask(self.parts)
         gated = jnp.array([bool(part) for part in self.parts]) & (state.outside < self.patience)
 
         def tried(refused: Array) -> tuple[Any, Any]:
@@ -99,7 +104,7 @@ class Gated:
 
         # Nothing is replaced here, so that the usual sample costs one step of the filter.
         first: tuple[Any, Any] = self.filter.step(params, state.inner, inputs)
-        judged(self.filter, first[1])
+        check_innovations(self.filter, first[1])
         y, s = first[1].innovation, first[1].variance
         none = jnp.zeros(len(self.parts), bool)
 
@@ -131,7 +136,7 @@ class Gated:
         outside = self._beyond(offered, predicted)
         again_outside = jnp.where(outside, state.outside + 1, 0)
         counted = jnp.where(predicted != 0, again_outside, state.outside)
-        kind = widened(type(output), ("offered", "predicted", "refused", "outside"))
+        kind = with_fields(type(output), ("offered", "predicted", "refused", "outside"))
         flags = (refused.astype(y.dtype), outside.astype(y.dtype))
         return GatedState(inner, counted), kind(*output, offered, predicted, *flags)
 

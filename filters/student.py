@@ -9,7 +9,12 @@ import jax.numpy as jnp
 from jax import Array
 
 from filters.gated import PATIENCE, GatedState, number_type
-from filters.measured import Holes, Parts, judged, widened
+from filters.measurement_mask import (
+    MeasuredEntries,
+    MeasurementMask,
+    check_innovations,
+    with_fields,
+)
 from filters.protocol import AnyFilter
 
 WHOLE = 2.0
@@ -45,20 +50,21 @@ class Student:
     Attributes:
         filter: the filter: its state is an estimate with its covariance, and what does not depend
             on the measurements.
-        parts: which numbers its innovations are made of, by :func:`filters.measured`.
+        parts: which numbers its innovations are made of, by :func:`filters.measured_entries`.
         nu: degrees of freedom: 3 to 5 for heavy tails, infinite for normal noise; 1 or more.
         patience: samples of little weight in a row after which the next are taken whole; 1 or more.
 
-    >>> from filters import LevelSample, LocalLevel, LocalLevelNoise, measured, run
+    >>> from filters import LevelSample, LocalLevel, LocalLevelNoise, measured_entries, run
     >>> level, noise = LocalLevel(dt=1.0), LocalLevelNoise(jnp.array(0.01), jnp.array(1.0))
     >>> record = LevelSample(jnp.array([5.0, 5.0, 4.9, 80.0, 5.1]))
-    >>> outputs = run(Student(level, measured(level, noise, record), nu=4.0), noise, record)[1]
+    >>> student = Student(level, measured_entries(level, noise, record), nu=4.0)
+    >>> outputs = run(student, noise, record)[1]
     >>> outputs.weight[:, 0].round(3).tolist()
     [1.0, 1.0, 1.0, 0.002, 1.0]
     """
 
     filter: AnyFilter
-    parts: Parts
+    parts: MeasuredEntries
     nu: float = 4.0
     patience: int = PATIENCE
     same_params = True
@@ -84,10 +90,10 @@ class Student:
 
     def step(self, params: Any, state: GatedState, inputs: Any) -> tuple[GatedState, Any]:
         """Take one sample with its weight."""
-        holes = Holes(self.parts)
+        holes = MeasurementMask(self.parts)
         without = holes.made(inputs, jnp.ones(len(self.parts), bool))
         taken, output = self.filter.step(params, state.inner, inputs)
-        judged(self.filter, output)
+        check_innovations(self.filter, output)
         passed, other = self.filter.step(params, state.inner, without)
         y, s = output.innovation, output.variance
         counts = s > 0
@@ -102,7 +108,7 @@ class Student:
         said = said._replace(innovation=y, variance=s / w)
         row = jnp.where(asked < 0.5, state.outside + 1, 0)
         moved = GatedState(inner, jnp.where(counts.any(), row, state.outside))
-        kind = widened(type(output), ("offered", "predicted", "weight", "refused", "outside"))
+        kind = with_fields(type(output), ("offered", "predicted", "weight", "refused", "outside"))
         refused, outside = ((counts & (v < 0.5)).astype(y.dtype) for v in (w, asked))
         return moved, kind(*said, y, s, jnp.where(counts, w, 1.0), refused, outside)
 

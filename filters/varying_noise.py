@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
+from filters.added_parameters import WithParameters, require_channel, with_parameters
 from filters.declared import Param, parameter_facts
-from filters.dressed import Dressed, dressed, needs
 
 
 class LevelState(NamedTuple):
@@ -17,7 +17,7 @@ class LevelState(NamedTuple):
     level: Array
 
 
-class _LevelNoise(Dressed):
+class _LevelNoise(WithParameters):
     """A filter whose measurements' deviation grows with the level: sqrt(R) + slope abs(level).
 
     The level is the filter's own first output after the previous sample, and the measured one at
@@ -46,7 +46,7 @@ class _LevelNoise(Dressed):
         return LevelState(inner, jnp.where(begun, now, state.level)), output
 
 
-class _ChannelNoise(Dressed):
+class _ChannelNoise(WithParameters):
     """A filter whose measurements' variance is R + share sigma^2, sigma the reported deviation."""
 
     absolute_noise = True
@@ -88,7 +88,7 @@ def level_noise(base: type[Any]) -> type[Any]:
     >>> run(noisier(dt=1.0), params, record)[1].variance[:, 0].tolist()  # 2^2 + 2^2 / k
     [0.0, 8.0, 6.0]
     """
-    needs(base, "sigma", "its noise cannot follow the level")
+    require_channel(base, "sigma", "its noise cannot follow the level")
     slope = Param(
         "",
         "how much a measurement's deviation grows with the level, per unit of it",
@@ -98,7 +98,7 @@ def level_noise(base: type[Any]) -> type[Any]:
         smaller="the noise is the same at all levels",
         larger="high levels are smoothed more than low ones",
     )
-    return dressed(base, _LevelNoise, {"slope": (Array, slope)}, (level_noise, ()))
+    return with_parameters(base, _LevelNoise, {"slope": (Array, slope)}, (level_noise, ()))
 
 
 @cache
@@ -120,7 +120,7 @@ def channel_noise(base: type[Any]) -> type[Any]:
     >>> run(careful(dt=1.0), params, record)[1].variance[1].tolist()  # 1 + 0.5 (2^2 + 4^2) + 1
     [12.0]
     """
-    needs(base, "sigma", "its noise cannot follow a channel")
+    require_channel(base, "sigma", "its noise cannot follow a channel")
     share = Param(
         "",
         "what the deviation that a measurement tells counts, squared",
@@ -131,7 +131,7 @@ def channel_noise(base: type[Any]) -> type[Any]:
         larger="those that tell a large deviation count less",
     )
     facts = {"share": (Array, share), "R": (Array, _floor(base))}
-    return dressed(base, _ChannelNoise, facts, (channel_noise, ()))
+    return with_parameters(base, _ChannelNoise, facts, (channel_noise, ()))
 
 
 def _floor(base: type[Any]) -> Param:

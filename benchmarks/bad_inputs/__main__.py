@@ -116,9 +116,9 @@ def loaded() -> None:
 
     import tuner.cli.check
     import tuner.cli.columns
+    import tuner.cli.common_options
     import tuner.cli.compare
-    import tuner.cli.door
-    import tuner.cli.everywhere
+    import tuner.cli.exit_code
     import tuner.cli.export
     import tuner.cli.run
     import tuner.data.reading

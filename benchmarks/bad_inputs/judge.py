@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.bad_inputs.case import Case
-from tuner.shown import shown
+from tuner.terminal_text import printable
 
 SECONDS, PATIENCE = 20.0, 180.0
 """Limits of processor time, and of waiting on a shared machine."""
@@ -58,7 +58,7 @@ class Ended:
             found.append("no sentence")
         if "fault of the program" in self.err:
             found.append("fault of the program")
-        if shown(self.out) != self.out or shown(self.err) != self.err:
+        if printable(self.out) != self.out or printable(self.err) != self.err:
             found.append("control characters")
         if self.code not in (0, 1, REFUSED) and self.code >= 0:
             found.append(f"exit code {self.code}")

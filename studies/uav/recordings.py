@@ -12,7 +12,7 @@ from filters import Channel, GpsAidedKalman, channel_facts
 from studies.uav.texts import table, texts
 from tuner.data.geodesy import east, north
 from tuner.data.logs import LogError
-from tuner.data.plausible import check_accelerometer, check_gyroscope
+from tuner.data.plausibility import check_accelerometer, check_gyroscope
 from tuner.data.record import Record
 from tuner.data.signal import Floats
 from tuner.data.units import convert

@@ -90,7 +90,7 @@ from filters import (
     VerticalNoise,
     VerticalSample,
     loop_step,
-    measured,
+    measured_entries,
     riccati_flow,
     shared,
     transitions,
@@ -408,7 +408,7 @@ def _level_sample(z):
     return LevelSample(jnp.asarray(z), _DEVIATIONS)
 
 
-_LEVEL_PARTS = measured(LocalLevel(0.1), _level(_POINT[:2]), _level_sample(_ONE))
+_LEVEL_PARTS = measured_entries(LocalLevel(0.1), _level(_POINT[:2]), _level_sample(_ONE))
 
 
 CASES = [

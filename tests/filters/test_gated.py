@@ -30,7 +30,7 @@ from filters import (
     Vertical,
     VerticalNoise,
     VerticalSample,
-    measured,
+    measured_entries,
     run,
 )
 from tests.filters.battery import CASES
@@ -53,7 +53,7 @@ every_judged_case = pytest.mark.parametrize("case", JUDGED, ids=lambda case: cas
 @cache
 def found(case):
     params, inputs = case.build(jnp.asarray(case.point)), case.inputs(case.measured)
-    return params, inputs, measured(case.filter, params, inputs)
+    return params, inputs, measured_entries(case.filter, params, inputs)
 
 
 @every_judged_case
@@ -78,12 +78,12 @@ def test_several_signals_of_one_filter_are_refused():
     case = next(each for each in CASES if each.name == SIGNALS)
     params, inputs = case.build(jnp.asarray(case.point)), case.inputs(case.measured)
     with pytest.raises(ValueError, match="several signals pass through one LinearKalman"):
-        measured(case.filter, params, inputs)
+        measured_entries(case.filter, params, inputs)
 
 
 def test_known_inputs_are_no_measurements():
     record = VerticalSample(acc=jnp.zeros(9), baro=jnp.ones(9))
-    assert measured(Vertical(0.1), VerticalNoise(0.01, 1e-4, 0.1), record) == (((1, 0),),)
+    assert measured_entries(Vertical(0.1), VerticalNoise(0.01, 1e-4, 0.1), record) == (((1, 0),),)
     case = next(c for c in CASES if isinstance(c.filter, AttitudeKalman))
     _, inputs, parts = found(case)
     leaves = [id(leaf) for leaf in jax.tree.leaves(inputs)]
@@ -122,7 +122,9 @@ def level_record(seed=1, n=200):
 def level_run(z, gate=4.0, patience=10, q=0.01, R=1.0):
     noise, record = LocalLevelNoise(jnp.array(q), jnp.array(R)), LevelSample(jnp.asarray(z))
     filter = LocalLevel(1.0)
-    return run(Gated(filter, measured(filter, noise, record), gate, patience), noise, record)[1]
+    return run(
+        Gated(filter, measured_entries(filter, noise, record), gate, patience), noise, record
+    )[1]
 
 
 @pytest.mark.parametrize("patience", [1, 2, 10])
@@ -202,7 +204,7 @@ def test_two_sensors_of_one_state_are_judged_one_after_another(full):
     R = 0.25 * (jnp.eye(2) if full else jnp.ones(2))
     record = Sample(jnp.asarray(z))
     filter = LinearKalman()
-    outputs = run(Gated(filter, measured(filter, pair(R), record), 4.0), pair(R), record)[1]
+    outputs = run(Gated(filter, measured_entries(filter, pair(R), record), 4.0), pair(R), record)[1]
     x, first, second = pair_loop(z, 4.0)
     assert (first.sum(), second.sum()) == (2, 2)
     np.testing.assert_array_equal(outputs.refused.T, [first, second])
@@ -221,7 +223,7 @@ def test_axes_are_refused_each_by_itself_at_varying_times_and_side_by_side():
     def record(lane):
         return TimedSample(dt, PositionSample(jnp.asarray(x[:, lane]), jnp.asarray(y[:, lane])))
 
-    gated = Gated(one, measured(one, noise, record(0)))
+    gated = Gated(one, measured_entries(one, noise, record(0)))
     both = TimedSample(jnp.stack([dt, dt], axis=1), PositionSample(jnp.asarray(x), jnp.asarray(y)))
     outputs = run(Lanes(gated, 2), noise, both)[1]
     where = np.argwhere(np.asarray(outputs.refused) > 0).tolist()
@@ -271,4 +273,4 @@ def test_samples_of_another_form_are_refused():
 def test_a_filter_without_innovations_has_nothing_to_refuse():
     gains = ComplementaryGain(jnp.array(1.0), jnp.array(0.0))
     with pytest.raises(ValueError, match="Complementary outputs no innovation and no variance"):
-        measured(Complementary(0.1), gains, AngleSample(jnp.zeros(3), jnp.zeros(3)))
+        measured_entries(Complementary(0.1), gains, AngleSample(jnp.zeros(3), jnp.zeros(3)))

@@ -16,7 +16,7 @@ from filters import (
     PositionSample,
     Sample,
     Student,
-    measured,
+    measured_entries,
     run,
 )
 from filters.student import spread
@@ -56,7 +56,7 @@ def test_the_update_is_that_with_larger_variances():
     z = 0.5 * np.random.default_rng(3).standard_normal((60, 2))
     z[20, 0], z[40] = 40.0, (9.0, 9.0)
     record, model = Sample(jnp.asarray(z)), pair(0.25 * jnp.ones(2))
-    student = Student(LinearKalman(), measured(LinearKalman(), model, record), 4.0)
+    student = Student(LinearKalman(), measured_entries(LinearKalman(), model, record), 4.0)
     outputs = run(student, model, record)[1]
     x, p, w = pair_loop(z, 4.0)
     np.testing.assert_allclose(outputs.x[:, 0], x, rtol=1e-10, atol=1e-12)

@@ -14,7 +14,7 @@ from filters import Channel, LinearForm, Measured, Param, Transition
 from tests.tuner import fit_cases as cases
 from tuner.export.tuned import Provenance, Quantity, Tuned
 from tuner.run.at_rate import filter_at_rate
-from tuner.run.chosen import Chosen, chosen
+from tuner.run.filter_choice import FilterChoice, choose_filter
 
 RATES = (0.5, 1.0, 12.5, 60.0, 1000.0)
 SOURCE = Provenance("fit", "x", "known", "converged", 0, "", "", ())
@@ -26,7 +26,7 @@ def tuned(values, dt, filter="X"):
 
 
 def at(name, values, rate, dt=0.1, densities=(), **options):
-    which = name if isinstance(name, Chosen) else chosen(name)
+    which = name if isinstance(name, FilterChoice) else choose_filter(name)
     return filter_at_rate(which, options, tuned(values, dt), rate, densities)
 
 
@@ -205,7 +205,7 @@ NOISE = {"q": (0.3, "m^2/s"), "R": (2.0, "m^2")}
 
 @pytest.mark.parametrize("rate", RATES)
 def test_an_own_class_has_it_from_its_linear_model(rate):
-    values = numbers(at(chosen(Own), NOISE, rate))
+    values = numbers(at(choose_filter(Own), NOISE, rate))
     F, Q = van_loan(np.array([[-1.0]]), np.array([[0.3]]), 1 / rate)
     assert values["Q_derived"].item() == pytest.approx(Q.item(), rel=1e-9)
     assert values["K"].item() == pytest.approx(steady(F, Q, 2.0).item(), rel=1e-6)
@@ -222,7 +222,7 @@ def test_an_own_class_has_it_from_its_linear_model(rate):
 )
 def test_what_holds_for_its_own_rate_alone_is_refused(cls, options, words):
     with pytest.raises(ValueError, match=f"^{words}"):
-        at(chosen(cls), NOISE, 60.0, **options)
+        at(choose_filter(cls), NOISE, 60.0, **options)
 
 
 MODEL = {
@@ -236,7 +236,7 @@ STEPS = {"F": [[1, "dt"], [0, 1]], "G": [0, 1], "C": [1, 0], "R": "R"}
 
 @pytest.mark.parametrize("rate", RATES)
 def test_a_continuous_model_of_a_text_file(rate):
-    found = at(chosen(MODEL), {"q": (0.3, ""), "R": (2.0, "")}, rate)
+    found = at(choose_filter(MODEL), {"q": (0.3, ""), "R": (2.0, "")}, rate)
     values = numbers(found)
     F, Q = van_loan(np.eye(2, k=1), np.diag([0.0, 0.3]), 1 / rate)
     K = steady(F, Q, 2.0)
@@ -252,11 +252,11 @@ def test_a_continuous_model_of_a_text_file(rate):
 def test_a_discrete_model_of_a_text_file_has_to_know_how_long_a_sample_is():
     given = {"q": (0.3, ""), "R": (2.0, "")}
     grows = MODEL | {"model": STEPS | {"Q": "q*dt"}}
-    values = numbers(at(chosen(grows), given, 50.0))
+    values = numbers(at(choose_filter(grows), given, 50.0))
     np.testing.assert_allclose(values["Q_derived"], [[0, 0], [0, 0.3 / 50]], rtol=1e-12)
     stays = MODEL | {"model": STEPS | {"Q": "q"}}
     with pytest.raises(ValueError, match="give a density times dt, or a continuous model"):
-        at(chosen(stays), given, 50.0)
+        at(choose_filter(stays), given, 50.0)
 
 
 # --- the command line --------------------------------------------------------------------------

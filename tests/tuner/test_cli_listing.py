@@ -13,7 +13,7 @@ import pytest
 
 from filters import Channel, Param
 from tuner import catalogue
-from tuner.cli.sheet import as_json, grids, page, sheet_of
+from tuner.cli.datasheet import as_json, datasheet_of, grids, page
 from tuner.run.study import find_study, study_names
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -121,7 +121,7 @@ def test_facts_as_json(cli, shelf):
 def test_facts_as_a_page(cli, shelf):
     code, out, _ = cli("list", "filters", "toy", "--md")
     assert code == 0
-    assert out == page([sheet_of("toy", Toy)])
+    assert out == page([datasheet_of("toy", Toy)])
     assert out.startswith("# Filters\n")
     assert "\n## toy\n" in out
     rows = [line for line in out.splitlines() if line.startswith("|")]
@@ -142,7 +142,7 @@ def test_what_a_filter_does_not_have_makes_no_table():
         params, inputs = {"gain": Param("", "gain", 1.0)}, {"z": Channel("m", "place")}
         states, outputs = {"x": Channel("m", "place")}, {"x": Channel("m", "place")}
 
-    sheet = sheet_of("bare", Bare)
+    sheet = datasheet_of("bare", Bare)
     assert [grid.title for grid in grids(sheet)] == ["Inputs", "Parameters", "States", "Outputs"]
     assert as_json(sheet)["options"] == {}
 
@@ -172,7 +172,7 @@ def test_the_page_in_docs_is_what_filters_declare():
         pytest.skip("docs/filters.md is not made yet: tuner list filters --md > docs/filters.md")
     table = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     ours = sorted(table["project"]["entry-points"]["tuner.filters"])
-    sheets = [sheet_of(name, catalogue.find("tuner.filters", name)) for name in ours]
+    sheets = [datasheet_of(name, catalogue.find("tuner.filters", name)) for name in ours]
     assert made.read_text(encoding="utf-8") == page(sheets)
 
 

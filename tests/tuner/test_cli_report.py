@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 
 from tests.tuner.report import made
-from tuner.cli import progress
+from tuner.cli import progress_display
 from tuner.cli.tables import console, show_grid, show_result
 from tuner.report.write import KEPT
 
@@ -133,22 +133,22 @@ def test_lines_end_where_columns_say(monkeypatch, capsys, here):
 def test_progress_without_a_terminal(monkeypatch, capsys):
     monkeypatch.setenv("TUNER_PROGRESS", "0.01")
     checked = []
-    with progress.progress(lambda: checked.append(True)) as report:
+    with progress_display.show_progress(lambda: checked.append(True)) as report:
         report("level: l-bfgs-b", 1, 3)
         time.sleep(0.1)
     lines = capsys.readouterr().err.splitlines()
     assert lines[-1] == "0 s: level: l-bfgs-b, 1 of 3"
     assert checked == [True]
-    with progress.planning():
+    with progress_display.show_planning():
         time.sleep(0.05)
     assert "0 s: reading and planning\n" in capsys.readouterr().err
     monkeypatch.setenv("TUNER_PROGRESS", "0")
-    with progress.planning():
+    with progress_display.show_planning():
         time.sleep(0.05)
     assert capsys.readouterr().err == ""
     monkeypatch.setenv("TUNER_PROGRESS", "often")
     with pytest.raises(ValueError, match=r"^TUNER_PROGRESS is 'often'; give seconds"):
-        progress.planning().__enter__()
+        progress_display.show_planning().__enter__()
 
 
 def test_the_dashboard(cli, run, monkeypatch):

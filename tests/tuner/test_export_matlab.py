@@ -10,7 +10,7 @@ import pytest
 from tests.tuner.export_cases import nasty, tuned
 from tuner.export import ExportError, Quantity, dump, load
 from tuner.problem.exported import derived_of
-from tuner.run.chosen import chosen
+from tuner.run.filter_choice import choose_filter
 
 F = np.array([[1.0, 0.1], [0.0, 1.0]])
 C = np.array([[1.0, 0.0]])
@@ -130,7 +130,7 @@ def test_linear_filters_export_their_model():
     """x' = F x over a sample of 0.1 s, for a position that moves on."""
     import jax.numpy as jnp
 
-    cls = chosen("constant-velocity").cls
+    cls = choose_filter("constant-velocity").cls
     params = cls.params(**{name: jnp.asarray(1.0) for name in cls.params._fields})
     found = {q.name: q.value for q in derived_of(cls(dt=0.1), params)}
     np.testing.assert_allclose(found["F"], F, rtol=1e-15)
@@ -142,6 +142,6 @@ def test_a_known_input_and_other_states_have_no_model_beside_their_gain():
     """The channel of heights is moved by the acceleration, and its linear model turns a sign."""
     import jax.numpy as jnp
 
-    cls = chosen("vertical").cls
+    cls = choose_filter("vertical").cls
     params = cls.params(**{name: jnp.asarray(1.0) for name in cls.params._fields})
     assert not {"F", "C"} & {q.name for q in derived_of(cls(dt=0.1), params)}

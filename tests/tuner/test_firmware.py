@@ -21,7 +21,7 @@ from tests.tuner.firmware_cases import (
 from tuner.firmware import TARGETS, Amount, ardupilot, kalibr, px4
 from tuner.firmware.amount import density, deviation
 from tuner.run.at_rate import filter_at_rate
-from tuner.run.chosen import chosen
+from tuner.run.filter_choice import choose_filter
 
 OK = "--accept-approximate"
 TO_A_FILTER = ("px4", "ardupilot", "robot_localization")
@@ -255,7 +255,7 @@ def test_numbers_of_vectors_and_matrices_have_the_names_of_findings(written, her
 def tracked(rate_hz=50.0):
     """A model of height, climb and bias at a rate."""
     values, _ = vertical()
-    return filter_at_rate(chosen("vertical"), {}, values, rate_hz).tuned
+    return filter_at_rate(choose_filter("vertical"), {}, values, rate_hz).tuned
 
 
 def matrix(text):

@@ -7,10 +7,10 @@ from scipy.signal import lfilter
 import tuner
 from filters import LocalLevel
 from tests.tuner import fit_cases as cases
-from tuner.run.amounts import Gain, amounts, gain
 from tuner.run.blocks import block_mean
 from tuner.run.fit import Request as Asked
 from tuner.run.fit import plan_fit, pose_on
+from tuner.run.sample_terms import Improvement, improvement, sample_terms
 from tuner.run.search_space import Wishes
 from tuner.run.split import FEW, SHARE, parting
 
@@ -236,14 +236,14 @@ def test_a_gain_is_what_both_errors_say():
     """Of errors whose ratio is known the interval holds it, and is as wide as their spread."""
     level = cases.level()
     case = posed(level["z"], truth={"level": level["level"]}).problem
-    before = amounts(case, {"q": 1.0, "R": 1.0})
-    after = amounts(case, {"q": 0.1, "R": 1.0})
-    found = gain(case, before, after)
+    before = sample_terms(case, {"q": 1.0, "R": 1.0})
+    after = sample_terms(case, {"q": 0.1, "R": 1.0})
+    found = improvement(case, before, after)
     rms = [np.sqrt(each.added.mean()) for each in (before, after)]
     assert found.share == pytest.approx(1 - rms[1] / rms[0], rel=1e-12)
     assert found.low < found.share < found.high
     assert found.blocks == 24
-    same = gain(case, before, before)
+    same = improvement(case, before, before)
     assert (same.share, same.low, same.high) == (0.0, 0.0, 0.0)
 
 
@@ -282,4 +282,4 @@ def test_too_few_samples_tell_nothing():
     [(0.1, 0.2, "better"), (-0.1, 0.2, "no better"), (-0.2, -0.1, "worse")],
 )
 def test_verdicts_of_gains(low, high, verdict):
-    assert Gain((low + high) / 2, low, high, 24).verdict == verdict
+    assert Improvement((low + high) / 2, low, high, 24).verdict == verdict

@@ -20,7 +20,7 @@ from filters import (
 )
 from filters import Sample as Measurement
 from objectives import InnovationLikelihood
-from tuner.problem import trial
+from tuner.problem import shape_checks
 from tuner.run.own_file import own_file
 
 GOOD = '''
@@ -524,4 +524,4 @@ def test_a_filter_is_tried_once(monkeypatch):
     for _ in range(20):
         posed(build)
     assert (time.perf_counter() - begun) / 20 < 0.05  # some 2 ms; a shared machine may be slow
-    assert trial._tried.cache_info().hits >= 20
+    assert shape_checks._tried.cache_info().hits >= 20

@@ -16,8 +16,8 @@ from filters.declared import parameter_facts
 from tuner.data.sensor_units import told_as
 from tuner.data.unit_text import powers_of, raised, written
 from tuner.data.units import Unit
+from tuner.run.noise_parameters import noise_parameters
 from tuner.run.noise_table import noise_told
-from tuner.run.noises import noises
 
 
 def told(cls, values, dt, units=None):
@@ -73,7 +73,10 @@ def test_times_gains_starts_and_what_cannot_be_read_are_no_noise():
     facts = parameter_facts(AttitudeKalman)
     values = {name: fact.typical for name, fact in facts.items()}
     units = {name: fact.unit for name, fact in facts.items()}
-    assert [n.name for n in noises(AttitudeKalman(0.1), values, units)] == ["gyroscope", "bias"]
+    assert [n.name for n in noise_parameters(AttitudeKalman(0.1), values, units)] == [
+        "gyroscope",
+        "bias",
+    ]
     assert told(ConstantVelocity, {"q": 1.0}, 1.0, {"q": "as it is, unit"}) == {}
     assert told(ConstantVelocity, {"q": 0.0}, 1.0) == {}
 

@@ -24,7 +24,7 @@ from tuner.problem.problem import Problem
 from tuner.problem.space import Space
 from tuner.run.folder import RunFolder
 from tuner.run.pipeline import Run, score_export, trusted
-from tuner.run.progress import going_on, read_progress
+from tuner.run.progress_file import read_progress, resumed_solutions
 from tuner.run.result import read_result
 from tuner.run.study import best
 from tuner.solvers import make_solver
@@ -40,7 +40,7 @@ def begin(folder, *, solver=make_solver, progress=lambda *_: None, **settings):
 def gone_on(folder):
     """What a run of the toy study would go on from."""
     progress = read_progress((folder / "progress.json").read_bytes())
-    return going_on(progress, {}, begin(folder).plan.tasks)
+    return resumed_solutions(progress, {}, begin(folder).plan.tasks)
 
 
 def finish(run, solutions):

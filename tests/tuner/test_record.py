@@ -273,7 +273,9 @@ def test_examples_in_docstrings(name):
 
 def test_reading_is_light():
     heavy = "{'jax', 'scipy', 'h5py', 'matplotlib'}"
-    modules = "tuner.data.reading, tuner.data.merge, tuner.data.plausible, tuner.data.description"
+    modules = (
+        "tuner.data.reading, tuner.data.merge, tuner.data.plausibility, tuner.data.description"
+    )
     code = f"import sys, {modules}; sys.exit(bool({heavy} & set(sys.modules)))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 

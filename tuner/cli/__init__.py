@@ -241,10 +241,10 @@ def worker(
     leashed: Annotated[bool, typer.Option("--leashed", hidden=True)] = False,
 ) -> None:
     """Work on a run of another machine, until it is solved."""
-    from tuner.cli.which import Which
+    from tuner.cli.filter_option import FilterOption
     from tuner.cli.worker import Worker, execute
 
-    asked = Worker(storage, study, tuple(logs or ()), Which(filter), jobs, leashed)
+    asked = Worker(storage, study, tuple(logs or ()), FilterOption(filter), jobs, leashed)
     raise typer.Exit(execute(asked))
 
 
@@ -401,16 +401,16 @@ def export(
 ) -> None:
     """Write a tuned filter as a file and read it back; or show it at another rate."""
     from tuner.cli.export import write
-    from tuner.cli.wanted import Wanted
-    from tuner.cli.which import Which
+    from tuner.cli.export_request import ExportRequest
+    from tuner.cli.filter_option import FilterOption
 
-    wanted = Wanted(
+    request = ExportRequest(
         to=to,
         output=output,
         problem=problem,
         rate_hz=rate,
         densities=tuple(density or ()),
-        which=Which(filter),
+        filter_option=FilterOption(filter),
         force=force,
         precision=precision,
         tunable=tunable,
@@ -418,7 +418,7 @@ def export(
         axes=axes,
         approximate=approximate,
     )
-    write(run, wanted)
+    write(run, request)
 
 
 @app.command()
@@ -445,13 +445,13 @@ def main() -> None:
     """Run the command line, with one line on stderr and exit code 2 for what a user can mend."""
     if "_TUNER_COMPLETE" in os.environ:  # a shell asks how a line may go on
         app(prog_name="tuner")
-    from tuner.cli.leaving import leave
+    from tuner.cli.process_exit import exit_process
     from tuner.stop import heed, interrupt
 
     # Looking for cycles among a million objects of JAX takes a tenth of a fit.
     gc.set_threshold(100_000, 50, 100)
     heed(interrupt)
-    leave(invoke(sys.argv[1:], alone=True))
+    exit_process(invoke(sys.argv[1:], alone=True))
 
 
 def invoke(arguments: list[str], *, alone: bool = False) -> int:
@@ -461,16 +461,16 @@ def invoke(arguments: list[str], *, alone: bool = False) -> int:
         arguments: its words.
         alone: whether the process does nothing else, so that a bound on memory may be put on it.
     """
-    from tuner.cli.door import outcome
-    from tuner.cli.everywhere import Everywhere
+    from tuner.cli.common_options import CommonOptions
+    from tuner.cli.exit_code import exit_code_of
 
-    asked = Everywhere.of(arguments)
+    asked = CommonOptions.of(arguments)
 
     def run() -> int:
         with asked.bounded(alone=alone):
             return _commanded(asked.rest or ["--help"])
 
-    return outcome(run, whole=asked.traceback)
+    return exit_code_of(run, with_traceback=asked.traceback)
 
 
 def _commanded(arguments: list[str]) -> int:

@@ -10,17 +10,17 @@ from typing import Any
 
 from objectives.kinds import kind_of
 from tuner.certificate.solution import Status
+from tuner.cli.filter_option import file_changes, refuse_code
 from tuner.cli.pairs import words
 from tuner.cli.request import Request, load_records
 from tuner.cli.run import describe
 from tuner.cli.settings import parse_settings
 from tuner.cli.tables import console, number_text, show_grid
-from tuner.cli.which import changed, refuse_code
 from tuner.data.record import Record
 from tuner.names import unknown
 from tuner.run.cache import use_cache
 from tuner.run.check import Check
-from tuner.run.chosen import Chosen
+from tuner.run.filter_choice import FilterChoice
 from tuner.run.fit_record import DiagnosticsRecord
 from tuner.run.fit_study import STUDY, FitSettings
 from tuner.run.own_file import own_file
@@ -35,7 +35,7 @@ class InUse:
     """A filter with the values that it runs with.
 
     Attributes:
-        which: the filter.
+        filter_option: the filter.
         values: parameters by name.
         units: of those that a run tuned; they have to be the same here.
         options: fields of the filter's class.
@@ -44,7 +44,7 @@ class InUse:
         notes: what should be known, a sentence each.
     """
 
-    which: Chosen
+    choice: FilterChoice
     values: Mapping[str, Any]
     units: Mapping[str, str]
     options: Mapping[str, Any]
@@ -68,9 +68,9 @@ def show(run: Path | None, request: Request, objective: str | None) -> int:
     request = _filled(request, used)
     if not request.logs:
         raise ValueError("a check needs a recording; give it with --log FILE")
-    records = load_records(STUDY, FitSettings.model_validate(used.which.settings), request)
+    records = load_records(STUDY, FitSettings.model_validate(used.choice.settings), request)
     describe(records)
-    found = check(used.which, records, used.values, options=used.options, objective=used.objective)
+    found = check(used.choice, records, used.values, options=used.options, objective=used.objective)
     _same_units(used, found)
     notes = [*found.posed.notes, *_notes(used, records)]
     print("".join(f"{note}\n" for note in notes), end="", file=sys.stderr)
@@ -85,17 +85,17 @@ def _told(request: Request) -> InUse:
     """A filter with the values of the command line; --set names parameters and options alike."""
     from filters.declared import parameter_facts
 
-    if not request.which.named:
+    if not request.filter_option.named:
         raise ValueError("name the run whose values are checked, or give --filter NAME with --set")
-    which = parse_settings(FitSettings, (), request.which.settings()).which
-    facts, options = parameter_facts(which.cls), _options(which.cls)
+    choice = parse_settings(FitSettings, (), request.filter_option.settings()).choice
+    facts, options = parameter_facts(choice.cls), _options(choice.cls)
     given = words("--set", request.sets)
     for name in given:
         if name not in facts and name not in options:
-            raise unknown(f"parameter or option of {which.name}", name, [*facts, *options])
+            raise unknown(f"parameter or option of {choice.name}", name, [*facts, *options])
     values = {name: _value(name, value) for name, value in given.items() if name in facts}
     own = {name: value for name, value in given.items() if name not in facts}
-    return InUse(which, values, {}, own)
+    return InUse(choice, values, {}, own)
 
 
 def _options(cls: type[Any]) -> list[str]:
@@ -127,7 +127,7 @@ def _of_run(run: Path, request: Request) -> InUse:
             beside it, and one whose class is in a Python file that is not named.
     """
     result = read_result(run)
-    asked, own = request.which, own_file(str(result.settings.get("filter")))
+    asked, own = request.filter_option, own_file(str(result.settings.get("filter")))
     same = own is not None and asked.file is not None and asked.file.told == own.told
     if request.sets or (asked.named and not same):
         raise ValueError(f"{run} contains its filter and values; leave out --filter and --set")
@@ -138,21 +138,21 @@ def _of_run(run: Path, request: Request) -> InUse:
         )
     refuse_code({"settings": result.settings}, asked, run, f"tuner check {run}")
     settings = FitSettings.model_validate(result.settings | asked.settings())
-    which = settings.which
+    choice = settings.choice
     solutions = {(s.problem, s.solver): s.solution() for s in result.solutions}
-    found = best(which.name.replace("-", "_"), solutions)
+    found = best(choice.name.replace("-", "_"), solutions)
     if found.status is Status.FAILED:
         raise ValueError(f"{run} found no values ({found.message}); tune again")
     recipe = (run if run.is_dir() else run.parent) / "study.toml"
     untrusted = [] if found.status.trusted else [f"the run's values are {found.status.value!r}"]
     return InUse(
-        which,
+        choice,
         {name: parameter.value for name, parameter in found.parameters.items()},
         {name: parameter.unit for name, parameter in found.parameters.items()},
         settings.options,
         settings.objective,
         read_recipe(recipe).log if recipe.exists() else None,
-        (*changed(result.settings, asked), *untrusted),
+        (*file_changes(result.settings, asked), *untrusted),
     )
 
 
@@ -190,7 +190,7 @@ def _document(used: InUse, found: Check, notes: list[str]) -> dict[str, Any]:
     record = None if judged is None else DiagnosticsRecord.of(judged)
     return {
         "schema": "tuner.check/1",
-        "filter": used.which.name,
+        "filter": used.choice.name,
         "options": dict(used.options),
         "log": asdict(found.posed.source),
         "values": {
@@ -210,7 +210,7 @@ def _print(used: InUse, found: Check) -> None:
     out, space = console(), found.posed.problem.space
     told = [f"{n} = {_text(found.values[n])} {k.unit}".rstrip() for n, k in space.parameters]
     out.print(
-        f"{used.which.name} with {', '.join(told)}", soft_wrap=True, highlight=False, markup=False
+        f"{used.choice.name} with {', '.join(told)}", soft_wrap=True, highlight=False, markup=False
     )
     unit = f" {found.posed.unit}" if found.posed.unit else ""
     words = WORDS.get(found.posed.objective, found.posed.objective)

@@ -9,7 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from tuner.cli import fits
+from tuner.cli.fit_comparison import comparison_table
 from tuner.cli.tables import number_text, show_grid
 from tuner.export.cells import inert
 from tuner.run.comparison import Comparison
@@ -40,7 +40,7 @@ def show(runs: list[Path], tol: str | None, *, json: bool, md: bool, csv: bool) 
         if rows or not fitted:
             _print("Comparison", _grid(names, tables, tolerance), md=md, csv=csv)
         if fitted:
-            _print("Fits", fits.grid(*zip(*fitted, strict=True)), md=md, csv=csv)
+            _print("Fits", comparison_table(*zip(*fitted, strict=True)), md=md, csv=csv)
         if len({result.log.sha256 for _, result in fitted}) > 1:
             print(
                 "tuner: these fits are of different recordings; compare their tests, not errors",

@@ -5,19 +5,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tuner import export
-from tuner.cli.wanted import Wanted, path_of
+from tuner.cli.export_request import ExportRequest, output_path
 from tuner.code.files import Files
 from tuner.export import ExportError, Tuned
 from tuner.run.code_files import Variant, kept, renamed, write
 from tuner.run.result import Result
-from tuner.shown import hand_out
+from tuner.terminal_text import write_to_stream
 
 if TYPE_CHECKING:
     from tuner.run.at_rate import AtRate
 
 
 def write_c(
-    run: Path, result: Result, tuned: Tuned, at_rate: "AtRate | None", wanted: Wanted
+    run: Path, result: Result, tuned: Tuned, at_rate: "AtRate | None", request: ExportRequest
 ) -> None:
     """Write header, source and self-test; the header alone and why, where there is no code.
 
@@ -25,33 +25,33 @@ def write_c(
         ValueError: for an unknown precision, a file that is there, and code that is not that of the
             run's numbers.
     """
-    if wanted.precision not in (None, "double", "float"):
-        raise ValueError(f"--precision is {wanted.precision!r}; give double or float")
-    variant = Variant("float" if wanted.precision == "float" else "double", wanted.tunable)
-    path = path_of(tuned, "c", wanted)
+    if request.precision not in (None, "double", "float"):
+        raise ValueError(f"--precision is {request.precision!r}; give double or float")
+    variant = Variant("float" if request.precision == "float" else "double", request.tunable)
+    path = output_path(tuned, "c", request)
     try:
         files = _files(run, result, tuned, at_rate, variant, path)
     except ValueError as error:
-        if wanted.precision or wanted.tunable or isinstance(error, ExportError):
+        if request.precision or request.tunable or isinstance(error, ExportError):
             raise
         print(f"numbers only: {error}", file=sys.stderr)
-        _numbers(tuned, path, wanted)
+        _numbers(tuned, path, request)
         return
-    if wanted.output == "-":
+    if request.output == "-":
         sys.stdout.write(files.whole)
         return
-    paths = write(files, path, overwrite=wanted.force)
+    paths = write(files, path, overwrite=request.force)
     export.read_back(tuned, path, "c")
     more = " and ".join(each.name for each in paths[1:])
     count = len(tuned.quantities)
     print(f"wrote {path}: {count} quantities, read back equal; {more}", file=sys.stderr)
 
 
-def _numbers(tuned: Tuned, path: Path, wanted: Wanted) -> None:
-    if wanted.output == "-":
-        hand_out(export.dump(tuned, "c"), sys.stdout)
+def _numbers(tuned: Tuned, path: Path, request: ExportRequest) -> None:
+    if request.output == "-":
+        write_to_stream(export.dump(tuned, "c"), sys.stdout)
         return
-    export.write(tuned, path, "c", overwrite=wanted.force)
+    export.write(tuned, path, "c", overwrite=request.force)
     export.read_back(tuned, path, "c")
     print(f"wrote {path}: {len(tuned.quantities)} quantities, read back equal", file=sys.stderr)
 

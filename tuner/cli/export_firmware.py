@@ -5,8 +5,8 @@ import sys
 from pathlib import Path
 
 from tuner.atomic import write_bytes
+from tuner.cli.export_request import ExportRequest
 from tuner.cli.exported import at_rate, check_converged, choose, tuned_of
-from tuner.cli.wanted import Wanted
 from tuner.export import Tuned
 from tuner.firmware import Asked, Target, Wish, amounts, read_maps
 from tuner.firmware.choice import Axes
@@ -15,15 +15,15 @@ from tuner.run.result import Result, read_result
 _AXES: dict[str, Axes] = {"largest": "largest", "rms": "rms"}
 
 
-def write_firmware(run: Path, target: Target, wanted: Wanted) -> None:
+def write_firmware(run: Path, target: Target, request: ExportRequest) -> None:
     """Write what of a run has a meaning there; what was changed or left out goes to stderr.
 
     Raises:
         ValueError: where the target is another filter and that was not accepted, and for numbers
             that have no meaning there, or more than one.
     """
-    asked = _asked(run, target, wanted)
-    if target.filter and not wanted.approximate:
+    asked = _asked(run, target, request)
+    if target.filter and not request.approximate:
         names = ", ".join(dict.fromkeys(each.filter for each in asked.tuned))
         raise ValueError(
             f"{target.filter} is another filter than {names}, so these are initial values to be "
@@ -31,31 +31,31 @@ def write_firmware(run: Path, target: Target, wanted: Wanted) -> None:
         )
     text = target.written(asked)
     said = list(text.notes)
-    if wanted.output == "-":
+    if request.output == "-":
         sys.stdout.write(text.text)
     else:
-        path = Path(wanted.output or target.file)
-        write_bytes(path, text.text.encode("ascii"), overwrite=wanted.force)
+        path = Path(request.output or target.file)
+        write_bytes(path, text.text.encode("ascii"), overwrite=request.force)
         said.append(f"wrote {path}: {text.numbers} parameters")
     print(*said, sep="\n", end="\n" * bool(said), file=sys.stderr)
 
 
-def _asked(run: Path, target: Target, wanted: Wanted) -> Asked:
-    axes = _AXES.get(wanted.axes or "")
-    if wanted.axes is not None and axes is None:
-        raise ValueError(f"--axes is {wanted.axes!r}; give {' or '.join(_AXES)}")
-    if wanted.densities and not target.of_model:
+def _asked(run: Path, target: Target, request: ExportRequest) -> Asked:
+    axes = _AXES.get(request.axes or "")
+    if request.axes is not None and axes is None:
+        raise ValueError(f"--axes is {request.axes!r}; give {' or '.join(_AXES)}")
+    if request.densities and not target.of_model:
         raise ValueError(f"--density does not apply to {target.name}; leave it out")
-    rate = wanted.rate_hz
+    rate = request.rate_hz
     if rate is not None and not 0 < rate < math.inf:
         raise ValueError(f"--rate is {rate:g}; give a positive number of samples a second")
     result = read_result(run)
-    tuned = _tuned(run, result, target, wanted)
+    tuned = _tuned(run, result, target, request)
     parameters, limits = _parameters(result, tuned)
     found = tuple(amounts(tuned, result.findings, limits))
     log_rate = result.log.rate_hz
     log_rate = log_rate if log_rate and math.isfinite(log_rate) else 0.0
-    return Asked(tuned, found, parameters, Wish(read_maps(wanted.maps), axes), rate, log_rate)
+    return Asked(tuned, found, parameters, Wish(read_maps(request.maps), axes), rate, log_rate)
 
 
 def _parameters(
@@ -76,13 +76,13 @@ def _parameters(
     return found, limits
 
 
-def _tuned(run: Path, result: Result, target: Target, wanted: Wanted) -> tuple[Tuned, ...]:
+def _tuned(run: Path, result: Result, target: Target, request: ExportRequest) -> tuple[Tuned, ...]:
     """All that converged, or the one that was chosen; at the rate asked for, if it matters."""
     tuned = tuned_of(result)
-    if wanted.problem is not None or target.of_model:
-        tuned = [choose(tuned, wanted.problem)]
+    if request.problem is not None or target.of_model:
+        tuned = [choose(tuned, request.problem)]
     for each in tuned:
-        check_converged(each, wanted)
-    if not target.of_model or wanted.rate_hz is None:
+        check_converged(each, request)
+    if not target.of_model or request.rate_hz is None:
         return tuple(tuned)
-    return (at_rate(run, result, tuned[0], wanted.rate_hz, wanted).tuned,)
+    return (at_rate(run, result, tuned[0], request.rate_hz, request).tuned,)

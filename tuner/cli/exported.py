@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tuner import export
+from tuner.cli.export_request import ExportRequest
+from tuner.cli.filter_option import refuse_code
 from tuner.cli.tables import show_findings
-from tuner.cli.wanted import Wanted
-from tuner.cli.which import refuse_code
 from tuner.export import Tuned
 from tuner.names import unknown
 from tuner.run.result import Result
@@ -49,20 +49,22 @@ def choose(tuned: list[Tuned], problem: str | None) -> Tuned:
     return tuned[names.index(problem)]
 
 
-def check_converged(tuned: Tuned, wanted: Wanted) -> None:
+def check_converged(tuned: Tuned, request: ExportRequest) -> None:
     """Refuse what did not converge, unless it is asked for.
 
     Raises:
         ValueError: with the way to have it all the same.
     """
     status = tuned.provenance.status
-    if status != "converged" and not wanted.force:
+    if status != "converged" and not request.force:
         raise ValueError(
             f"the solution of {tuned.name} is {status!r}, not converged; --force exports it anyway"
         )
 
 
-def at_rate(run: Path, result: Result, tuned: Tuned, rate_hz: float, wanted: Wanted) -> "AtRate":
+def at_rate(
+    run: Path, result: Result, tuned: Tuned, rate_hz: float, request: ExportRequest
+) -> "AtRate":
     """The filter at another rate; its numbers are shown where no file is asked for.
 
     Raises:
@@ -81,12 +83,14 @@ def at_rate(run: Path, result: Result, tuned: Tuned, rate_hz: float, wanted: Wan
             f"{tuned.name} of {result.study} holds only for its own rate; tuner fit and tuner run "
             "design.toml tune filters for any rate"
         )
-    refuse_code(result.settings, wanted.which, run, f"tuner export {run} --rate {rate_hz:g}")
-    chosen = wanted.which.settings() if wanted.which.named else {}
+    refuse_code(
+        result.settings, request.filter_option, run, f"tuner export {run} --rate {rate_hz:g}"
+    )
+    chosen = request.filter_option.settings() if request.filter_option.named else {}
     settings = parse_settings(study.settings, (), result.settings | chosen)
-    found = study.at_rate(settings, tuned, rate_hz, wanted.densities)
+    found = study.at_rate(settings, tuned, rate_hz, request.densities)
     for note in found.notes:
         print(note, file=sys.stderr)
-    if wanted.to is None:
+    if request.to is None:
         show_findings(found.findings)
     return found

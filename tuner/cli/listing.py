@@ -49,11 +49,11 @@ def _show_list(what: str, json: bool) -> None:
 
 
 def _show_facts(names_: list[str], *, json: bool, md: bool) -> None:
-    from tuner.cli.sheet import as_json, grids, page, sheet_of
-    from tuner.run.chosen import chosen
+    from tuner.cli.datasheet import as_json, datasheet_of, grids, page
+    from tuner.run.filter_choice import choose_filter
 
-    found = [chosen(name) for name in names_]
-    sheets = [sheet_of(each.name, each.cls, each.home) for each in found]
+    found = [choose_filter(name) for name in names_]
+    sheets = [datasheet_of(each.name, each.cls, each.home) for each in found]
     if json:
         _print_json({"filters": {sheet.name: as_json(sheet) for sheet in sheets}})
         return
@@ -78,7 +78,7 @@ def _offered(group: Group) -> dict[str, str]:
 
 
 def _line(group: Group, name: str) -> str:
-    from tuner.cli.sheet import first_line
+    from tuner.cli.datasheet import first_line
 
     try:
         thing = find(group, name)

@@ -7,9 +7,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from tuner.cli.filter_option import FilterOption, refuse_code
 from tuner.cli.settings import told
-from tuner.cli.which import Which, refuse_code
-from tuner.cli.whole import read_whole
+from tuner.cli.study_file import read_study_file
 from tuner.run.recipe import LogEntries, logs_beside, read_document
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ class Request:
         study: a study's name, or a study.toml.
         logs: the recordings.
         reading: how they are read.
-        which: the filter, where one is named.
+        filter_option: the filter, where one is named.
         sets: settings as ``--set KEY=VALUE``.
         values: settings that have options of their own.
         claims: rows that are tried alone.
@@ -35,7 +35,7 @@ class Request:
     study: str
     logs: tuple[Path, ...] = ()
     reading: LogEntries = field(default_factory=LogEntries)
-    which: Which = field(default_factory=Which)
+    filter_option: FilterOption = field(default_factory=FilterOption)
     sets: tuple[str, ...] = ()
     values: Mapping[str, Any] = field(default_factory=dict)
     claims: tuple[str, ...] = ()
@@ -64,7 +64,7 @@ def asked(
         study=study,
         logs=tuple(options.get("logs") or ()),
         reading=LogEntries.told(options),
-        which=Which(options.get("filter"), options.get("model")),
+        filter_option=FilterOption(options.get("filter"), options.get("model")),
         sets=tuple(options.get("sets") or ()),
         values=values,
         claims=tuple(options.get("claims") or ()),
@@ -84,9 +84,9 @@ def from_toml(request: Request) -> tuple[Request, dict[str, Any]]:
     if path.suffix != ".toml":
         return request, {}
     document = read_document(path)
-    refuse_code(document, request.which, path, f"tuner run {path}")
-    more = {**request.values, **request.which.settings(), **told(request.sets)}
-    recipe = read_whole(path, document, more)
+    refuse_code(document, request.filter_option, path, f"tuner run {path}")
+    more = {**request.values, **request.filter_option.settings(), **told(request.sets)}
+    recipe = read_study_file(path, document, more)
     filled = replace(
         request,
         study=recipe.study,

@@ -8,12 +8,12 @@ from contextlib import contextmanager, suppress
 
 import typer
 
+from tuner.cli.filter_option import file_changes
 from tuner.cli.interrupt import interruptible
 from tuner.cli.listed_settings import facts
-from tuner.cli.progress import planning, progress
+from tuner.cli.progress_display import show_planning, show_progress
 from tuner.cli.request import Request, from_toml, load_records, log_entries, threads
 from tuner.cli.settings import parse_settings
-from tuner.cli.which import changed
 from tuner.data.record import Record
 from tuner.export import FORMATS
 from tuner.problem.problem import Problem
@@ -22,7 +22,7 @@ from tuner.run.cache import use_cache
 from tuner.run.folder import RunFolder, open_folder
 from tuner.run.identity import identity_of_run
 from tuner.run.pipeline import Run, trusted, write_down
-from tuner.run.progress import going_on, read_progress
+from tuner.run.progress_file import read_progress, resumed_solutions
 from tuner.run.recipe import Recipe
 from tuner.run.result import Result
 from tuner.run.shared_run import Together, workers
@@ -41,12 +41,12 @@ def execute(request: Request) -> int:
     use_cache()
     request, base = from_toml(request)
     study = find_study(request.study)
-    values = base | dict(request.values) | request.which.settings()
+    values = base | dict(request.values) | request.filter_option.settings()
     settings = parse_settings(study.settings, request.sets, values)
     seed = request.seed or 0
     records = load_records(study, settings, request)
     describe(records)
-    for note in changed(base, request.which):
+    for note in file_changes(base, request.filter_option):
         print(note, file=sys.stderr)
     if request.dry_run:
         plan = _chosen(study.plan(settings, records, seed, ""), request)
@@ -57,7 +57,7 @@ def execute(request: Request) -> int:
     storage = request.storage or _own_database(folder)
     if study.takes and not request.claims:
         print(f"{study.name} takes about {study.takes} on two processors", file=sys.stderr)
-    with planning():
+    with show_planning():
         plan = _chosen(study.plan(settings, records, seed, storage), request)
         plan = shared_plan(plan, storage) if _is_shared(request) else plan
     _say_notes(plan)
@@ -71,7 +71,7 @@ def execute(request: Request) -> int:
     )
     identity = identity_of_run(study, recipe, plan)
     kept = kept_facts(study.title, study.paper, plan.notes, records)
-    with interruptible() as check, progress(check) as told:
+    with interruptible() as check, show_progress(check) as told:
         run = Run(study.name, values, plan, seed, folder, told, request.claims, identity, kept)
         try:
             finished = _finished(folder, recipe, run) if request.resume else {}
@@ -168,7 +168,7 @@ def _finished(folder: RunFolder, recipe: Recipe, run: Run) -> Solutions:
     # A run that was interrupted as it began has written none.
     if not progress.exists():
         return {}
-    return going_on(read_progress(progress.read_bytes()), run.identity, run.plan.tasks)
+    return resumed_solutions(read_progress(progress.read_bytes()), run.identity, run.plan.tasks)
 
 
 def _solve(run: Run, request: Request, recipe: Recipe, finished: Solutions) -> Solutions:
@@ -184,8 +184,8 @@ def _solve(run: Run, request: Request, recipe: Recipe, finished: Solutions) -> S
             file=sys.stderr,
         )
     words = [word for log in request.logs for word in ("--log", str(log))]
-    if request.which.file is not None:
-        words += ["--filter", str(request.which.filter)]
+    if request.filter_option.file is not None:
+        words += ["--filter", str(request.filter_option.filter)]
     with workers((request.jobs or 1) - 1, url, together.name, words):
         return run.solve_together(together, finished)
 
@@ -205,8 +205,8 @@ def _saved(request: Request, folder: RunFolder) -> Iterator[str]:
         return
     words = ["tuner", "run", str(folder.path / "study.toml"), "--out", str(folder.path)]
     words += [word for log in request.logs for word in ("--log", str(log))]
-    if request.which.file is not None:
-        words += ["--filter", str(request.which.filter)]
+    if request.filter_option.file is not None:
+        words += ["--filter", str(request.filter_option.filter)]
     again = f"finished parts are saved; go on with: {shlex.join([*words, '--resume'])}"
     yield again + (" and the same --storage" if request.storage else "")
 

@@ -21,7 +21,7 @@ from tuner.run.comparison import Verdict
 from tuner.run.finding import Finding
 from tuner.run.noise_table import COLUMNS
 from tuner.run.result import CodeRecord, ParameterRecord, Result, SolutionRecord
-from tuner.shown import plain, shown
+from tuner.terminal_text import plain, printable
 
 _COLOURS = {
     "match": "green",
@@ -42,7 +42,7 @@ class _Safe:
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Segment]:
         for part in console.render(self.drawn, options):
-            yield part if part.control else Segment(shown(part.text), part.style)
+            yield part if part.control else Segment(printable(part.text), part.style)
 
 
 class _AllSafe(RenderHook):
@@ -93,7 +93,7 @@ def show_grid(title: str, lines: list[list[str]]) -> None:
         least = max(map(len, [head, *cells])) if numbers else None
         table.add_column(head, overflow="fold", no_wrap=fixed, min_width=least)
     for line in lines[1:]:
-        table.add_row(*(Text(shown(line[i]), style=_COLOURS.get(line[i], "")) for i in columns))
+        table.add_row(*(Text(printable(line[i]), style=_COLOURS.get(line[i], "")) for i in columns))
     out.print(table)
     if len(columns) < len(lines[0]):
         out.print(f"(sources and notes from {WIDE} columns on, or by tuner compare RUN --md)\n")

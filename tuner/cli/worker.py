@@ -9,10 +9,10 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from tuner.cli.filter_option import FilterOption, refuse_code
 from tuner.cli.interrupt import interruptible
 from tuner.cli.request import Request, load_records
 from tuner.cli.settings import parse_settings
-from tuner.cli.which import Which, refuse_code
 from tuner.run.cache import use_cache
 from tuner.run.identity import WHAT, identity_of_run
 from tuner.run.recipe import LogEntries, Recipe, logs_beside
@@ -30,7 +30,7 @@ class Worker:
         storage: URL of the database.
         study: name of the run in it.
         logs: the recordings, where they are not in this folder.
-        which: the filter's file, where the run is of one.
+        filter_option: the filter's file, where the run is of one.
         jobs: processes on this machine.
         leashed: whether it ends with the process that started it.
     """
@@ -38,7 +38,7 @@ class Worker:
     storage: str
     study: str
     logs: tuple[Path, ...] = ()
-    which: Which = field(default_factory=Which)
+    filter_option: FilterOption = field(default_factory=FilterOption)
     jobs: int = 1
     leashed: bool = False
 
@@ -48,8 +48,8 @@ def execute(worker: Worker) -> int:
     use_cache()
     run = joined(worker)
     words = [word for log in worker.logs for word in ("--log", str(log))]
-    if worker.which.filter is not None:
-        words += ["--filter", worker.which.filter]
+    if worker.filter_option.filter is not None:
+        words += ["--filter", worker.filter_option.filter]
     try:
         with ExitStack() as stack:
             check = stack.enter_context(interruptible())
@@ -80,10 +80,10 @@ def joined(worker: Worker) -> Together:
     text, identity = facts_of(worker.storage, worker.study)
     document = tomllib.loads(text)
     command = f"tuner worker --study {worker.study}"
-    refuse_code(document, worker.which, Path(worker.study), command)
+    refuse_code(document, worker.filter_option, Path(worker.study), command)
     recipe = Recipe.model_validate(document)
     study = find_study(recipe.study)
-    settings = parse_settings(study.settings, (), recipe.settings | _allowed(worker.which))
+    settings = parse_settings(study.settings, (), recipe.settings | _allowed(worker.filter_option))
     logs = worker.logs
     if recipe.log is not None and not logs:
         logs = logs_beside(Path("study.toml"), recipe.log)
@@ -102,9 +102,9 @@ def joined(worker: Worker) -> Together:
     return Together.of(worker.storage, study.name, text.encode(), identity, plan)
 
 
-def _allowed(which: Which) -> dict[str, object]:
+def _allowed(option: FilterOption) -> dict[str, object]:
     """The filter's file that a person named."""
-    return {name: value for name, value in which.settings().items() if name == "filter"}
+    return {name: value for name, value in option.settings().items() if name == "filter"}
 
 
 @contextmanager

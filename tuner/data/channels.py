@@ -13,8 +13,8 @@ from tuner.data.logs.mapping import Mapping as Column
 from tuner.data.logs.table import Floats, Raw
 from tuner.data.logs.timing import find_clock
 from tuner.data.logs.values import Columns, pick, pick_whole, rounded, to_float
+from tuner.data.mapped_channels import MappedChannel
 from tuner.data.units import Unit, change
-from tuner.data.wanted import Wanted
 
 _IN_BRACKETS = re.compile(r".*[(\[]([^()\[\]]*)[)\]]\s*")
 _ROWS = 4096
@@ -33,7 +33,7 @@ class Reading:
         notes: what was assumed.
     """
 
-    wanted: Wanted
+    wanted: MappedChannel
     values: Floats
     unit: str
     clock: Clock
@@ -41,7 +41,10 @@ class Reading:
 
 
 def read_channels(
-    columns: Columns, wanted: Sequence[Wanted], time: Sequence[Column] | None, rate_hz: float | None
+    columns: Columns,
+    wanted: Sequence[MappedChannel],
+    time: Sequence[Column] | None,
+    rate_hz: float | None,
 ) -> list[Reading]:
     """Read what is wanted of the loaded columns.
 
@@ -60,7 +63,7 @@ def read_channels(
     return found
 
 
-def _picked(columns: Columns, one: Wanted) -> list[Raw]:
+def _picked(columns: Columns, one: MappedChannel) -> list[Raw]:
     """The raw columns of a channel, or one array of all its axes."""
     axes = one.declared.axes if one.declared else None
     if len(one.parts) == 1:
@@ -89,7 +92,7 @@ def _picked(columns: Columns, one: Wanted) -> list[Raw]:
 
 def _clocks(
     columns: Columns,
-    wanted: Sequence[Wanted],
+    wanted: Sequence[MappedChannel],
     picked: list[list[Raw]],
     time: Sequence[Column] | None,
     rate_hz: float | None,
@@ -109,7 +112,7 @@ def _clocks(
 
 
 def _in_si(
-    columns: Columns, one: Wanted, raw: list[Raw], zero: "tuple[float, float] | None"
+    columns: Columns, one: MappedChannel, raw: list[Raw], zero: "tuple[float, float] | None"
 ) -> tuple[Floats, str, tuple[str, ...]]:
     """The values in the declared unit, that unit, and what was assumed."""
     parts, unit, notes = [], "", []
@@ -134,7 +137,7 @@ def _side_by_side(parts: Sequence[Floats]) -> Floats:
 
 def _changed(
     columns: Columns,
-    one: Wanted,
+    one: MappedChannel,
     mapping: Column,
     values: Floats,
     zero: "tuple[float, float] | None",
@@ -201,7 +204,7 @@ def _metres(
     return east(values, *zero), "m", f"metres east of the {first}"
 
 
-def _first_fix(columns: Columns, wanted: Iterable[Wanted]) -> "tuple[float, float] | None":
+def _first_fix(columns: Columns, wanted: Iterable[MappedChannel]) -> "tuple[float, float] | None":
     """Latitude and longitude of the first row that has both; None without such columns."""
     degrees: dict[str, Floats] = {}
     for one in wanted:

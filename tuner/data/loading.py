@@ -10,8 +10,8 @@ from tuner.data.logs.table import Raw, Table
 from tuner.data.logs.timename import is_time
 from tuner.data.logs.timing import RESTART, restarts, timing_names, without_repeats
 from tuner.data.logs.values import Columns, load_columns
+from tuner.data.mapped_channels import MappedChannel
 from tuner.data.splitting import labels_of
-from tuner.data.wanted import Wanted
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class File:
 
     path: Path
     table: Table
-    wanted: tuple[Wanted, ...]
+    wanted: tuple[MappedChannel, ...]
 
 
 @dataclass(frozen=True)

@@ -17,12 +17,19 @@ from tuner.data.loading import File, Timed, has_time, labels_in, loaded, once_ea
 from tuner.data.logs.error import LogError, counted, quoted
 from tuner.data.logs.formats import open_table
 from tuner.data.logs.table import Table
+from tuner.data.mapped_channels import (
+    Declared,
+    MappedChannel,
+    assigned_to_files,
+    channels_by_clock,
+    channels_of_file,
+    parse_mappings,
+)
 from tuner.data.record import Reading as HowRead
 from tuner.data.record import Record
 from tuner.data.signal import Signal
 from tuner.data.source import Source, file_digest
 from tuner.data.splitting import split
-from tuner.data.wanted import Declared, Wanted, all_of, asked, by_clock, shared_out
 
 Paths: TypeAlias = "str | PathLike[str] | Sequence[str | PathLike[str]]"
 
@@ -130,7 +137,9 @@ def read_records(
     if rate_hz is not None:
         _check_rate(rate_hz)
     names = [path.name for path in files]
-    maps = asked(mappings, inputs, names, truth=False) + asked(truth, outputs, names, truth=True)
+    maps = parse_mappings(mappings, inputs, names, truth=False) + parse_mappings(
+        truth, outputs, names, truth=True
+    )
     columns = [part.column for mapped, _, _ in maps for part in mapped.parts]
     tables = [open_table(path).with_kinds(columns) for path in files]
     if not mappings:
@@ -139,13 +148,13 @@ def read_records(
             f"columns {quoted(tables[0].names)}"
         )
     timed = Timed(time, rate_hz, drop_repeats)
-    shares = shared_out(tables, maps)
+    shares = assigned_to_files(tables, maps)
     if shares is not None and len(files) > 1:
         if by is not None:
             raise LogError(f"--by {by} splits one file, and {quoted(names)} are one recording")
         together = [part for parts in _files(files, tables, shares) for part in parts]
         return (done(_merged(together, timed)),)
-    alone = _files(files, tables, shares or [all_of(table, maps) for table in tables])
+    alone = _files(files, tables, shares or [channels_of_file(table, maps) for table in tables])
     if by is None:
         return tuple(done(_merged(parts, timed)) for parts in alone)
     parted = [record for parts in alone for record in _parted(_one_clock(parts, by), timed, by)]
@@ -158,11 +167,11 @@ def _check_rate(rate_hz: float) -> None:
 
 
 def _files(
-    paths: Sequence[Path], tables: Sequence[Table], shares: Sequence[list[Wanted]]
+    paths: Sequence[Path], tables: Sequence[Table], shares: Sequence[list[MappedChannel]]
 ) -> list[list[File]]:
     """The sources to read: each file, for each of its clocks."""
     return [
-        [File(path, part, tuple(wanted)) for part, wanted in by_clock(table, share)]
+        [File(path, part, tuple(wanted)) for part, wanted in channels_by_clock(table, share)]
         for path, table, share in zip(paths, tables, shares, strict=True)
     ]
 

@@ -35,9 +35,9 @@ from tuner.problem.programs import (
     value_and_gradient_of,
     value_of,
 )
+from tuner.problem.shape_checks import check_shapes
 from tuner.problem.space import Space
 from tuner.problem.steady_form import steady_form_of
-from tuner.problem.trial import try_out
 
 NO_DATA = Data(None, None)
 """The empty data of a design."""
@@ -99,7 +99,7 @@ class Problem:
             raise ValueError(f"the data of {self.name} has unequal lengths {sorted(lengths)}")
         if self.filter is not None:
             build = self.static.build
-            try_out(self.name, self.filter, build, self.space, self.objective, self.data)
+            check_shapes(self.name, self.filter, build, self.space, self.objective, self.data)
             check_present(self.name, self.filter, self.data.inputs)
             check_start(self.name, self.space, build, self.filter)
 

@@ -6,7 +6,7 @@ from tuner.report.blocks import Block, Picture
 from tuner.report.contours import contoured
 from tuner.report.drawing import Drawing, drawn
 from tuner.report.report_json import Kept, KeptChart, KeptMap
-from tuner.run.shown import Part
+from tuner.run.report_figure import Part
 
 
 def pictures(kept: Kept, part: Part) -> Iterator[Block]:

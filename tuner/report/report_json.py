@@ -11,7 +11,7 @@ from tuner.data.record import Record
 from tuner.report.thinning import rounded, rows
 from tuner.run.figure import Chart, Drawn, Line, Map
 from tuner.run.fit_record import Recorded
-from tuner.run.shown import Part, Shown
+from tuner.run.report_figure import Part, ReportFigure
 
 POINTS = 50_000
 """Of all pictures together, about; a report stays small enough for a mail."""
@@ -41,7 +41,7 @@ class KeptLine(Recorded):
 
 
 class KeptChart(Recorded):
-    """A chart; see :class:`tuner.run.figure.Chart` and :class:`tuner.run.shown.Shown`."""
+    """A :class:`tuner.run.figure.Chart` and its place in the report."""
 
     kind: Literal["chart"] = "chart"
     part: Part
@@ -57,7 +57,7 @@ class KeptChart(Recorded):
 
 
 class KeptMap(Recorded):
-    """A map; see :class:`tuner.run.figure.Map` and :class:`tuner.run.shown.Shown`."""
+    """A :class:`tuner.run.figure.Map` and its place in the report."""
 
     kind: Literal["map"] = "map"
     part: Part
@@ -140,7 +140,7 @@ def _record(record: Record) -> KeptRecord:
     return KeptRecord(about=about, rows=[list(row) for row in parts.rows])
 
 
-def kept_pictures(shown: Iterable[Shown]) -> list[KeptChart | KeptMap]:
+def kept_pictures(shown: Iterable[ReportFigure]) -> list[KeptChart | KeptMap]:
     """Figures of few points, so that all together stay small."""
     found = [*shown]
     count = sum(len(_lines(each)) for each in found)
@@ -150,12 +150,12 @@ def kept_pictures(shown: Iterable[Shown]) -> list[KeptChart | KeptMap]:
     ]
 
 
-def _lines(shown: Shown) -> Sequence[Line]:
+def _lines(shown: ReportFigure) -> Sequence[Line]:
     figure = shown.figure
     return figure.lines if isinstance(figure, Chart) else figure.marks
 
 
-def _chart(shown: Shown, most: int) -> KeptChart:
+def _chart(shown: ReportFigure, most: int) -> KeptChart:
     chart = shown.figure
     assert isinstance(chart, Chart)
     return KeptChart(
@@ -172,7 +172,7 @@ def _chart(shown: Shown, most: int) -> KeptChart:
     )
 
 
-def _map(shown: Shown, most: int) -> KeptMap:
+def _map(shown: ReportFigure, most: int) -> KeptMap:
     map_ = shown.figure
     assert isinstance(map_, Map)
     i, j = (_few(len(axis)) for axis in (map_.x, map_.y))

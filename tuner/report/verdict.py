@@ -5,7 +5,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from tuner.report.words import amount, between, joined, listed, sentence
 from tuner.run.comparison import Verdict as Row
-from tuner.run.fit_record import FitRecord, GainRecord, HeldOutRecord
+from tuner.run.fit_record import FitRecord, HeldOutRecord, ImprovementRecord
 from tuner.run.result import Result, SolutionRecord
 
 Grade: TypeAlias = Literal["use", "care", "refuse"]
@@ -91,7 +91,7 @@ def _against(solution: SolutionRecord | None, fit: FitRecord) -> Iterator[str]:
         yield f"on {held.what} its error is larger than without filter ({held.nothing})"
 
 
-def _sign(gain: GainRecord | None) -> int:
+def _sign(gain: ImprovementRecord | None) -> int:
     """1 where it is better for certain, -1 where worse, 0 where nobody can tell."""
     if gain is None or gain.low is None or gain.high is None:
         return 0

@@ -12,14 +12,14 @@ from tuner.catalogue import names
 from tuner.export.tuned import Quantity, Tuned
 from tuner.names import unknown
 from tuner.problem.exported import Trial, derived_of, once
-from tuner.problem.invented import invented
+from tuner.problem.random_inputs import random_inputs
 from tuner.problem.steady_form import steady_form_of
 from tuner.problem.steady_gains import system_of
-from tuner.run.chosen import Chosen
+from tuner.run.filter_choice import FilterChoice
 from tuner.run.finding import Finding
 from tuner.run.gate import care_of, with_noise
+from tuner.run.noise_parameters import noise_parameters
 from tuner.run.noise_table import gains_told, noise_told
-from tuner.run.noises import noises
 
 _TRACKERS = {"alpha-beta": "constant-velocity", "alpha-beta-gamma": "constant-acceleration"}
 _SAME = 1e-12
@@ -43,7 +43,7 @@ class AtRate:
 
 
 def filter_at_rate(
-    which: Chosen,
+    choice: FilterChoice,
     options: Mapping[str, Any],
     tuned: Tuned,
     rate_hz: float,
@@ -56,7 +56,7 @@ def filter_at_rate(
     to be densities times the rate, as of a sensor that averages between its samples.
 
     Args:
-        which: the filter.
+        choice: the filter.
         options: fields of its class, and what a fit adds to any filter.
         tuned: its numbers at the rate that it was tuned at.
         rate_hz: the other rate.
@@ -65,14 +65,14 @@ def filter_at_rate(
     Raises:
         ValueError: for a filter whose numbers belong to its own rate, in one sentence.
     """
-    cls, options = with_noise(which.cls, options, tuned.dt or 1.0)
+    cls, options = with_noise(choice.cls, options, tuned.dt or 1.0)
     _, options = care_of(cls, options)
     numbers = {quantity.name: quantity for quantity in tuned.quantities}
     values = {name: numbers[name].value for name in parameter_facts(cls) if name in numbers}
     units = {name: numbers[name].unit for name in values}
-    filter = _made(cls, which.name, options, 1 / rate_hz)
+    filter = _made(cls, choice.name, options, 1 / rate_hz)
     before = replace(filter, dt=tuned.dt)
-    _check(which, cls, values, before)
+    _check(choice, cls, values, before)
     averaged = _averaged(before, values, units, densities)
     values |= {name: values[name] * tuned.dt * rate_hz for name in averaged}
     params = assembled(cls, values)
@@ -88,7 +88,7 @@ def filter_at_rate(
 
 def _trials(filter: Any, params: Any) -> dict[str, Trial]:
     """The filter, on invented samples: a fit's recording is of another rate."""
-    return {"full": Trial(filter, params, invented(filter))} | steady_form_of(filter, params)
+    return {"full": Trial(filter, params, random_inputs(filter))} | steady_form_of(filter, params)
 
 
 def _made(cls: type[Any], name: str, options: Mapping[str, Any], dt: float) -> Any:
@@ -100,9 +100,9 @@ def _made(cls: type[Any], name: str, options: Mapping[str, Any], dt: float) -> A
     return cls(dt=dt, **options)
 
 
-def _check(which: Chosen, cls: type[Any], values: Mapping[str, Any], filter: Any) -> None:
+def _check(choice: FilterChoice, cls: type[Any], values: Mapping[str, Any], filter: Any) -> None:
     """Refuse a filter whose numbers are those of one sample time."""
-    name, at = which.name, f"samples at {1 / filter.dt:.6g} Hz"
+    name, at = choice.name, f"samples at {1 / filter.dt:.6g} Hz"
     facts = parameter_facts(cls)
     held = [parameter for parameter in values if facts[parameter].per_sample]
     if held:
@@ -135,7 +135,9 @@ def _check_density(name: str, at: str, values: Mapping[str, Any], filter: Any) -
 def _averaged(
     filter: Any, values: Mapping[str, Any], units: Mapping[str, str], asked: Collection[str]
 ) -> list[str]:
-    known = [each.name for each in noises(filter, values, units) if each.kind == "variance"]
+    known = [
+        each.name for each in noise_parameters(filter, values, units) if each.kind == "variance"
+    ]
     for name in asked:
         if name not in known:
             raise unknown("variance of a sample", name, known)
@@ -163,7 +165,7 @@ def _notes(
     now: float,
 ) -> Iterator[str]:
     """The assumption about a measurement's variance, and its value under the other one."""
-    for each in noises(filter, values, units):
+    for each in noise_parameters(filter, values, units):
         if each.kind != "variance" or np.isclose(before, now):
             continue
         if each.name in averaged:

@@ -10,10 +10,10 @@ from filters.declared import bare, parameter_facts
 from tuner.data.record import Record
 from tuner.diagnostics import Diagnostics
 from tuner.problem.parameters import Fixed
-from tuner.run.chosen import Model, chosen
-from tuner.run.diagnosed import diagnosed
+from tuner.run.filter_choice import Model, choose_filter
 from tuner.run.fit import pose_on
 from tuner.run.fit_problem import Posed
+from tuner.run.innovation_diagnostics import diagnose_innovations
 from tuner.run.judgement import shown
 from tuner.run.search_space import Wishes
 
@@ -68,11 +68,11 @@ def check(
     >>> 0.008 < found.diagnostics.factor < 0.012, found.diagnostics["size"].verdict
     (True, 'failed')
     """
-    which = chosen(filter)
+    choice = choose_filter(filter)
     records = (record,) if isinstance(record, Record) else tuple(record)
     held = {n: _plain(v) for n, v in values.items()}
     wishes = Wishes(fix=held, options=options or {}, objective=objective, held=True)
-    posed = pose_on(which.name, which.cls, records, wishes)
+    posed = pose_on(choice.name, choice.cls, records, wishes)
     return checked(posed)
 
 
@@ -94,7 +94,7 @@ def checked(posed: Posed) -> Check:
     values = posed.problem.parameters(space.start())
     value = posed.problem.score(values)
     read = shown(posed.problem, value)
-    return Check(posed, values, value, read, diagnosed(posed, values))
+    return Check(posed, values, value, read, diagnose_innovations(posed, values))
 
 
 def _plain(value: Any) -> Any:

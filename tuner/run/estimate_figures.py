@@ -8,13 +8,13 @@ import numpy as np
 from filters.declared import bare, channel_facts, in_unit, output
 from tuner.run.figure import Chart, Line
 from tuner.run.fit_problem import Posed
+from tuner.run.report_figure import ReportFigure
 from tuner.run.search_space import own_unit
-from tuner.run.shown import Shown
 
 
 def estimates(
     posed: Posed, begun: Mapping[str, Any], tuned: Mapping[str, Any], most: int
-) -> Iterator[Shown]:
+) -> Iterator[ReportFigure]:
     """The first outputs of a filter over time, a chart for each part.
 
     Args:
@@ -46,7 +46,9 @@ def estimates(
             label = f"{called}, {unit}" if unit and unit != "unit" else called
             title = f"The filter's {called}, before and tuned"
             chart = Chart(f"estimate_{name}_{part}", title, "time, s", label, tuple(lines))
-            yield Shown("signal", chart, "The first recording of several." if several else "")
+            yield ReportFigure(
+                "signal", chart, "The first recording of several." if several else ""
+            )
         left -= min(parts, left)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from filters.declared import bare, channel_facts
 from tuner.certificate.solution import Solution, Status
 from tuner.data.merge import stacked, timeline
-from tuner.data.plausible import implausible
+from tuner.data.plausibility import check_plausibility
 from tuner.data.record import Record
 from tuner.data.source import Source
 from tuner.identifiability.determined import Determined, determined
@@ -18,24 +18,24 @@ from tuner.identifiability.noise import NoModelError
 from tuner.problem.facts import check_facts
 from tuner.problem.problem import Problem
 from tuner.problem.surface import values
+from tuner.run.background_work import compile_ahead, in_background
 from tuner.run.figure import Figure
 from tuner.run.finding import Finding
 from tuner.run.fit_figures import figures
 from tuner.run.fit_problem import Posed, check_channels, pose
 from tuner.run.fit_record import FitRecord
-from tuner.run.fit_shown import shown_of
+from tuner.run.fit_report_figures import report_figures
 from tuner.run.front import Against, picture_of, trade
 from tuner.run.held_out import judge_held_out
 from tuner.run.judgement import Judged, filter_name, judge
-from tuner.run.meanwhile import compile_for, meanwhile
 from tuner.run.noise_table import gains_told, noise_told
-from tuner.run.rescaled import ThenRescaled, as_found, may_be_rescaled
+from tuner.run.report_figure import ReportFigure
 from tuner.run.search_space import Wishes
 from tuner.run.sharing import OneForAll, shared
-from tuner.run.shown import Shown
 from tuner.run.split import HeldOutBy, Parting, parting
 from tuner.run.study import Plan, Solutions, Task, best
 from tuner.run.summary import five_lines, in_doubt
+from tuner.run.variance_scaling import WithScaledVariances, can_scale_variances, scaling_of
 from tuner.solvers import Solver, make_solver
 
 SCREENED = 64
@@ -111,7 +111,7 @@ def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wish
     for line in lines:
         check_channels(name, cls, line)
     facts = channel_facts(cls, "inputs"), channel_facts(cls, "outputs")
-    strange = [words for line in lines for words in implausible(line, *facts)]
+    strange = [words for line in lines for words in check_plausibility(line, *facts)]
     source = _source([part for record in records for part in record.sources])
     line = lines[0] if len(lines) == 1 else stacked(lines)
     posed = pose(name, cls, line, wishes, source)
@@ -132,10 +132,10 @@ def _source(parts: list[Source]) -> Source:
 def plan_fit(posed: Posed, request: Request, other: Posed | None = None) -> Plan:
     """The tasks, exports and figures; against another objective the front of both."""
     solver = _solver(request)
-    with meanwhile(partial(compile_for, posed.problem)):
+    with in_background(partial(compile_ahead, posed.problem)):
         parted = parting(posed.problem, request.held_out)
         posed = replace(posed, problem=screened(posed.problem, request))
-        main = ThenRescaled(solver) if may_be_rescaled(posed) else solver
+        main = WithScaledVariances(solver) if can_scale_variances(posed) else solver
         tasks = [Task(posed.problem, main), *_second_fits(parted, request, _quick(solver))]
     against = None if other is None else Against.by(other, solver, posed.problem)
     case = Fitting(posed, parted, against)
@@ -186,8 +186,8 @@ def _figures(case: Fitting, solutions: Solutions) -> Iterator[Figure]:
         yield from picture_of(case.posed, trade(case.against))
 
 
-def _shown(case: Fitting, solutions: Solutions) -> Iterator[Shown]:
-    yield from shown_of(case.posed, solutions, case.against)
+def _shown(case: Fitting, solutions: Solutions) -> Iterator[ReportFigure]:
+    yield from report_figures(case.posed, solutions, case.against)
 
 
 def findings(case: Fitting, solutions: Solutions) -> Iterator[Finding]:
@@ -218,8 +218,8 @@ def concluded(case: Fitting, solutions: Solutions) -> Found:
     held_out = None if parted is None else judge_held_out(posed, parted, solved)
     solution = solved[posed.problem.name]
     judged = judge(posed, solution, held_out)
-    if may_be_rescaled(posed):
-        judged = replace(judged, rescaled=as_found(posed.problem, solution))
+    if can_scale_variances(posed):
+        judged = replace(judged, rescaled=scaling_of(posed.problem, solution))
     if case.against is not None:
         judged = replace(judged, trade=trade(case.against))
     return Found(solution, judged)

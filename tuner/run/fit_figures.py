@@ -10,9 +10,9 @@ import numpy as np
 from filters.declared import bare, channel_facts, output
 from objectives import AttitudeRmse
 from objectives.attitude import attitude_error
-from tuner.run.diagnosed import innovations
 from tuner.run.figure import Chart, Drawn, Figure, Line
 from tuner.run.fit_problem import Posed
+from tuner.run.innovation_diagnostics import innovations
 from tuner.run.study import Solutions, best
 
 POINTS = 2000

@@ -7,12 +7,12 @@ import numpy as np
 
 from filters.declared import bare, channel_facts, output
 from tuner.diagnostics import Innovations
-from tuner.run.diagnosed import innovations_of
 from tuner.run.drawing import COLOURS, draw, entitle, new_canvas
 from tuner.run.figure import Chart, Figure, Line
 from tuner.run.fit_figures import POINTS, figures, normalised
 from tuner.run.fit_problem import Posed
 from tuner.run.held_out import HeldOut
+from tuner.run.innovation_diagnostics import innovations_of
 from tuner.run.judgement import Judged
 from tuner.run.study import Solutions, best
 

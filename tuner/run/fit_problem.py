@@ -19,8 +19,8 @@ from tuner.problem.exported import exported_of
 from tuner.problem.problem import Problem
 from tuner.problem.programs import run_filter
 from tuner.problem.space import Space
+from tuner.run.excluded_stretches import ExcludedStretches, without_stretches
 from tuner.run.gate import NAMES, care_of, guarded, with_noise
-from tuner.run.left_out import LeftOut, without_stretches
 from tuner.run.search_space import Wishes, own_unit, sizes_of, space_of
 
 HEADING = frozenset(("mag", "gps", "gps_vel"))
@@ -53,7 +53,7 @@ class Posed:
     source: Source
     notes: tuple[str, ...] = ()
     undetermined: tuple[str, ...] = ()
-    left_out: LeftOut | None = None
+    left_out: ExcludedStretches | None = None
 
     def run(self, values: Mapping[str, Any]) -> Any:
         """The filter's outputs for parameters given by name, over all data."""

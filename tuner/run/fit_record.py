@@ -1,7 +1,7 @@
 """The worth of a fit, as in result.json."""
 
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict
 
@@ -18,8 +18,11 @@ class Recorded(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
 
 
-class GainRecord(Recorded):
-    """See :class:`tuner.run.amounts.Gain`."""
+Part = TypeVar("Part", bound=Recorded)
+
+
+class ImprovementRecord(Recorded):
+    """See :class:`tuner.run.sample_terms.Improvement`."""
 
     share: float | None
     low: float | None
@@ -43,17 +46,17 @@ class HeldOutRecord(Recorded):
     what: str
     start: float | None
     tuned: float | None
-    gain: GainRecord | None
+    gain: ImprovementRecord | None
     nothing: str
     unfiltered: float | None
-    over_unfiltered: GainRecord | None
+    over_unfiltered: ImprovementRecord | None
     best: float | None
     gap: float | None
     recordings: list[OneHeldOutRecord]
 
 
-class RescaledRecord(Recorded):
-    """See :class:`tuner.run.rescaled.Rescaled`."""
+class VarianceScalingRecord(Recorded):
+    """See :class:`tuner.run.variance_scaling.VarianceScaling`."""
 
     factor: float
     powers: dict[str, float]
@@ -122,8 +125,8 @@ class RefusedRecord(Recorded):
     weighed: bool
 
 
-class LeftOutRecord(Recorded):
-    """See :class:`tuner.run.left_out.LeftOut`."""
+class ExcludedStretchesRecord(Recorded):
+    """See :class:`tuner.run.excluded_stretches.ExcludedStretches`."""
 
     numbers: int
     of: int
@@ -154,10 +157,10 @@ class FitRecord(Recorded):
     tuned: float | None
     held_out: HeldOutRecord | None
     diagnostics: list[DiagnosticsRecord]
-    rescaled: RescaledRecord | None = None
+    rescaled: VarianceScalingRecord | None = None
     trade: TradeRecord | None = None
     refused: RefusedRecord | None = None
-    left_out: LeftOutRecord | None = None
+    left_out: ExcludedStretchesRecord | None = None
     lines: list[str]
     in_doubt: list[str] = []
 
@@ -166,21 +169,23 @@ class FitRecord(Recorded):
         cls, judged: "Judged", filter: str, lines: list[str], in_doubt: list[str]
     ) -> "FitRecord":
         """The record of a judgement."""
-        held = judged.held_out
         return cls(
             filter=filter,
             objective=judged.objective,
             unit=judged.unit,
             start=judged.start,
             tuned=judged.tuned,
-            held_out=None if held is None else HeldOutRecord.model_validate(asdict(held)),
+            held_out=_record(HeldOutRecord, judged.held_out),
             diagnostics=[DiagnosticsRecord.of(each) for each in judged.diagnostics or ()],
-            rescaled=(
-                RescaledRecord.model_validate(asdict(judged.rescaled)) if judged.rescaled else None
-            ),
-            trade=TradeRecord.model_validate(asdict(judged.trade)) if judged.trade else None,
-            refused=RefusedRecord(**asdict(judged.refused)) if judged.refused else None,
-            left_out=LeftOutRecord(**asdict(judged.left_out)) if judged.left_out else None,
+            rescaled=_record(VarianceScalingRecord, judged.rescaled),
+            trade=_record(TradeRecord, judged.trade),
+            refused=_record(RefusedRecord, judged.refused),
+            left_out=_record(ExcludedStretchesRecord, judged.left_out),
             lines=lines,
             in_doubt=in_doubt,
         )
+
+
+def _record(cls: type[Part], part: Any) -> Part | None:
+    """The record of a dataclass; None where there is none."""
+    return None if part is None else cls.model_validate(asdict(part))

@@ -13,7 +13,7 @@ from tuner.export.tuned import Tuned
 from tuner.names import unknown
 from tuner.problem.facts import check_facts
 from tuner.run.at_rate import AtRate, filter_at_rate
-from tuner.run.chosen import Chosen, chosen
+from tuner.run.filter_choice import FilterChoice, choose_filter
 from tuner.run.fit import Request, asked_for, plan_fit, pose_on
 from tuner.run.front import in_order, posed_against
 from tuner.run.gate import NAMES
@@ -88,11 +88,11 @@ class FitSettings(StudySettings):
         return filter if file is None else file.told
 
     @property
-    def which(self) -> Chosen:
+    def choice(self) -> FilterChoice:
         """The filter that is tuned."""
         if self.model is not None:
-            return chosen(self.model)
-        return chosen(self.filter or "", self.filter_sha256)
+            return choose_filter(self.model)
+        return choose_filter(self.filter or "", self.filter_sha256)
 
     @property
     def wishes(self) -> Wishes:
@@ -112,12 +112,12 @@ def _replaced(value: Any, words: Mapping[Any, Any]) -> Any:
 
 def channels(settings: FitSettings) -> Mapping[str, Channel]:
     """The names for ``--map``: the filter's inputs."""
-    return channel_facts(settings.which.cls, "inputs")
+    return channel_facts(settings.choice.cls, "inputs")
 
 
 def truths(settings: FitSettings) -> Mapping[str, Channel]:
     """The names for ``--truth``: the filter's outputs that can be compared."""
-    return _compared(settings.which.cls)
+    return _compared(settings.choice.cls)
 
 
 def _compared(cls: type[Any]) -> dict[str, Channel]:
@@ -134,18 +134,18 @@ def faults(settings: FitSettings, maps: Iterable[str], truths: Iterable[str]) ->
         if objective is not None and objective not in objectives:
             yield str(unknown("objective", objective, objectives))
     try:
-        which = settings.which
-        check_facts(which.cls)
+        choice = settings.choice
+        check_facts(choice.cls)
     except ValueError as error:
         yield str(error)
         return
     named = {part: list(getattr(settings, part)) for part in ("start", "fix", "bound")}
     for part, given in named.items():
-        yield from _strangers(part, "parameter", given, parameter_facts(which.cls))
-    options = {each.name for each in fields(which.cls)} - {"dt"} | {*NAMES}
-    yield from _strangers("options", f"option of {which.name}", settings.options, options)
+        yield from _strangers(part, "parameter", given, parameter_facts(choice.cls))
+    options = {each.name for each in fields(choice.cls)} - {"dt"} | {*NAMES}
+    yield from _strangers("options", f"option of {choice.name}", settings.options, options)
     yield from _strangers("log.map", "channel", _mapped(maps), channels(settings))
-    yield from _strangers("log.truth", "output", _mapped(truths), _compared(which.cls))
+    yield from _strangers("log.truth", "output", _mapped(truths), _compared(choice.cls))
 
 
 def _strangers(
@@ -163,7 +163,7 @@ def plan(settings: FitSettings, records: tuple[Record, ...], seed: int, storage:
     """The filter tuned on all recordings, and on a part of them to be judged on the rest."""
     if not records:
         raise ValueError("a fit needs a recording; give it as in tuner fit LOG --filter NAME")
-    name, cls = settings.which.name, settings.which.cls
+    name, cls = settings.choice.name, settings.choice.cls
     posed = pose_on(name, cls, records, settings.wishes)
     held_out = asked_for(settings.hold_out, settings.held_out)
     request = Request(settings.solver, settings.starts, seed, storage, held_out)
@@ -178,7 +178,7 @@ def at_rate(
     settings: FitSettings, tuned: Tuned, rate_hz: float, densities: Collection[str]
 ) -> AtRate:
     """The filter that a fit tuned, at another rate."""
-    return filter_at_rate(settings.which, settings.options, tuned, rate_hz, densities)
+    return filter_at_rate(settings.choice, settings.options, tuned, rate_hz, densities)
 
 
 STUDY = Study(

@@ -12,7 +12,7 @@ from tuner.problem.parameters import Fixed, Parameter, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.surface import values
 from tuner.run.figure import Chart, Line, Map
-from tuner.run.shown import Shown
+from tuner.run.report_figure import ReportFigure
 
 STEPS = 2e7
 """Filter steps times squared states that a picture may cost."""
@@ -54,7 +54,7 @@ class Side(NamedTuple):
         return f"{self.name}, {self.unit}" if self.unit else self.name
 
 
-def surface(problem: Problem, solution: Solution) -> Iterator[Shown]:
+def surface(problem: Problem, solution: Solution) -> Iterator[ReportFigure]:
     """A curve over one free parameter, a map over two; nothing where that would take long."""
     free = [*_free(problem, solution)]
     if not free or not np.isfinite(solution.value) or problem.filter is None:
@@ -140,7 +140,7 @@ def _grid(z: np.ndarray, sides: list[Side]) -> np.ndarray:
     return Z
 
 
-def _curve(side: Side, rise: np.ndarray, *, likelihood: bool) -> Shown:
+def _curve(side: Side, rise: np.ndarray, *, likelihood: bool) -> ReportFigure:
     limit = NATS_95 if likelihood else 100 * SHARE
     ends = side.values[[0, -1]]
     words = "95 % limit" if likelihood else "1 % above the best"
@@ -159,10 +159,12 @@ def _curve(side: Side, rise: np.ndarray, *, likelihood: bool) -> Shown:
         lines=lines,
         log="x" if side.log else "",
     )
-    return Shown("certificate", chart, "The objective of the whole recording over this parameter.")
+    return ReportFigure(
+        "certificate", chart, "The objective of the whole recording over this parameter."
+    )
 
 
-def _map(sides: list[Side], rise: np.ndarray, held: list[str], *, likelihood: bool) -> Shown:
+def _map(sides: list[Side], rise: np.ndarray, held: list[str], *, likelihood: bool) -> ReportFigure:
     one, other = sides
     spot = Line("tuned", np.array([one.best]), np.array([other.best]))
     open_ = [side.name for side in sides if side.interval is None]
@@ -185,5 +187,7 @@ def _map(sides: list[Side], rise: np.ndarray, held: list[str], *, likelihood: bo
         log="x" * one.log + "y" * other.log,
     )
     if likelihood:
-        return Shown("certificate", figure, note, NATS, (NATS_95_OF_TWO, "95 % region of both"))
-    return Shown("certificate", figure, note, PERCENT, (100 * SHARE, "1 % above the best"))
+        return ReportFigure(
+            "certificate", figure, note, NATS, (NATS_95_OF_TWO, "95 % region of both")
+        )
+    return ReportFigure("certificate", figure, note, PERCENT, (100 * SHARE, "1 % above the best"))

@@ -13,7 +13,7 @@ from tuner.certificate.solution import Solution
 from tuner.certificate.table import as_html
 from tuner.data.record import Record
 from tuner.problem.kept_programs import forget_old_ones
-from tuner.run.chosen import Model, chosen
+from tuner.run.filter_choice import Model, choose_filter
 from tuner.run.fit import Request, asked_for, concluded, plan_fit, pose_on
 from tuner.run.fit_problem import Posed
 from tuner.run.front import in_order, posed_against
@@ -205,19 +205,19 @@ def fit(
     forget_old_ones()
     objective, against = in_order(objective, against)
     wishes = Wishes(start or {}, fix or {}, bound or {}, options or {}, objective)
-    which = chosen(filter)
+    choice = choose_filter(filter)
     records = (record,) if isinstance(record, Record) else tuple(record)
     begun = time.perf_counter()
-    posed = pose_on(which.name, which.cls, records, wishes)
+    posed = pose_on(choice.name, choice.cls, records, wishes)
     other = (
-        None if against is None else posed_against(which.name, which.cls, posed, wishes, against)
+        None if against is None else posed_against(choice.name, choice.cls, posed, wishes, against)
     )
     request = Request(solver, starts, seed, "", asked_for(hold_out, held_out))
     plan = plan_fit(posed, request, other)
     solved = {(t.problem.name, t.solver.name): t.solver(t.problem) for t in plan.tasks}
     found = concluded(plan.case, solved)
     settings = {
-        **which.settings,
+        **choice.settings,
         **{name: dict(getattr(wishes, name)) for name in ("start", "fix", "bound", "options")},
         "objective": objective,
         "solver": solver,

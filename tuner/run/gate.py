@@ -20,7 +20,7 @@ from filters import (
     run,
 )
 from filters.gated import PATIENCE
-from filters.measured import Parts, measured
+from filters.measurement_mask import MeasuredEntries, measured_entries
 from objectives import HeavyTails, InnovationLikelihood, Objective, PartlyWrong
 from tuner.problem.space import Space
 
@@ -154,14 +154,14 @@ def _inside(filter: Any, wrap: Any) -> Any:
     return wrap(filter)
 
 
-def parts_of(filter: Any, params: Any, inputs: Any) -> Parts:
+def parts_of(filter: Any, params: Any, inputs: Any) -> MeasuredEntries:
     """The numbers that a filter's innovations are made of, over all recordings."""
     if not isinstance(filter, Lanes):
-        return measured(filter, params, inputs)
-    found: Parts = ()
+        return measured_entries(filter, params, inputs)
+    found: MeasuredEntries = ()
     for lane in range(filter.count):
         alone = jax.tree.map(lambda leaf, lane=lane: leaf[:, lane], inputs)
-        more = measured(filter.filter, params, alone)
+        more = measured_entries(filter.filter, params, alone)
         found = tuple(a or b for a, b in zip(found, more, strict=True)) if found else more
         if all(found):
             break

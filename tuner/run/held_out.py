@@ -10,9 +10,17 @@ import numpy as np
 
 from tuner.certificate.solution import Solution
 from tuner.problem.problem import Problem
-from tuner.run.amounts import Amounts, Gain, amounts, amounts_of, gain, run_with, value_of
 from tuner.run.baseline import without_filter
 from tuner.run.fit_problem import Posed
+from tuner.run.sample_terms import (
+    Improvement,
+    SampleTerms,
+    improvement,
+    run_with,
+    sample_terms,
+    terms_of,
+    value_of,
+)
 from tuner.run.split import HeldOutBy, Parting, only
 
 
@@ -56,10 +64,10 @@ class HeldOut:
     what: str
     start: float
     tuned: float
-    gain: Gain | None = None
+    gain: Improvement | None = None
     nothing: str = ""
     unfiltered: float | None = None
-    over_unfiltered: Gain | None = None
+    over_unfiltered: Improvement | None = None
     best: float | None = None
     gap: float | None = None
     recordings: tuple[OneHeldOut, ...] = ()
@@ -77,10 +85,10 @@ def judge_held_out(posed: Posed, parted: Parting, solved: Mapping[str, Solution]
     begun = problem.parameters(problem.space.start())
     tuned = [_values(solved[part.name]) for part in parted.tuned]
     alone = [_values(solved[part.name]) for part in parted.alone]
-    before = [amounts(problem, begun)] * len(tuned)
+    before = [sample_terms(problem, begun)] * len(tuned)
     if before[0] is None:
         return _of_scores(problem, parted, begun, tuned)
-    three = [before, *([amounts(problem, v) for v in each] for each in (tuned, alone))]
+    three = [before, *([sample_terms(problem, v) for v in each] for each in (tuned, alone))]
     parts = [
         [a.only(judge) for a, judge in zip(each, parted.judges, strict=True) if a is not None]
         for each in three
@@ -93,7 +101,7 @@ def judge_held_out(posed: Posed, parted: Parting, solved: Mapping[str, Solution]
         what=parted.words,
         start=value_of(problem, start.mean),
         tuned=value,
-        gain=gain(problem, start, ours),
+        gain=improvement(problem, start, ours),
         best=best,
         gap=value / best - 1 if best > 0 else None,
         recordings=_each(problem, *parts) if parted.way == "leave-one-out" else (),
@@ -106,7 +114,7 @@ def _values(solution: Solution) -> dict[str, np.ndarray]:
 
 
 def _each(
-    problem: Problem, start: list[Amounts], tuned: list[Amounts], own: list[Amounts]
+    problem: Problem, start: list[SampleTerms], tuned: list[SampleTerms], own: list[SampleTerms]
 ) -> tuple[OneHeldOut, ...]:
     told = []
     for i, parts in enumerate(zip(start, tuned, own, strict=True), 1):
@@ -126,16 +134,16 @@ def _of_scores(
 
 
 def _beside_nothing(
-    posed: Posed, parted: Parting, found: HeldOut, begun: Mapping[str, Any], ours: Amounts
+    posed: Posed, parted: Parting, found: HeldOut, begun: Mapping[str, Any], ours: SampleTerms
 ) -> HeldOut:
     """Add what is to be had without a filter: what is best on what the filter was tuned on."""
     problem = posed.problem
     outputs = run_with(problem, begun)
-    rest: dict[str, list[Amounts]] = {}
-    held: dict[str, list[Amounts]] = {}
+    rest: dict[str, list[SampleTerms]] = {}
+    held: dict[str, list[SampleTerms]] = {}
     for judge in parted.judges:
         for name, raw in without_filter(posed, outputs, ~judge).items():
-            all_of_it = amounts_of(problem, raw).finite()
+            all_of_it = terms_of(problem, raw).finite()
             rest.setdefault(name, []).append(all_of_it.only(~judge))
             held.setdefault(name, []).append(all_of_it.only(judge))
     on_rest = {name: reduce(add, each).mean for name, each in rest.items()}
@@ -148,5 +156,5 @@ def _beside_nothing(
         found,
         nothing=name,
         unfiltered=value_of(problem, on_held[name].mean),
-        over_unfiltered=gain(problem, on_held[name], ours),
+        over_unfiltered=improvement(problem, on_held[name], ours),
     )

@@ -7,7 +7,7 @@ import numpy as np
 
 from tuner.diagnostics import Innovations
 from tuner.run.figure import Chart, Line
-from tuner.run.shown import Shown
+from tuner.run.report_figure import ReportFigure
 
 WINDOWS = 50
 """Of the NIS over time, at most."""
@@ -35,7 +35,7 @@ class Windows(NamedTuple):
     end: float
 
 
-def drawn_innovations(before: Innovations, now: Innovations) -> Iterator[Shown]:
+def drawn_innovations(before: Innovations, now: Innovations) -> Iterator[ReportFigure]:
     """The figures, of the values that the search began with and of the tuned ones."""
     if not now.counted.any():
         return
@@ -48,7 +48,7 @@ def drawn_innovations(before: Innovations, now: Innovations) -> Iterator[Shown]:
     yield _spread(now)
 
 
-def _over_time(now: Innovations) -> Shown:
+def _over_time(now: Innovations) -> ReportFigure:
     e, t = now.normalised[:, 0], now.times[:, 0]
     beyond = float(np.mean(np.abs(now.normalised[now.counted]) > 1.96))
     ends = np.array([np.nanmin(t), np.nanmax(t)])
@@ -58,7 +58,7 @@ def _over_time(now: Innovations) -> Shown:
         label = name or "innovation"
         lines.append(Line(label, t[there], e[there, part], drawn="points"))
     several = now.value.shape[1] > 1
-    return Shown(
+    return ReportFigure(
         "innovations",
         Chart(
             name="innovations",
@@ -94,7 +94,7 @@ def windows(found: Innovations) -> Windows:
     )
 
 
-def _nis(before: Windows | None, now: Windows) -> Shown:
+def _nis(before: Windows | None, now: Windows) -> ReportFigure:
     from tuner.distributions import chi_square_at
 
     low, high = (chi_square_at(q, now.numbers) / now.numbers for q in (0.025, 0.975))
@@ -115,7 +115,7 @@ def _nis(before: Windows | None, now: Windows) -> Shown:
         log="y" if wide else "",
     )
     numbers = int(np.median(now.numbers))
-    return Shown(
+    return ReportFigure(
         "innovations",
         chart,
         f"Mean square of the normalised innovations in windows of {numbers}: 1 where the filter's "
@@ -130,7 +130,7 @@ def _to_ends(found: Windows) -> np.ndarray:
     return times
 
 
-def _correlation(before: Innovations, now: Innovations) -> Shown:
+def _correlation(before: Innovations, now: Innovations) -> ReportFigure:
     lags = max(1, min(LAGS, min(len(column) for column in now.columns) // 4))
     at, numbers = np.arange(1, lags + 1), sum(map(len, now.columns))
     r, r_before = (_correlations(each, lags) for each in (now, before))
@@ -147,7 +147,7 @@ def _correlation(before: Innovations, now: Innovations) -> Shown:
         Line("tuned", at.astype(float), r, drawn="points"),
     )
     chart = Chart("whiteness", title, "lag, samples", "correlation", lines)
-    return Shown(
+    return ReportFigure(
         "innovations",
         chart,
         "Innovations of a consistent filter are white: uncorrelated. The largest correlation is "
@@ -164,7 +164,7 @@ def _correlations(found: Innovations, lags: int) -> np.ndarray:
     return np.asarray(weights @ np.array(each) / weights.sum())
 
 
-def _spread(now: Innovations) -> Shown:
+def _spread(now: Innovations) -> ReportFigure:
     e = now.normalised[now.counted]
     count = int(np.clip(np.sqrt(len(e)), 9, 41))
     edges = np.linspace(-4.0, 4.0, count + 1)
@@ -181,4 +181,6 @@ def _spread(now: Innovations) -> Shown:
     title = f"{beyond} of {len(e)} innovations lie beyond four deviations; {expected:.2g} expected"
     chart = Chart("spread", title, "innovation / its deviation", "density", lines)
     note = "Distribution of the innovations, and the normal one of a consistent filter. "
-    return Shown("innovations", chart, note + "Values beyond the axis are counted at its ends.")
+    return ReportFigure(
+        "innovations", chart, note + "Values beyond the axis are counted at its ends."
+    )

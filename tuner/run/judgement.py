@@ -10,13 +10,13 @@ from objectives.in_numpy import Method, in_numpy
 from tuner.certificate.solution import Solution, Status
 from tuner.diagnostics import Diagnostics
 from tuner.problem.problem import Problem
-from tuner.run.diagnosed import diagnosed
+from tuner.run.excluded_stretches import ExcludedStretches
 from tuner.run.fit_problem import NO_TRUTH, Posed
 from tuner.run.front import Trade
 from tuner.run.gate import Refused, refused_of
 from tuner.run.held_out import HeldOut
-from tuner.run.left_out import LeftOut
-from tuner.run.rescaled import Rescaled
+from tuner.run.innovation_diagnostics import diagnose_innovations
+from tuner.run.variance_scaling import VarianceScaling
 
 
 @dataclass(frozen=True)
@@ -45,8 +45,8 @@ class Judged:
     held_out: HeldOut | None
     diagnostics: tuple[Diagnostics, Diagnostics] | None
     refused: Refused | None = None
-    left_out: LeftOut | None = None
-    rescaled: Rescaled | None = None
+    left_out: ExcludedStretches | None = None
+    rescaled: VarianceScaling | None = None
     trade: Trade | None = None
 
 
@@ -65,7 +65,8 @@ def judge(posed: Posed, solution: Solution, held_out: HeldOut | None) -> Judged:
     refused = refused_of(posed.problem.outputs(solution)) if found else None
     begun = posed.problem.parameters(posed.problem.space.start())
     fitted = posed.problem.space.size if posed.objective in NO_TRUTH else 0
-    before, now = diagnosed(posed, begun), diagnosed(posed, _of(solution), fitted=fitted)
+    before = diagnose_innovations(posed, begun)
+    now = diagnose_innovations(posed, _of(solution), fitted=fitted)
     return Judged(
         posed.objective,
         posed.unit,

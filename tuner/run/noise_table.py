@@ -9,7 +9,7 @@ from tuner.data.sensor_units import told_as
 from tuner.data.unit_text import per, powers_of, raised, written
 from tuner.export.tuned import Quantity
 from tuner.run.finding import Finding
-from tuner.run.noises import Noise, noises
+from tuner.run.noise_parameters import NoiseParameter, noise_parameters
 
 COLUMNS = ("variance", "density", "deviation")
 """The quantities that stand side by side: the ends of the findings' names."""
@@ -29,11 +29,11 @@ def noise_told(
     """
     dt = float(filter.dt)
     at = f"at {1 / dt:.6g} Hz"
-    for each in noises(filter, values, units):
+    for each in noise_parameters(filter, values, units):
         yield from _process(each, dt, at) if each.kind == "density" else _sampled(each, dt, at)
 
 
-def _process(noise: Noise, dt: float, at: str) -> Iterator[Finding]:
+def _process(noise: NoiseParameter, dt: float, at: str) -> Iterator[Finding]:
     entered = noise.square * dt
     unit = per(noise.powers, "s", -1) if noise.powers else {}
     root = written(raised(unit, 0.5))
@@ -49,7 +49,7 @@ def _process(noise: Noise, dt: float, at: str) -> Iterator[Finding]:
         yield Finding(f"{noise.name}.{name}", value, told.unit, f"{noise.fact.sensor}, as a root")
 
 
-def _sampled(noise: Noise, dt: float, at: str) -> Iterator[Finding]:
+def _sampled(noise: NoiseParameter, dt: float, at: str) -> Iterator[Finding]:
     unit, deviation = written(noise.powers), float(np.sqrt(noise.square))
     yield Finding(f"{noise.name}.variance", noise.square, unit, noise.fact.meaning)
     if noise.kind == "variance":

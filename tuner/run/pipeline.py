@@ -22,15 +22,22 @@ from tuner.problem.problem import Problem
 from tuner.report.report_json import Kept as ForReport
 from tuner.report.report_json import kept_pictures, nothing_kept
 from tuner.report.write import KEPT, PAGE, page_of
+from tuner.run.background_work import import_report_packages, in_background
 from tuner.run.drawing import picture, table
 from tuner.run.environment import environment
 from tuner.run.figure import Figure
 from tuner.run.fit_record import FitRecord
 from tuner.run.folder import RunFolder
-from tuner.run.meanwhile import import_later, meanwhile
-from tuner.run.progress import SCHEMA, Finished, check_again, digest_of, key_of
-from tuner.run.progress import Progress as KeptProgress
+from tuner.run.progress_file import (
+    SCHEMA,
+    Finished,
+    ProgressFile,
+    check_solution,
+    problem_identity,
+    task_key,
+)
 from tuner.run.recipe import Recipe
+from tuner.run.report_figure import ReportFigure
 from tuner.run.result import (
     CodeRecord,
     ExportRecord,
@@ -40,7 +47,6 @@ from tuner.run.result import (
     pretty,
 )
 from tuner.run.shared_run import Together
-from tuner.run.shown import Shown
 from tuner.run.study import Plan, Solutions, Task, best
 from tuner.run.threads import at_once
 
@@ -99,18 +105,18 @@ class Run:
         on. Threads suffice: the time is spent in compiled code, which frees the interpreter.
         """
         solutions, digests = dict(finished), dict[tuple[str, str], str]()
-        open_tasks = [task for task in self.plan.tasks if key_of(task) not in solutions]
+        open_tasks = [task for task in self.plan.tasks if task_key(task) not in solutions]
         self.progress("solving", len(solutions), len(self.plan.tasks))
         self._save(solutions, digests)  # a run that is interrupted at once can go on as well
-        with meanwhile(import_later), at_once(jobs) as pool:
+        with in_background(import_report_packages), at_once(jobs) as pool:
             futures = {pool.submit(_solved, task): task for task in open_tasks}
             for future in as_completed(futures):
                 task = futures[future]
-                solutions[key_of(task)], digests[key_of(task)] = future.result()
+                solutions[task_key(task)], digests[task_key(task)] = future.result()
                 self._save(solutions, digests)
                 words = f"{task.problem.name}: {task.solver.name}"
                 self.progress(words, len(solutions), len(self.plan.tasks))
-        return _agreement({key_of(task): solutions[key_of(task)] for task in self.plan.tasks})
+        return _agreement({task_key(task): solutions[task_key(task)] for task in self.plan.tasks})
 
     def solve_together(self, together: Together, finished: Solutions) -> Solutions:
         """Solve all tasks beside other processes; what they found is scored again here.
@@ -119,29 +125,29 @@ class Run:
             ValueError: for a solution of another process that is none of the problem, or a refusal.
         """
         checked, digests = dict(finished), dict[tuple[str, str], str]()
-        problems = {key_of(task): task.problem for task in self.plan.tasks}
+        problems = {task_key(task): task.problem for task in self.plan.tasks}
         self._save(checked, digests)
 
         def news(solutions: Solutions) -> None:
             for key, solution in solutions.items():
                 if key not in checked:
-                    check_again(problems[key], solution)
+                    check_solution(problems[key], solution)
                     checked[key] = solution
                     self._save(checked, digests)
             self.progress("solving", len(checked), len(self.plan.tasks))
 
         together.work(news)
-        return _agreement({key_of(task): checked[key_of(task)] for task in self.plan.tasks})
+        return _agreement({task_key(task): checked[task_key(task)] for task in self.plan.tasks})
 
     def _save(self, solutions: Solutions, digests: dict[tuple[str, str], str]) -> None:
         for task in self.plan.tasks:
-            if key_of(task) in solutions and key_of(task) not in digests:
-                digests[key_of(task)] = digest_of(task)
+            if task_key(task) in solutions and task_key(task) not in digests:
+                digests[task_key(task)] = problem_identity(task)
         finished = [
             Finished(identity=digests[key], solution=SolutionRecord.of(solution))
             for key, solution in solutions.items()
         ]
-        kept = KeptProgress(schema=SCHEMA, identity=dict(self.identity), finished=finished)
+        kept = ProgressFile(schema=SCHEMA, identity=dict(self.identity), finished=finished)
         self.folder.write("progress.json", kept.to_json().encode(), replace=True)
 
     def finish(self, solutions: Solutions, formats: tuple[str, ...], begun: float) -> Result:
@@ -218,7 +224,7 @@ class Run:
     def _write_report(self, result: Result, solutions: Solutions, figures: list[Figure]) -> None:
         """The report, and what it takes to write it again."""
         self.progress("writing the report", 3, 4)
-        shown = [Shown("figures", figure) for figure in figures]
+        shown = [ReportFigure("figures", figure) for figure in figures]
         if self.plan.shown is not None:
             shown = [*self.plan.shown(self.plan.case, solutions)]
         kept = self.kept.model_copy(update={"pictures": kept_pictures(shown)})
@@ -359,7 +365,7 @@ def _said(error: Exception) -> str:
 
 def _solved(task: Task) -> tuple[Solution, str]:
     """The solution of a task, and the identity of its problem."""
-    return task.solver(task.problem), digest_of(task)
+    return task.solver(task.problem), problem_identity(task)
 
 
 def _agreement(solutions: Solutions) -> dict[tuple[str, str], Solution]:

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from tuner.names import unknown
-from tuner.run.progress import key_of
+from tuner.run.progress_file import task_key
 from tuner.run.sharing import help_with, number_of, parts, solved, told_by
 from tuner.run.study import Plan, Solutions, Task
 from tuner.trials.database import close, merge_log, open_storage, told
@@ -87,7 +87,7 @@ class Together:
         self.plan.last(self.plan.case)
 
     def _solutions(self, trials: Trials) -> Solutions:
-        return {key_of(self.tasks[number_of(t)]): told_by(t) for t in trials.complete()}
+        return {task_key(self.tasks[number_of(t)]): told_by(t) for t in trials.complete()}
 
 
 def facts_of(url: str, name: str) -> tuple[str, dict[str, str]]:

@@ -12,7 +12,7 @@ import numpy as np
 from tuner.certificate.solution import Solution
 from tuner.code_version import code_version
 from tuner.problem.problem import Problem
-from tuner.run.progress import check_again
+from tuner.run.progress_file import check_solution
 from tuner.run.result import SolutionRecord
 from tuner.run.study import Plan
 from tuner.solvers.solver import Solver
@@ -91,7 +91,7 @@ class OneForAll:
                 if not trials.make_one(partial(solved, self.url, tasks)):
                     time.sleep(POLL)
         solution = told_by(found[0])
-        check_again(problem, solution)
+        check_solution(problem, solution)
         return solution
 
     def _name(self, problem: Problem) -> str:

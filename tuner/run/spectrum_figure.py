@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from tuner.run.figure import Chart, Line
-from tuner.run.shown import Shown
+from tuner.run.report_figure import ReportFigure
 
 FEW = 256
 """Samples at least; fewer have no spectrum worth a look."""
@@ -16,7 +16,7 @@ LINES = 300
 
 def spectra(
     name: str, unit: str, rate_hz: float, *, measured: np.ndarray, tuned: np.ndarray
-) -> Iterator[Shown]:
+) -> Iterator[ReportFigure]:
     """The spectra of both; nothing where samples are missing or few.
 
     Args:
@@ -52,7 +52,7 @@ def spectra(
         log="xy",
     )
     note = "Power densities by Welch's method. At that frequency half of the power passes."
-    yield Shown("signal", chart, note)
+    yield ReportFigure("signal", chart, note)
 
 
 def density(values: np.ndarray, rate_hz: float, length: int) -> np.ndarray:

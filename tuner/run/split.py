@@ -8,7 +8,7 @@ import numpy as np
 
 from filters import Lanes
 from tuner.problem.problem import Problem
-from tuner.run.amounts import amounts
+from tuner.run.sample_terms import sample_terms
 
 HeldOutBy: TypeAlias = Literal["time", "recording", "leave-one-out", "none"]
 """The held-out data: the last part of the time, some recordings, each in turn, or nothing."""
@@ -104,7 +104,7 @@ def _judges(problem: Problem, way: HeldOutBy) -> tuple[np.ndarray, ...]:
 
 def _check_samples(problem: Problem, way: HeldOutBy, judges: tuple[np.ndarray, ...]) -> None:
     """Refuse a part, or a rest, in which nothing counts."""
-    found = amounts(problem, problem.parameters(problem.space.start()))
+    found = sample_terms(problem, problem.parameters(problem.space.start()))
     if found is None:
         return
     for i, judge in enumerate(judges):

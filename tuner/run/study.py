@@ -10,7 +10,7 @@ from tuner.names import unknown
 from tuner.run.comparison import Comparison
 from tuner.run.figure import Figure
 from tuner.run.finding import Finding
-from tuner.run.shown import Shown
+from tuner.run.report_figure import ReportFigure
 
 if TYPE_CHECKING:
     from jax import Array
@@ -130,7 +130,7 @@ class Plan:
     report: "Callable[[Any, Solutions], FitRecord] | None" = None
     notes: tuple[str, ...] = ()
     findings: Callable[[Any, Solutions], Iterable[Finding]] = no_findings
-    shown: Callable[[Any, Solutions], Iterable[Shown]] | None = None
+    shown: Callable[[Any, Solutions], Iterable[ReportFigure]] | None = None
     share: Callable[[Any, str], Any] = as_it_is
     last: Callable[[Any], None] = nothing_more
 

@@ -12,7 +12,7 @@ from tuner.run.fit_problem import Posed
 from tuner.run.front import words as traded
 from tuner.run.held_out import HeldOut
 from tuner.run.judgement import Judged
-from tuner.run.rescaled import Rescaled
+from tuner.run.variance_scaling import VarianceScaling
 
 WORDS = {
     "likelihood": "a measurement is predicted within",
@@ -97,7 +97,7 @@ def _worth(posed: Posed, judged: Judged) -> Iterator[str]:
         yield traded(posed, judged.trade)
 
 
-def _rescaled(found: Rescaled) -> str:
+def _rescaled(found: VarianceScaling) -> str:
     """The common factor of all variances, which accuracy leaves open."""
     if found.reason:
         return f"NIS {found.nis[0]:.3g}, variances not scaled: {found.reason}"

@@ -13,7 +13,7 @@ from tuner.code.document import files
 from tuner.code.form import form
 from tuner.model import model_filter, template
 from tuner.model.template import KINDS
-from tuner.problem.invented import invented
+from tuner.problem.random_inputs import random_inputs
 from tuner.problem.steady_form import steady_form_of
 
 CLASSES = {name: lambda name=name: find("tuner.filters", name) for name in names("tuner.filters")}
@@ -28,7 +28,7 @@ def test_it_does_what_it_should(tmp_path, name):
     typical = {key: np.asarray(fact.typical, float) for key, fact in parameter_facts(cls).items()}
     params = assembled(cls, typical)
     stem = name.replace("-", "_")
-    forms = [form(stem, filter, params, invented(filter))]
+    forms = [form(stem, filter, params, random_inputs(filter))]
     for trial in steady_form_of(filter, params).values():
         forms.append(form(f"{stem}_steady", *trial))
     text = files(tuned(name=stem), f"{stem}.h", forms)

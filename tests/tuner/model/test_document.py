@@ -10,13 +10,13 @@ import pytest
 import tomli_w
 
 import tuner
-from filters import channel_facts, measured, parameter_facts, run
+from filters import channel_facts, measured_entries, parameter_facts, run
 from objectives import ChannelRmse, Data
 from tests.tuner.model.documents import COMPASS, GPS, ROBOT, SHORT, VERTICAL, WHEELS, made
 from tuner import Problem, Space
 from tuner.model import model_filter, read_model, template
 from tuner.model.template import KINDS
-from tuner.run.rescaled import nees_of
+from tuner.run.variance_scaling import nees_of
 
 
 @pytest.fixture
@@ -112,7 +112,7 @@ def test_a_gate_takes_a_group_as_missing():
     given = *rng.uniform(1, 2, (3, 9)), np.zeros((9, 2)), np.zeros(9)
     inputs = wheels.inputs(*map(jnp.asarray, given))
     params = wheels.params(*map(jnp.array, (0.1, 0.1, 1.0)))
-    parts = measured(wheels(0.1), params, inputs)
+    parts = measured_entries(wheels(0.1), params, inputs)
     # Leaves 0 to 4 are speed, turn, accuracy, gps and compass.
     assert parts == (((2, 0), (3, 0)), ((2, 0), (3, 1)), ((4, 0),))
 

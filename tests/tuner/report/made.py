@@ -7,9 +7,9 @@ from tuner.data.source import Source
 from tuner.report.report_json import SCHEMA, Kept, KeptRecord, kept_pictures
 from tuner.run.comparison import claim, number, undecided
 from tuner.run.figure import Chart, Line, Map
-from tuner.run.fit_record import DiagnosticsRecord, FitRecord, GainRecord, HeldOutRecord
+from tuner.run.fit_record import DiagnosticsRecord, FitRecord, HeldOutRecord, ImprovementRecord
+from tuner.run.report_figure import ReportFigure
 from tuner.run.result import ExportRecord, ParameterRecord, Result, SolutionRecord
-from tuner.run.shown import Shown
 
 HOSTILE = "</script><script>alert(1)</script>\"'><img src=x onerror=alert(2)>&{{7*7}}"
 
@@ -44,7 +44,7 @@ def solution(name="level", *, status=Status.CONVERGED, flat=(), agreeing=4):
 
 
 def gain(low, high):
-    return GainRecord(share=(low + high) / 2, low=low, high=high, blocks=20)
+    return ImprovementRecord(share=(low + high) / 2, low=low, high=high, blocks=20)
 
 
 def held_out(gained=(0.13, 0.19), over=None):
@@ -167,10 +167,10 @@ def pictures(label="tuned"):
     surface = Map("surface", "One place", "q", "R", "nats", x, x, z, (spot,), "xy")
     return kept_pictures(
         [
-            Shown("signal", chart, "A note."),
-            Shown("figures", sizes),
-            Shown("figures", counted),
-            Shown("certificate", surface, "", (0.0, 1.0, 3.0, 9.0), (3.0, "95 % region")),
+            ReportFigure("signal", chart, "A note."),
+            ReportFigure("figures", sizes),
+            ReportFigure("figures", counted),
+            ReportFigure("certificate", surface, "", (0.0, 1.0, 3.0, 9.0), (3.0, "95 % region")),
         ]
     )
 

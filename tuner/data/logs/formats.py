@@ -5,7 +5,6 @@ from functools import partial
 from pathlib import Path
 
 from tuner.data.logs import betaflight
-from tuner.data.logs.apart import Reader, open_apart
 from tuner.data.logs.archive import is_archive, open_archive, open_folder
 from tuner.data.logs.csv import open_csv
 from tuner.data.logs.dataflash import open_dataflash
@@ -13,6 +12,7 @@ from tuner.data.logs.dataflash_text import open_dataflash_text
 from tuner.data.logs.error import LogError
 from tuner.data.logs.mat import open_mat5
 from tuner.data.logs.npz import open_npz
+from tuner.data.logs.reader_process import Reader, open_in_process
 from tuner.data.logs.table import Table
 from tuner.files import opened
 
@@ -36,7 +36,7 @@ def open_table(path: Path) -> Table:
     head = _head(path)
     if head is None:
         bag = (path / "metadata.yaml").is_file()
-        return open_apart(path, _ROSBAG) if bag else open_folder(path)
+        return open_in_process(path, _ROSBAG) if bag else open_folder(path)
     for beginnings, open_one in _FORMATS:
         if head.startswith(beginnings):
             return open_one(path)
@@ -54,13 +54,13 @@ def _refused(why: str, path: Path) -> Table:
 _FORMATS: tuple[tuple[tuple[bytes, ...], Callable[[Path], Table]], ...] = (
     ((b"PK\x03\x04", b"PK\x05\x06"), _open_zip),
     ((b"MATLAB 5.0 MAT-file",), open_mat5),
-    ((b"MATLAB 7.3 MAT-file", b"\x89HDF\r\n\x1a\n"), partial(open_apart, reader=_MAT73)),
-    ((b"ULog\x01\x12\x35",), partial(open_apart, reader=_ULOG)),
+    ((b"MATLAB 7.3 MAT-file", b"\x89HDF\r\n\x1a\n"), partial(open_in_process, reader=_MAT73)),
+    ((b"ULog\x01\x12\x35",), partial(open_in_process, reader=_ULOG)),
     (
         (b"#ROSBAG V", b"\x89MCAP0\r\n", b"SQLite format 3\0"),
-        partial(open_apart, reader=_ROSBAG),
+        partial(open_in_process, reader=_ROSBAG),
     ),
-    ((b"PAR1", b"ARROW1", b"FEA1"), partial(open_apart, reader=_ARROW)),
+    ((b"PAR1", b"ARROW1", b"FEA1"), partial(open_in_process, reader=_ARROW)),
     ((b"\xa3\x95",), open_dataflash),
     ((b"FMT,", b"FMT ,"), open_dataflash_text),
     (betaflight.MAGICS, betaflight.open_betaflight),

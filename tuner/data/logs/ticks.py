@@ -7,6 +7,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
+from tuner.data.logs.date_columns import past_midnight, read_dates
 from tuner.data.logs.epoch import since_1970
 from tuner.data.logs.error import counted
 from tuner.data.logs.mapping import Mapping
@@ -14,7 +15,6 @@ from tuner.data.logs.moments import Ticks
 from tuner.data.logs.table import Floats, Raw
 from tuner.data.logs.timename import UNITS, unit_of
 from tuner.data.logs.values import Columns, check_finite, factor_of, pick
-from tuner.data.logs.written import past_midnight, read_written
 
 _DIGITS = 9
 _NS = Fraction(1, 10**9)
@@ -93,7 +93,7 @@ class _Part:
 def _nanoseconds(columns: Columns, mapping: Mapping, parts: Sequence[Mapping]) -> _Part:
     column = columns.raw[mapping.column]
     if column.dtype.kind == "S":
-        moments, told = read_written(columns, mapping, parts)
+        moments, told = read_dates(columns, mapping, parts)
         return _Part(moments.ticks, moments.step, told, not moments.dated)
     times = _counted(columns, mapping, pick(columns, mapping), alone=False)
     ticks = np.rint(times.seconds * 1e9).astype(np.int64) + round(times.first / _NS)
