@@ -125,54 +125,118 @@ def line(window: Array, dt: float, h: Array | float = 0.0) -> Line:
     [[1.0, 4.0]]
     """
     m = window.shape[0]
+    _check_even(m)
+    return _drawn(window, _decisive(window), m, dt, h)
+
+
+def newest_line(window: Array, taken: Array, dt: float, h: Array | float = 0.0) -> Line:
+    """:func:`line` of the newest samples of a window, as many as an even number allows.
+
+    The earliest of them is at t = 0. Where fewer than two have been taken the line is that of the
+    last two places of the window.
+
+    Args:
+        window: crisp samples of s signals, the newest last, an even number, ``(m, s)``.
+        taken: how many samples there have been, ``()``.
+        dt: their distance.
+        h: degree to which the samples have to belong to the line, 0 to below 1.
+
+    Raises:
+        ValueError: for an odd number of samples.
+
+    >>> window = jnp.array([[9.0], [9.0], [1.0], [3.0]])
+    >>> newest_line(window, jnp.array(3.0), 0.5).center.round(12).tolist()
+    [[1.0, 4.0]]
+    """
+    m = window.shape[0]
+    _check_even(m)
+    found, count = _moved(_decisive(window[m - 2 :]), m - 2), jnp.full_like(taken, 2)
+    for more in range(4, m + 1, 2):
+        longer = _moved(_decisive(window[m - more :]), m - more)
+        enough = taken >= more
+        found = jax.tree.map(partial(jnp.where, enough), longer, found)
+        count = jnp.where(enough, more, count)
+    return _drawn(window, found, count, dt, h)
+
+
+def _check_even(m: int) -> None:
     if m % 2 or not m:
         raise ValueError(
             f"a line through {m} equally spaced samples need not be unique; take an even number"
         )
-    h = _degree(h)
-    mean = dt * (m - 1) / 2
-    upper, above = _support(window, dt, 1)
-    lower, below = _support(window, dt, -1)
+
+
+class _Decisive(NamedTuple):
+    """Numbers of the samples that decide a line, ``(s,)`` each.
+
+    Attributes:
+        upper, lower: two on each edge that supports the hull at the mean time.
+        strip: the three of the narrowest parallel strip, which is decided by how far the middle one
+            is from the chord of the others.
+    """
+
+    upper: tuple[Array, ...]
+    lower: tuple[Array, ...]
+    strip: tuple[Array, ...]
+
+
+def _decisive(window: Array) -> _Decisive:
+    m = window.shape[0]
+    half, pairs = (m - 1) / 2, _across(m)
+    upper = _largest(window, pairs, lambda samples, at: _height(samples, at, half))
+    lower = _largest(window, pairs, lambda samples, at: -_height(samples, at, half))
+    strip = _largest(window, _triples(m), lambda samples, at: jnp.abs(_bend(samples, at)))
+    return _Decisive(upper, lower, strip)
+
+
+def _moved(found: _Decisive, by: int) -> _Decisive:
+    """The same samples, numbered in a window that begins earlier."""
+    moved: _Decisive = jax.tree.map(lambda number: number + by, found)
+    return moved
+
+
+def _drawn(
+    window: Array, decisive: _Decisive, count: int | Array, dt: float, h: Array | float
+) -> Line:
+    """The line of the last samples of a window, by those that decide it."""
+    first = window.shape[0] - count
+    half, mean = first + (count - 1) / 2, dt * (count - 1) / 2
+    upper, above = _edge(window, decisive.upper, half, dt)
+    lower, below = _edge(window, decisive.lower, half, dt)
     # In the sample's unit, with s = (1 - h) c.
     p1, s1 = (above + below) / 2, (above - below) / 2
     center = jnp.stack([(upper + lower) / 2 - p1 * mean, p1], axis=1)
     spread = jnp.stack([(upper - lower) / 2 - s1 * mean, s1], axis=1)
-    if m > 2:
-        strip, width = _strip(window, dt)
-        crossed = (s1 < 0)[:, None]
-        center = jnp.where(crossed, strip, center)
-        spread = jnp.where(crossed, jnp.stack([width, 0 * width], axis=1), spread)
+    samples, (i, *_) = [_chosen(window, number) for number in decisive.strip], decisive.strip
+    slope, off = _slope(samples, decisive.strip, dt), _bend(samples, decisive.strip)
+    strip = jnp.stack([samples[0] + off - slope * (dt * (i - first)), slope], axis=1)
+    crossed = (s1 < 0)[:, None]
+    center = jnp.where(crossed, strip, center)
+    spread = jnp.where(crossed, jnp.stack([jnp.abs(off), 0 * off], axis=1), spread)
     # A comparison passes over what is not a number.
-    broken = jnp.isnan(window).any(axis=0)[:, None]
-    return Line(jnp.where(broken, jnp.nan, center), jnp.where(broken, jnp.nan, spread / (1 - h)))
+    used = jnp.arange(window.shape[0])[:, None] >= first
+    broken = (used & jnp.isnan(window)).any(axis=0)[:, None]
+    spread = spread / (1 - _degree(h))
+    return Line(jnp.where(broken, jnp.nan, center), jnp.where(broken, jnp.nan, spread))
 
 
-def _support(window: Array, dt: float, sign: int) -> tuple[Array, Array]:
-    """Height at the mean time and slope of the line that supports the hull there, ``(s,)`` each."""
-    half = (window.shape[0] - 1) / 2
-
-    def height(samples: Sequence[Array], numbers: Sequence[Number]) -> Array:
-        (left, right), (i, j) = samples, numbers
-        weight = (j - half) / (j - i)
-        return weight * left + (1 - weight) * right
-
-    pairs = _across(window.shape[0])
-    numbers = _largest(window, pairs, lambda samples, at: sign * height(samples, at))
-    left, right = samples = [_chosen(window, number) for number in numbers]
-    i, j = numbers
-    return height(samples, numbers), (right - left) / (dt * (j - i))
-
-
-def _strip(window: Array, dt: float) -> tuple[Array, Array]:
-    """Center ``(s, 2)`` and half width ``(s,)`` of the narrowest parallel strip.
-
-    It is decided by three samples: how far the middle one is from the chord of the others.
-    """
-    numbers = _largest(window, _triples(window.shape[0]), lambda *of: jnp.abs(_bend(*of)))
+def _edge(
+    window: Array, numbers: tuple[Array, ...], half: float | Array, dt: float
+) -> tuple[Array, Array]:
+    """Height at the mean time and slope of the line through two samples, ``(s,)`` each."""
     samples = [_chosen(window, number) for number in numbers]
-    (first, _, last), (i, _, k) = samples, numbers
-    slope, off = (last - first) / (dt * (k - i)), _bend(samples, numbers)
-    return jnp.stack([first + off - slope * (dt * i), slope], axis=1), jnp.abs(off)
+    return _height(samples, numbers, half), _slope(samples, numbers, dt)
+
+
+def _height(samples: Sequence[Array], numbers: Sequence[Number], half: float | Array) -> Array:
+    (left, right), (i, j) = samples, numbers
+    weight = (j - half) / (j - i)
+    return weight * left + (1 - weight) * right
+
+
+def _slope(samples: Sequence[Array], numbers: Sequence[Number], dt: float) -> Array:
+    """From the first to the last of some samples."""
+    return (samples[-1] - samples[0]) / (dt * (numbers[-1] - numbers[0]))
 
 
 def _bend(samples: Sequence[Array], numbers: Sequence[Number]) -> Array:
@@ -244,4 +308,5 @@ def _across(m: int) -> list[tuple[int, int]]:
 
 @cache
 def _triples(m: int) -> list[tuple[int, int, int]]:
-    return list(combinations(range(m), 3))
+    """Three samples; of two, which leave no strip to be chosen, the last one twice."""
+    return list(combinations(range(m), 3)) or [(0, 1, 1)]

@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
-from filters.fuzzy_regression import line
+from filters.fuzzy_regression import newest_line
 
 Law = Literal["constant", "fuzzy", "random"]
 
@@ -58,13 +58,9 @@ def fuzzy_noise(residuals: Residuals, noise: ResidualNoise, dt: float, *, edge: 
         dt: time between updates, s.
         edge: whether the slope is abs(p1) + c1, that of the band's steeper edge, not p1.
     """
-    samples = residuals.window.shape[0]
-    found = noise.Q
-    for count in range(2, samples + 1, 2):
-        fit = line(residuals.window[samples - count :], dt, noise.h)
-        rate = jnp.abs(fit.center[:, 1]) + (fit.spread[:, 1] if edge else 0.0)
-        found = jnp.where(residuals.taken >= count, _floored(rate, noise, dt), found)
-    return found
+    fit = newest_line(residuals.window, residuals.taken, dt, noise.h)
+    rate = jnp.abs(fit.center[:, 1]) + (fit.spread[:, 1] if edge else 0.0)
+    return jnp.where(residuals.taken >= 2, _floored(rate, noise, dt), noise.Q)
 
 
 def random_noise(draw: Array, noise: ResidualNoise, dt: float) -> Array:

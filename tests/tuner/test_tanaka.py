@@ -11,7 +11,7 @@ import pytest
 from jax.test_util import check_grads
 
 import tests.oracles_tanaka as oracle
-from filters.fuzzy_regression import line, regression
+from filters.fuzzy_regression import line, newest_line, regression
 from tuner.certificate.solution import Status
 from tuner.convex import solve
 from tuner.regression import (
@@ -345,6 +345,19 @@ def test_its_derivative_is_that_of_the_solution():
     for j, step in enumerate(1e-6 * np.eye(6)):
         ahead, behind = (tanaka(np.arange(6), window[:, 0] + s).center[1] for s in (step, -step))
         np.testing.assert_allclose(gradient[j], (ahead - behind) / 2e-6, atol=1e-8)
+
+
+def test_the_line_of_the_newest_samples_is_that_of_their_window():
+    """With as many as an even number allows, whatever stands before them."""
+    window = np.random.default_rng(7).normal(size=(6, 30)) + np.arange(6)[:, None]
+    window[0, 0] = np.nan
+    newest = jax.jit(newest_line, static_argnums=2)
+    for taken, count in ((0, 2), (2, 2), (3, 2), (4, 4), (5, 4), (6, 6), (9, 6)):
+        found, alone = newest(window, float(taken), 0.2, 0.3), line(window[6 - count :], 0.2, 0.3)
+        np.testing.assert_allclose(found.center, alone.center, rtol=1e-13, atol=1e-13)
+        np.testing.assert_allclose(found.spread, alone.spread, rtol=1e-13, atol=1e-13)
+    with pytest.raises(ValueError, match="even"):
+        newest_line(window[1:], jnp.array(5.0), 0.2)
 
 
 def test_an_odd_number_of_samples_is_refused_there():

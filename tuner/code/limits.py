@@ -73,9 +73,8 @@ def _apart(
     step: Step, states: Arrays, samples: Arrays, nodes: list[tuple[int, int]], count: int
 ) -> np.ndarray:
     """Two numbers of each pair in every step, ``(pairs, 2, count)``."""
-    watched = {k: np.zeros(1) for pair in nodes for k in pair}
-    step.results(placed(step.program, states, samples), watched=watched)
-    whole = {k: np.broadcast_to(np.asarray(x, float), count) for k, x in watched.items()}
+    known = step.values(placed(step.program, states, samples))
+    whole = {k: np.broadcast_to(np.asarray(known[k], float), count) for pair in nodes for k in pair}
     return np.array([[whole[k] for k in pair] for pair in nodes]).reshape(len(nodes), 2, count)
 
 

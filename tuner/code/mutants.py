@@ -9,12 +9,15 @@ import numpy as np
 
 from tuner.code.graph import Graph
 from tuner.code.nodes import Node
-from tuner.code.operations import BINARY, LOGIC, UNARY
+from tuner.code.on_arrays import function_of
+from tuner.code.operations import LOGIC
 from tuner.code.program import Program
 
 CHANGE = 1e-3
 """A constant is changed by this share of itself."""
 _EXACT = frozenset({"neg", "abs", "choose", "convert", "max", "min", *LOGIC})
+_ABSORBING = frozenset({"choose", "max", "min", *LOGIC})
+"""Operations that may give the same result of other operands."""
 Given: TypeAlias = Mapping[int, np.ndarray]
 """Values of the input nodes, a state each: ``(B,)``."""
 
@@ -101,54 +104,89 @@ class Step:
                     if nodes[k].op in ("max", "min"):
                         yield Mutant(k, at, limit=True)
 
-    def results(
-        self,
-        given: Given,
-        mutants: list[Mutant] | None = None,
-        noise: Noise | None = None,
-        watched: dict[int, np.ndarray] | None = None,
-        change: float = CHANGE,
-    ) -> list[np.ndarray]:
-        """The roots, ``(B,)`` or ``(1,)`` each; with mutants ``(M, B)`` where they make a change.
+    def results(self, given: Given, noise: Noise | None = None) -> list[np.ndarray]:
+        """The roots, ``(B,)`` or ``(1,)`` each.
 
         Args:
             given: the inputs.
-            mutants: constants to be changed, one in each of M lanes.
             noise: rounding errors of every operation; the roots are ``(repeats, B)`` then.
-            watched: nodes whose values are filled in.
-            change: of a constant, as a share of itself.
         """
         keep = set(self.roots)
-        lanes: dict[tuple[int, int, bool], list[int]] = {}
-        for lane, one in enumerate(mutants or ()):
-            lanes.setdefault(one, []).append(lane)
-        count, changed = len(mutants or ()), {one[0] for one in lanes}
         known: dict[int, np.ndarray] = {}
         with np.errstate(all="ignore"):
             for k in self.order:
-                node, function = self.graph.nodes[k], self._functions[k]
-                args = [known[part] for part in node.args]
-                if function is None:
-                    found = given[k] if node.op == "input" else np.array([node.value])
-                elif k in changed:
-                    found = self._changed(k, args, lanes, count, 1 + change)
-                else:
-                    found = function(*args)
+                known[k] = self._value(k, known, given)
                 if noise is not None and k in self._rounded:
-                    errors = noise.draw.uniform(-1, 1, (noise.repeats, found.shape[-1]))
-                    found = found * (1 + noise.size * errors)
-                known[k] = found
-                if watched is not None and k in watched:
-                    watched[k] = found
+                    errors = noise.draw.uniform(-1, 1, (noise.repeats, known[k].shape[-1]))
+                    known[k] = known[k] * (1 + noise.size * errors)
                 for part in self._done.get(k, ()):
                     if part not in keep:
                         del known[part]
         return [known[k] for k in self.roots]
 
+    def values(self, given: Given) -> dict[int, np.ndarray]:
+        """All nodes of a step, ``(B,)`` or ``(1,)`` each."""
+        known: dict[int, np.ndarray] = {}
+        with np.errstate(all="ignore"):
+            for k in self.order:
+                known[k] = self._value(k, known, given)
+        return known
+
+    def changed(
+        self, known: Mapping[int, np.ndarray], mutants: list[Mutant], change: float = CHANGE
+    ) -> dict[int, np.ndarray]:
+        """The roots that changed constants move, by their places, ``(M, B)``.
+
+        Only what follows from a constant is worked out, as far as the change goes: a comparison
+        that comes out the same ends it.
+
+        Args:
+            known: all nodes of the step, by :meth:`values`.
+            mutants: constants to be changed, one in each of M lanes.
+            change: of a constant, as a share of itself.
+        """
+        lanes: dict[tuple[int, int, bool], list[int]] = {}
+        for lane, one in enumerate(mutants):
+            lanes.setdefault(one, []).append(lane)
+        own, roots = {one[0] for one in lanes}, set(self.roots)
+        nodes, moved = self.graph.nodes, dict[int, np.ndarray]()
+        with np.errstate(all="ignore"):
+            for k in self.order[min((self._places[k] for k in own), default=0) :]:
+                args = nodes[k].args
+                if k not in own and moved.keys().isdisjoint(args):
+                    continue
+                given = [moved.get(part, known[part]) for part in args]
+                if k in own:
+                    found = self._lanes(k, given, lanes, len(mutants), 1 + change)
+                else:
+                    found = self._call(k, given)
+                for part in self._done.get(k, ()):
+                    if part not in roots:
+                        moved.pop(part, None)
+                if nodes[k].op not in _ABSORBING or not np.all(found == known[k]):
+                    moved[k] = found
+        return {at: moved[k] for at, k in enumerate(self.roots) if k in moved}
+
+    def _value(self, k: int, known: Mapping[int, np.ndarray], given: Given) -> np.ndarray:
+        node = self.graph.nodes[k]
+        if not node.args:
+            return given[k] if node.op == "input" else np.array([node.value])
+        return self._call(k, [known[part] for part in node.args])
+
+    def _call(self, k: int, args: list[np.ndarray]) -> np.ndarray:
+        function = self._functions[k]
+        assert function is not None
+        return np.asarray(function(*args))
+
+    @cached_property
+    def _places(self) -> dict[int, int]:
+        """The place of each node in the order."""
+        return {k: place for place, k in enumerate(self.order)}
+
     @cached_property
     def _functions(self) -> dict[int, Callable[..., Any] | None]:
         """What makes each node of its operands; None for inputs and constants."""
-        return {k: _function(self.graph.nodes[k], self.graph.nodes) for k in self.order}
+        return {k: function_of(self.graph.nodes[k], self.graph.nodes) for k in self.order}
 
     @cached_property
     def _rounded(self) -> set[int]:
@@ -157,7 +195,7 @@ class Step:
         real = (k for k in self.order if nodes[k].kind == "real" and nodes[k].args)
         return {k for k in real if nodes[k].op not in _EXACT}
 
-    def _changed(
+    def _lanes(
         self,
         k: int,
         args: list[np.ndarray],
@@ -165,8 +203,8 @@ class Step:
         M: int,
         by: float,
     ) -> np.ndarray:
+        """A node with its constants changed in their lanes, ``(M, B)``."""
         node = self.graph.nodes[k]
-        args = list(args)
         limit = None
         for at in range(len(args)):
             own = lanes.get((k, at, False), [])
@@ -175,9 +213,7 @@ class Step:
                 args[at][own] *= by
             if (k, at, True) in lanes:
                 limit = at, lanes[k, at, True]
-        function = self._functions[k]
-        assert function is not None
-        found = np.asarray(function(*args))
+        found = self._call(k, args)
         if limit is not None:
             at, own = limit
             x, plain = args[1 - at], np.asarray(self.graph.nodes[node.args[at]].value)
@@ -194,25 +230,3 @@ class Step:
 
 def _changes(node: Node) -> bool:
     return bool(np.isfinite(node.value)) and node.value != 0
-
-
-def _function(node: Node, nodes: list[Node]) -> Callable[..., Any] | None:
-    """The function of arrays that an operation is."""
-    if node.op in ("input", "constant"):
-        return None
-    if node.op == "choose":
-        return np.where
-    if node.op == "convert":
-        if node.kind == "whole" and nodes[node.args[0]].kind == "real":
-            return _whole
-        kind = {"real": float, "whole": int, "truth": bool}[node.kind]
-        return lambda x: np.asarray(x, kind)
-    if node.kind == "whole" and node.op == "div":
-        return lambda x, y: np.nan_to_num(np.trunc(x / y)).astype(int)
-    return (UNARY if len(node.args) == 1 else BINARY)[node.op]
-
-
-def _whole(x: np.ndarray) -> np.ndarray:
-    """Real numbers made whole, as in C."""
-    whole = np.nan_to_num(np.trunc(x), posinf=2**31 - 1, neginf=-(2**31))
-    return np.asarray(np.clip(whole, -(2**31), 2**31 - 1).astype(int))

@@ -19,6 +19,8 @@ STRAYS = 4
 _BATCH, _ROUNDS, _FEW, _REPEATS = 64, 8, 3, 6
 _LONG = 6000
 """Operations of a step beyond which fewer states are looked at."""
+_LANES = 128
+"""Constants that are changed at a time."""
 _LARGEST = {"double": 1e60, "float": 1e12}
 
 
@@ -146,11 +148,13 @@ def shown(
     good &= np.abs(np.nan_to_num(exact)).max(axis=0, initial=0) < limit
     most = margin * allowed(right, program.precision)
     found = np.zeros((len(mutants), exact.shape[1]), bool)
-    with np.errstate(all="ignore"):
-        for k, row in enumerate(step.results(given, mutants, change=change)):
-            if row.ndim == 2:
+    known = step.values(given)
+    for first in range(0, len(mutants), _LANES):
+        some = slice(first, first + _LANES)
+        with np.errstate(all="ignore"):
+            for k, row in step.changed(known, mutants[some], change).items():
                 apart = np.abs(row.astype(float) - exact[k])
-                found |= (apart > most[k]) | (np.isnan(row) != np.isnan(exact[k]))
+                found[some] |= (apart > most[k]) | (np.isnan(row) != np.isnan(exact[k]))
     return np.asarray(found & good)
 
 

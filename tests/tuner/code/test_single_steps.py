@@ -79,7 +79,7 @@ def test_a_changed_constant_is_one_lane():
     given = {int(x): np.array([8.0, 0.0]), int(u): np.array([0.0, 1e-3])}
     (limited, out) = step.results(given)
     assert limited.tolist() == [7.0, 0.0005]
-    lanes = step.results(given, step.mutants)
+    lanes = step.changed(step.values(given), step.mutants)
     moved = np.array([np.broadcast_to(lanes[0], (len(step.mutants), 2)) != limited])
     assert moved.any(axis=-1).sum() >= 2
     assert np.broadcast_to(lanes[1], (len(step.mutants), 2)).shape == (len(step.mutants), len(out))
