@@ -40,5 +40,5 @@ STUDY = Study(
     "Compensating External Acceleration, received 2004",
     settings=Settings,
     plan=plan,
-    takes="a minute",
+    takes="half a minute",
 )

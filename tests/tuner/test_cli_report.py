@@ -95,7 +95,7 @@ def test_settings_of_a_study(cli):
     code, out, err = cli("run", "suh2004", "--help")
     assert (code, err) == (0, "")
     assert out.endswith(table)
-    assert table.endswith("needs no data: it simulates them\n")
+    assert "\nneeds no data: it simulates them\ntakes about " in table
     assert "--resume" in out
 
 
@@ -114,6 +114,18 @@ def test_tables_fit_and_cut_no_number(monkeypatch, capsys, width):
     out = capsys.readouterr().out
     assert max(map(len, out.splitlines())) <= width
     assert number in out
+
+
+@pytest.mark.parametrize("columns", [5, 7])
+def test_narrow_tables_break_no_word(monkeypatch, capsys, columns):
+    monkeypatch.setenv("COLUMNS", "80")
+    names = ["name", "unit", "typical", "meaning", "in data sheet units", "smaller", "larger"]
+    cells = ["q", "m^2/s^3", "0.01", "spectral density of a noise: its variance times dt"]
+    cells += ["accelerometer_noise_density", "trusts the accelerometer", "follows the barometer"]
+    show_grid("Title", [names[:columns], cells[:columns]])
+    out = capsys.readouterr().out
+    assert max(map(len, out.splitlines())) <= 80
+    assert {word for cell in cells[:columns] for word in cell.split()} <= set(out.split())
 
 
 def test_lines_end_where_columns_say(monkeypatch, capsys, here):

@@ -20,7 +20,7 @@ app = typer.Typer(
 )
 
 Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout.")]
-Force = Annotated[bool, typer.Option(help="Replace existing files.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace existing files.")]
 Maps = Annotated[
     list[str] | None,
     typer.Option(metavar="NAME=COLUMN", help="Channel: column[,column...][*factor][:unit]."),
@@ -30,10 +30,11 @@ Truths = Annotated[
     typer.Option(metavar="NAME=COLUMN", help="True value of an output."),
 ]
 Recordings = Annotated[
-    list[Path], typer.Argument(help="Recordings: of any format of docs/logs.md.")
+    list[Path], typer.Argument(metavar="LOG", help="Recordings, in any format of docs/logs.md.")
 ]
 Logs = Annotated[
-    list[Path] | None, typer.Option("--log", help="Recordings: of any format of docs/logs.md.")
+    list[Path] | None,
+    typer.Option("--log", metavar="FILE", help="Recordings, in any format of docs/logs.md."),
 ]
 Filter = Annotated[
     str | None,
@@ -58,9 +59,10 @@ From = Annotated[
     float | None, typer.Option("--from", metavar="S", help="Leave out what is earlier, s.")
 ]
 To = Annotated[float | None, typer.Option("--to", metavar="S", help="Leave out what is later, s.")]
-Out = Annotated[Path | None, typer.Option(help="Folder for the results.")]
+Out = Annotated[Path | None, typer.Option(metavar="DIR", help="Folder for the results.")]
 Seed = Annotated[
-    int | None, typer.Option(min=0, max=2**31 - 1, help="Seed of all random numbers; 0.")
+    int | None,
+    typer.Option(min=0, max=2**31 - 1, metavar="N", help="Seed of all random numbers; else 0."),
 ]
 Storage = Annotated[
     str | None,
@@ -72,10 +74,10 @@ Storage = Annotated[
 ]
 Jobs = Annotated[
     int | None,
-    typer.Option(min=1, help="Number of processes; unset: threads."),
+    typer.Option(min=1, metavar="N", help="Number of processes; unset: threads."),
 ]
-Resume = Annotated[bool, typer.Option(help="Resume the interrupted run in --out.")]
-DryRun = Annotated[bool, typer.Option(help="Print the plan, and stop.")]
+Resume = Annotated[bool, typer.Option("--resume", help="Resume the interrupted run in --out.")]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="Print the plan, and stop.")]
 
 
 def _version(asked: bool) -> None:
@@ -106,10 +108,14 @@ def everywhere(
 @app.command("list")
 def list_(
     what: Annotated[
-        str, typer.Argument(help="studies, filters, objectives, solvers, formats or settings")
+        str,
+        typer.Argument(
+            metavar="WHAT", help="studies, filters, objectives, solvers, formats or settings."
+        ),
     ] = "studies",
     name: Annotated[
-        str | None, typer.Argument(help="Name of a filter; with settings, of a study.")
+        str | None,
+        typer.Argument(metavar="NAME", help="Name of a filter; with settings, of a study."),
     ] = None,
     json: Json = False,
     md: Annotated[bool, typer.Option("--md", help="A Markdown page of filters.")] = False,
@@ -122,7 +128,8 @@ def list_(
 
 @app.command()
 def columns(
-    log: Annotated[Path, typer.Argument(help="A log of any format.")], json: Json = False
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="A log of any format.")],
+    json: Json = False,
 ) -> None:
     """Show what a log holds: its columns, clocks, rates and units."""
     from tuner.cli.columns import show
@@ -134,7 +141,8 @@ def columns(
 def run(
     ctx: typer.Context,
     study: Annotated[
-        str, typer.Argument(help="A study's name, or a study.toml of an earlier run.")
+        str,
+        typer.Argument(metavar="STUDY", help="A study's name, or a study.toml of an earlier run."),
     ],
     logs: Logs = None,
     filter: Filter = None,
@@ -166,7 +174,10 @@ def run(
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Run a study, on its own data or on a log; write a folder with results and exports."""
+    """Run a study, on its own data or on a log.
+
+    Writes a folder with results, report and exports.
+    """
     from tuner.cli.request import asked
     from tuner.cli.run import execute
 
@@ -202,11 +213,17 @@ def fit(
     ] = None,
     objective: Annotated[
         list[str] | None,
-        typer.Option(help="Objective; unset: the error or the likelihood; two: a front."),
+        typer.Option(
+            metavar="NAME", help="Objective; unset: the error or the likelihood; two: a front."
+        ),
     ] = None,
-    solver: Annotated[str, typer.Option(help="Name of a solver.")] = "l-bfgs-b",
-    starts: Annotated[int, typer.Option(min=1, help="Starts of the search.")] = 4,
-    hold_out: Annotated[bool, typer.Option(help="Judge a second fit on held-out data.")] = True,
+    solver: Annotated[
+        str, typer.Option(metavar="NAME", help="Solver; see tuner list solvers.")
+    ] = "l-bfgs-b",
+    starts: Annotated[int, typer.Option(min=1, metavar="N", help="Starts of the search.")] = 4,
+    hold_out: Annotated[
+        bool, typer.Option(show_default=False, help="Judge a second fit on held-out data, or not.")
+    ] = True,
     out: Out = None,
     seed: Seed = None,
     storage: Storage = None,
@@ -216,7 +233,10 @@ def fit(
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Tune a filter on recordings of your own; write a folder with results and exports."""
+    """Tune a filter on recordings of your own.
+
+    Writes a folder with results, report and exports.
+    """
     from tuner.cli.pairs import wishes
     from tuner.cli.request import asked
     from tuner.cli.run import execute
@@ -232,12 +252,13 @@ def worker(
         typer.Option(metavar="URL", envvar="TUNER_STORAGE", help="Database of the run."),
     ],
     logs: Annotated[
-        list[Path] | None, typer.Option("--log", help="Its recordings, if not in this folder.")
+        list[Path] | None,
+        typer.Option("--log", metavar="FILE", help="Its recordings, if not in this folder."),
     ] = None,
     filter: Annotated[
         str | None, typer.Option(metavar="FILE.py:CLASS", help="Its filter, if it is a file.")
     ] = None,
-    jobs: Annotated[int, typer.Option(min=1, help="Processes on this machine.")] = 1,
+    jobs: Annotated[int, typer.Option(min=1, metavar="N", help="Processes on this machine.")] = 1,
     leashed: Annotated[bool, typer.Option("--leashed", hidden=True)] = False,
 ) -> None:
     """Work on a run of another machine, until it is solved."""
@@ -250,7 +271,9 @@ def worker(
 
 @app.command()
 def init(
-    kind: Annotated[str, typer.Option(help="level, tracking, robot or pendulum.")] = "level",
+    kind: Annotated[
+        str, typer.Option(metavar="KIND", help="level, tracking, robot or pendulum.")
+    ] = "level",
     output: Annotated[
         str | None, typer.Option("-o", "--output", metavar="FILE", help="Instead of stdout.")
     ] = None,
@@ -264,7 +287,7 @@ def init(
 
 @app.command()
 def example(
-    kind: Annotated[str, typer.Argument(help="level, rest, tracks or vario.")],
+    kind: Annotated[str, typer.Argument(metavar="KIND", help="level, rest, tracks or vario.")],
     output: Annotated[
         str | None, typer.Option("-o", "--output", metavar="FILE|-", help="Instead of KIND.csv.")
     ] = None,
@@ -280,7 +303,8 @@ def example(
 def check(
     ctx: typer.Context,
     run: Annotated[
-        Path | None, typer.Argument(help="Folder of a fit, whose values are checked.")
+        Path | None,
+        typer.Argument(metavar="RUN", help="Folder of a fit, whose values are checked."),
     ] = None,
     logs: Logs = None,
     filter: Filter = None,
@@ -302,7 +326,8 @@ def check(
     from_s: From = None,
     to_s: To = None,
     objective: Annotated[
-        str | None, typer.Option(help="Objective; unset: the error or the likelihood.")
+        str | None,
+        typer.Option(metavar="NAME", help="Objective; unset: the error or the likelihood."),
     ] = None,
     json: Json = False,
 ) -> None:
@@ -315,7 +340,10 @@ def check(
 
 @app.command()
 def compare(
-    runs: Annotated[list[Path], typer.Argument(help="Folders of runs, or their result.json.")],
+    runs: Annotated[
+        list[Path],
+        typer.Argument(metavar="RUN", help="Folders of runs, or their result.json."),
+    ],
     tol: Annotated[
         str | None, typer.Option(metavar="5%", help="Tolerance instead of each row's own.")
     ] = None,
@@ -323,7 +351,10 @@ def compare(
     md: Annotated[bool, typer.Option("--md", help="A Markdown table.")] = False,
     csv: Annotated[bool, typer.Option("--csv", help="Comma-separated values.")] = False,
 ) -> None:
-    """Hold runs against their paper, or fits against each other; exit 1 outside a tolerance."""
+    """Compare runs with their paper, or fits with each other.
+
+    Ends with exit code 1 where a row is outside its tolerance.
+    """
     from tuner.cli.compare import show
 
     raise typer.Exit(show(runs, tol, json=json, md=md, csv=csv))
@@ -331,7 +362,9 @@ def compare(
 
 @app.command()
 def show(
-    run: Annotated[Path, typer.Argument(help="Folder of a run, or its result.json.")],
+    run: Annotated[
+        Path, typer.Argument(metavar="RUN", help="Folder of a run, or its result.json.")
+    ],
     json: Json = False,
 ) -> None:
     """Show what a finished run found, again."""
@@ -342,7 +375,9 @@ def show(
 
 @app.command()
 def report(
-    run: Annotated[Path, typer.Argument(help="Folder of a run, or its result.json.")],
+    run: Annotated[
+        Path, typer.Argument(metavar="RUN", help="Folder of a run, or its result.json.")
+    ],
     to: Annotated[
         str | None, typer.Option(metavar="FORM", help="html, md, or pdf by a browser.")
     ] = None,
@@ -352,7 +387,7 @@ def report(
     ] = None,
     force: Force = False,
 ) -> None:
-    """Write the report of a finished run again: one page that needs nothing else."""
+    """Write the report of a finished run again, as one file."""
     from tuner.cli.report import write
 
     write(run, to, output, force=force)
@@ -360,13 +395,16 @@ def report(
 
 @app.command()
 def export(
-    run: Annotated[Path, typer.Argument(help="Folder of a run, or its result.json.")],
+    run: Annotated[
+        Path, typer.Argument(metavar="RUN", help="Folder of a run, or its result.json.")
+    ],
     to: Annotated[str | None, typer.Option(metavar="FORMAT", help="Name of a format.")] = None,
     output: Annotated[
         str | None, typer.Option("-o", "--output", metavar="FILE|-", help="- is stdout.")
     ] = None,
     problem: Annotated[
-        str | None, typer.Option(help="Which one, where the run has several.")
+        str | None,
+        typer.Option(metavar="NAME", help="Which one, where the run has several."),
     ] = None,
     rate: Annotated[
         float | None, typer.Option(metavar="HZ", help="For another sample rate: Q, K, alpha, beta.")
@@ -376,10 +414,12 @@ def export(
         typer.Option(metavar="NAME", help="With --rate: a variance that grows with the rate."),
     ] = None,
     filter: Annotated[
-        str | None, typer.Option(help="With --rate: FILE.py:CLASS, where the run is of one.")
+        str | None,
+        typer.Option(metavar="FILE.py:CLASS", help="With --rate: the filter, if it is a file."),
     ] = None,
     precision: Annotated[
-        str | None, typer.Option(help="With --to c: double, or float for small processors.")
+        str | None,
+        typer.Option(metavar="WORD", help="With --to c: double, or float for small processors."),
     ] = None,
     tunable: Annotated[
         bool, typer.Option("--tunable", help="With --to c: parameters that can be set.")
@@ -389,17 +429,21 @@ def export(
         typer.Option(metavar="NAME=KEY", help="Firmware parameter of a number: R=EKF2_BARO_NOISE."),
     ] = None,
     axes: Annotated[
-        str | None, typer.Option(help="One number for several axes: largest or rms.")
+        str | None,
+        typer.Option(metavar="WORD", help="One number for several axes: largest or rms."),
     ] = None,
     approximate: Annotated[
         bool,
         typer.Option("--accept-approximate", help="Write initial values for another filter."),
     ] = False,
     force: Annotated[
-        bool, typer.Option(help="Replace the file; export what did not converge.")
+        bool, typer.Option("--force", help="Replace the file; export what did not converge.")
     ] = False,
 ) -> None:
-    """Write a tuned filter as a file and read it back; or show it at another rate."""
+    """Write a tuned filter as a file, or show it at another rate.
+
+    The file is read back and compared.
+    """
     from tuner.cli.export import write
     from tuner.cli.export_request import ExportRequest
     from tuner.cli.filter_option import FilterOption
@@ -423,11 +467,13 @@ def export(
 
 @app.command()
 def dashboard(
-    run: Annotated[Path | None, typer.Argument(help="Folder of a run.")] = None,
+    run: Annotated[Path | None, typer.Argument(metavar="RUN", help="Folder of a run.")] = None,
     storage: Storage = None,
-    port: Annotated[int, typer.Option(min=1024, max=65535, help="Of this machine.")] = 8080,
+    port: Annotated[
+        int, typer.Option(min=1024, max=65535, metavar="N", help="Port of this machine.")
+    ] = 8080,
 ) -> None:
-    """Show the trials of samplers in a browser, while they run and later."""
+    """Show the trials of samplers in a browser."""
     from tuner.cli.dashboard import serve
 
     serve(run, storage, port)

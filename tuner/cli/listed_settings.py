@@ -58,6 +58,8 @@ def _kind(annotation: Any) -> str:
     ('number', 'list of integers', 'true or false')
     >>> _kind(Literal["a", "b", "c"]), _kind(list[Literal["a", "b"]])
     ('a, b or c', 'list of any of a or b')
+    >>> _kind(list[tuple[float, float]])
+    'list of lists of numbers'
     """
     if annotation in _PLAIN:
         return _PLAIN[annotation]
@@ -72,8 +74,11 @@ def _kind(annotation: Any) -> str:
         words = " or ".join(dict.fromkeys(_kind(p) for p in parts if p is not type(None)))
     elif name in ("tuple", "list"):
         inner = _kind(parts[0])
-        plain = inner in ("number", "integer", "text")
-        words = f"list of {inner}s" if plain else f"list of any of {inner}"
+        if inner.startswith("list of "):
+            words = f"list of {inner.replace('list', 'lists', 1)}"
+        else:
+            plain = inner in ("number", "integer", "text")
+            words = f"list of {inner}s" if plain else f"list of any of {inner}"
     return words
 
 
@@ -92,6 +97,15 @@ def _default(field: FieldInfo) -> str:
         return "-"
     if isinstance(default, bool):
         return str(default).lower()
-    if isinstance(default, tuple | list):
-        return "[" + ", ".join(map(str, default)) + "]"
-    return f"{default:g}" if isinstance(default, float) else str(default)
+    return _value(default)
+
+
+def _value(value: Any) -> str:
+    """A value as ``--set`` takes it.
+
+    >>> _value(((1.0, 0.5), (2.0, 3.0))), _value("phi")
+    ('[[1, 0.5], [2, 3]]', 'phi')
+    """
+    if isinstance(value, tuple | list):
+        return f"[{', '.join(map(_value, value))}]"
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -15,6 +15,7 @@ from rich.text import Text
 
 from tuner.certificate.solution import Status
 from tuner.certificate.table import range_in_words
+from tuner.cli.blocks import WIDE, blocks, crowded, widths
 from tuner.cli.width import piped_width, width_is_known
 from tuner.report.lines import five_lines
 from tuner.run.comparison import Verdict
@@ -66,18 +67,31 @@ def number_text(value: float | None) -> str:
     return "-" if value is None else f"{value:.6g}"
 
 
-WIDE = 120
-"""Columns of a terminal that hold everything; below, the explanations are left out."""
 _EXPLANATIONS = {"where", "note", "what it means", "evaluations", "s"}
 _NUMBER = re.compile(r"-?[\d.]+(e[-+]?\d+)?|-|inf|nan|")
 _FOLDED = _EXPLANATIONS | {"parameters", "meaning", "smaller", "larger"}
 
 
 def show_grid(title: str, lines: list[list[str]]) -> None:
-    """Print a table: the first line heads it, verdicts are coloured, no number is ever cut."""
+    """Print a table: the first line heads it, verdicts are coloured, no number is ever cut.
+
+    Where its words do not fit side by side, every line is a block of its own.
+    """
     out = console()
     wide = out.width >= WIDE
     columns = [i for i, head in enumerate(lines[0]) if wide or head not in _EXPLANATIONS]
+    left = [head for head in lines[0] if not wide and head in _EXPLANATIONS]
+    lines = [[line[i] for i in columns] for line in lines]
+    if crowded(lines, out.width):
+        out.print(blocks(title, lines, out.width), soft_wrap=True, markup=False, highlight=False)
+    else:
+        out.print(_table(title, lines, out.width))
+    if left:
+        out.print(f"(from {WIDE} columns on: {', '.join(left)})\n", markup=False, highlight=False)
+
+
+def _table(title: str, lines: list[list[str]], width: int) -> Table:
+    wide = width >= WIDE
     table = Table(
         title=title,
         title_justify="left",
@@ -85,18 +99,16 @@ def show_grid(title: str, lines: list[list[str]]) -> None:
         box=box.SQUARE if wide else None,
         pad_edge=False,
     )
-    for i in columns:
-        head, cells = lines[0][i], [line[i] for line in lines[1:]]
+    given: list[int | None] = [None] * len(lines[0]) if wide else [*widths(lines, width)]
+    for own, (head, *cells) in zip(given, zip(*lines, strict=True), strict=True):
         numbers = all(_NUMBER.fullmatch(cell) for cell in cells)
-        folded = head in _FOLDED or max(map(len, cells), default=0) > out.width // 3
+        folded = head in _FOLDED or max(map(len, cells), default=0) > width // 3
         fixed = numbers or (wide and not folded)
         least = max(map(len, [head, *cells])) if numbers else None
-        table.add_column(head, overflow="fold", no_wrap=fixed, min_width=least)
+        table.add_column(head, overflow="fold", no_wrap=fixed, min_width=least, width=own)
     for line in lines[1:]:
-        table.add_row(*(Text(printable(line[i]), style=_COLOURS.get(line[i], "")) for i in columns))
-    out.print(table)
-    if len(columns) < len(lines[0]):
-        out.print(f"(sources and notes from {WIDE} columns on, or by tuner compare RUN --md)\n")
+        table.add_row(*(Text(printable(cell), style=_COLOURS.get(cell, "")) for cell in line))
+    return table
 
 
 LONG = 40
