@@ -13,7 +13,6 @@ import jax.numpy as jnp
 from jax import Array
 
 from filters.covariance_step import by, given, none
-from filters.small_linalg import contracted
 
 Numbers: TypeAlias = list[Array]
 Together: TypeAlias = tuple[Array, Array, Array, Array, Array]
@@ -129,9 +128,9 @@ def _corrected_together_jvp(at: Any, along: Any) -> tuple[Any, Any]:
 
 
 def _rows(H: Array, P: Array) -> Array:
-    """H P for a symmetric P."""
+    """H P for a symmetric P, of few rows: written out they become vector code, a product not."""
     across: Array = jax.lax.optimization_barrier(H.T)
-    return contracted(across, P)
+    return (across[:, :, None] * P[:, None, :]).sum(axis=0)
 
 
 def _lost(seen: Array, K: Array, r: Array) -> Array:

@@ -6,6 +6,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.tuner.recordings import refusal
+from tuner.data.logs.clock import judged, median
 from tuner.data.logs.timename import is_time, unit_of
 from tuner.data.reading import read_record, read_records
 from tuner.run.recipe import LogEntries
@@ -154,3 +155,32 @@ def test_repeats_in_a_recipe():
     entries = LogEntries.told({"drop_repeats": True, "from_s": 0.0})
     assert entries.options == ["--drop-repeats", "--from"]
     assert LogEntries.told({"drop_repeats": None}).drop_repeats is None
+
+
+@pytest.mark.parametrize("samples", [100_001, 100_002])
+@pytest.mark.parametrize("kind", ["even", "alternating", "random", "mostly even", "one gap"])
+def test_usual_step_of_a_long_record_is_the_median(samples, kind):
+    draw = np.random.default_rng(3).exponential(size=samples)
+    rows = np.arange(samples)
+    steps = {
+        "even": np.full(samples, 0.01),
+        "alternating": np.where(rows % 2, 0.01, 0.02),
+        "random": draw,
+        "mostly even": np.where(draw < 0.7, 0.01, 0.01 + draw),
+        "one gap": np.where(rows == 7, 5.0, 0.01 + 1e-5 * draw),
+    }[kind]
+    times = np.cumsum(steps)
+    found, usual = judged(times), np.median(np.diff(times))
+    assert found.step in (usual, np.diff(times).mean())
+    rows = np.flatnonzero(np.diff(times) > 1.5 * usual)
+    assert [row for row, _ in found.gaps] == (rows.tolist() if kind == "one gap" else [])
+    assert found.seconds[0] == 0
+    assert found.seconds[-1] == times[-1] - times[0]
+
+
+def test_median_of_many_steps():
+    for steps in np.random.default_rng(4).exponential(size=(3, 100_001)):
+        assert median(steps) == np.median(steps)
+        assert median(steps[1:]) == np.median(steps[1:])
+        assert median(np.sort(steps)) == np.median(steps)
+        assert median(np.round(steps, 1)) == np.median(np.round(steps, 1))

@@ -1,3 +1,4 @@
+import hashlib
 import pickle
 import zipfile
 
@@ -168,3 +169,14 @@ def test_an_archive_that_unpacks_to_gigabytes(tmp_path, monkeypatch):
     monkeypatch.setattr("tuner.limits.UNPACKED", 1000)
     path = saved(tmp_path, np.savez_compressed, x=np.zeros(10_000))
     assert "would unpack to 0.0764 MB" in refused(path, "omega=x", rate_hz=1)
+
+
+def test_checksum_of_a_large_file_is_that_of_its_bytes(tmp_path):
+    array = np.random.default_rng(2).normal(size=(100_000, 2))
+    path = saved(tmp_path, t=np.arange(100_000) / 1000, z=array)
+    first = read_record(path, ["z=z"])
+    assert path.stat().st_size > 1 << 20
+    assert first.digest == hashlib.sha256(path.read_bytes()).hexdigest()
+    array[70_000, 1] += 1e-12
+    np.savez(path, t=np.arange(100_000) / 1000, z=array)
+    assert read_record(path, ["z=z"]).digest != first.digest

@@ -1,6 +1,6 @@
 """Loading of a file's columns, and of those that hold its times."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -16,11 +16,19 @@ from tuner.data.splitting import labels_of
 
 @dataclass(frozen=True)
 class File:
-    """One file, or the columns of one clock of it, and the channels read from them."""
+    """One file, or the columns of one clock of it, and the channels read from them.
+
+    Attributes:
+        path: of the file.
+        table: its columns.
+        wanted: the channels.
+        digest: gives the SHA-256 of its bytes.
+    """
 
     path: Path
     table: Table
     wanted: tuple[MappedChannel, ...]
+    digest: Callable[[], str]
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from os import PathLike
@@ -28,9 +28,10 @@ from tuner.data.mapped_channels import (
 from tuner.data.record import Reading as HowRead
 from tuner.data.record import Record
 from tuner.data.signal import Signal
-from tuner.data.source import Source, file_digest
+from tuner.data.source import Source, file_digests
 from tuner.data.splitting import split
 
+_BLOCK = 1 << 15
 Paths: TypeAlias = "str | PathLike[str] | Sequence[str | PathLike[str]]"
 
 
@@ -149,16 +150,19 @@ def read_records(
         )
     timed = Timed(time, rate_hz, drop_repeats)
     shares = assigned_to_files(tables, maps)
-    if shares is not None and len(files) > 1:
-        if by is not None:
-            raise LogError(f"--by {by} splits one file, and {quoted(names)} are one recording")
-        together = [part for parts in _files(files, tables, shares) for part in parts]
-        return (done(_merged(together, timed)),)
-    alone = _files(files, tables, shares or [channels_of_file(table, maps) for table in tables])
-    if by is None:
-        return tuple(done(_merged(parts, timed)) for parts in alone)
-    parted = [record for parts in alone for record in _parted(_one_clock(parts, by), timed, by)]
-    return tuple(map(done, parted))
+    one = shares is not None and len(files) > 1
+    if one and by is not None:
+        raise LogError(f"--by {by} splits one file, and {quoted(names)} are one recording")
+    with file_digests(files) as digests:
+        found = _files(
+            files, digests, tables, shares or [channels_of_file(table, maps) for table in tables]
+        )
+        if one:
+            return (done(_merged([part for parts in found for part in parts], timed)),)
+        if by is None:
+            return tuple(done(_merged(parts, timed)) for parts in found)
+        parted = [record for parts in found for record in _parted(_one_clock(parts, by), timed, by)]
+        return tuple(map(done, parted))
 
 
 def _check_rate(rate_hz: float) -> None:
@@ -167,12 +171,18 @@ def _check_rate(rate_hz: float) -> None:
 
 
 def _files(
-    paths: Sequence[Path], tables: Sequence[Table], shares: Sequence[list[MappedChannel]]
+    paths: Sequence[Path],
+    digests: Sequence[Callable[[], str]],
+    tables: Sequence[Table],
+    shares: Sequence[list[MappedChannel]],
 ) -> list[list[File]]:
     """The sources to read: each file, for each of its clocks."""
     return [
-        [File(path, part, tuple(wanted)) for part, wanted in channels_by_clock(table, share)]
-        for path, table, share in zip(paths, tables, shares, strict=True)
+        [
+            File(path, part, tuple(wanted), digest)
+            for part, wanted in channels_by_clock(table, share)
+        ]
+        for path, digest, table, share in zip(paths, digests, tables, shares, strict=True)
     ]
 
 
@@ -235,8 +245,8 @@ def _record(name: str, found: Sequence[tuple[File, list[Reading]]]) -> Record:
         place = truth if reading.wanted.truth else channels
         place[reading.wanted.mapped.channel] = _signal(reading, start)
     sources = tuple(
-        _source(path, [one for file, those in found if file.path == path for one in those])
-        for path in dict.fromkeys(file.path for file, _ in found)
+        _source(file, [one for other, those in found if other.path == path for one in those])
+        for path, file in {file.path: file for file, _ in found}.items()
     )
     return Record(name, channels, truth, sources, _notes(found))
 
@@ -252,9 +262,9 @@ def _signal(reading: Reading, start: Fraction) -> Signal:
     return Signal(values, times, reading.unit, source, clock, written)
 
 
-def _source(path: Path, readings: Sequence[Reading]) -> Source:
+def _source(file: File, readings: Sequence[Reading]) -> Source:
     longest = max((reading.clock for reading in readings), key=lambda clock: len(clock.seconds))
-    return Source(path.name, file_digest(path), len(longest.seconds), longest.rate_hz)
+    return Source(file.path.name, file.digest(), len(longest.seconds), longest.rate_hz)
 
 
 def _check_present(found: Sequence[tuple[File, list[Reading]]]) -> None:
@@ -266,13 +276,19 @@ def _check_present(found: Sequence[tuple[File, list[Reading]]]) -> None:
             mapped = reading.wanted.mapped
             key = (file.table.file, f"{mapped.source!r} (mapped to {mapped.channel})")
             rows[key] += len(reading.values)
-            filled[key] += int((~np.isnan(reading.values)).sum())
+            filled[key] += _any_number(reading.values)
     for (name, column), count in rows.items():
         if not filled[name, column]:
             raise LogError(
                 f"{name}: column {column} is missing in all {count} rows; "
                 "map a column that holds numbers"
             )
+
+
+def _any_number(values: np.ndarray) -> bool:
+    """Whether a channel holds a number; only its beginning is looked at where that does."""
+    blocks = (values[at : at + _BLOCK] for at in range(0, len(values), _BLOCK))
+    return any(not np.isnan(block).all() for block in blocks)
 
 
 def _notes(found: Sequence[tuple[File, list[Reading]]]) -> tuple[str, ...]:

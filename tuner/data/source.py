@@ -1,14 +1,19 @@
 """The origin of data: the name and the digest in results and exports."""
 
 import hashlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
 
 from tuner.files import opened
 
+_LARGE = 1 << 20
+"""Bytes of a file from which a thread of its own is worth its start."""
 _AS_WRITTEN = {"extra": "forbid"}
 """A result's JSON has these fields of it and no others."""
 
@@ -91,6 +96,21 @@ def file_digest(path: Path) -> str:
         return hashlib.sha256("".join(told).encode()).hexdigest()
     with opened(path) as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+@contextmanager
+def file_digests(paths: Sequence[Path]) -> Iterator[list[Callable[[], str]]]:
+    """Functions that give the digests of files: of large ones a thread computes them meanwhile."""
+    pool = ThreadPoolExecutor(1)
+    try:
+        yield [
+            pool.submit(file_digest, path).result
+            if path.is_file() and path.stat().st_size >= _LARGE
+            else cache(partial(file_digest, path))
+            for path in paths
+        ]
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
 
 
 def _digest(parts: Iterable[object]) -> str:

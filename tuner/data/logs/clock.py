@@ -19,6 +19,7 @@ _MANY = 10
 _STRAY = 0.1
 _SHARE = 0.2
 _DRIFT = 0.01
+_LONG = 100_000
 _SPREAD = 0.6  # share of a usual step: two samples in the time of one have a half
 
 
@@ -73,9 +74,12 @@ def read_clock(columns: Columns, parts: Sequence[Mapping]) -> Clock:
             seconds though nothing names another unit.
     """
     times, mapping = read_times(columns, parts), parts[-1]
-    _check_rising(columns, mapping, times.seconds)
-    seconds, repeated = _spread(columns, mapping, times.seconds)
-    step = float(np.median(np.diff(seconds)))
+    seconds, repeated = times.seconds, 0
+    if not (seconds[1:] > seconds[:-1]).all():
+        _check_rising(columns, mapping, seconds)
+        seconds, repeated = _spread(columns, mapping, seconds)
+    steps = np.diff(seconds)
+    step = median(steps)
     if step > _SLOW_S and not times.known:
         unit, rate = proposed(step)
         raise columns.error(
@@ -86,7 +90,7 @@ def read_clock(columns: Columns, parts: Sequence[Mapping]) -> Clock:
     spread = f"{counted(repeated, 'repeated time')} spread over their time" * bool(repeated)
     names = quoted(part.column for part in parts)
     return replace(
-        judged(seconds, times.resolution),
+        _judged(seconds, steps, step, times.resolution),
         origin=times.first + Fraction(float(seconds[0])),
         source=f"column {names}" if len(parts) == 1 else f"columns {names}",
         notes=tuple(f"time {names}: {told}" for told in (*times.notes, spread) if told),
@@ -101,8 +105,16 @@ def judged(seconds: Floats, resolution: float = 0.0) -> Clock:
         resolution: the step of the digits they were written with.
     """
     steps = np.diff(seconds)
-    resolution = resolution + 4.0 * float(np.spacing(np.abs(seconds).max()))
-    median = float(np.median(steps))
+    return _judged(seconds, steps, median(steps), resolution)
+
+
+def _judged(seconds: Floats, steps: Floats, median: float, resolution: float) -> Clock:
+    """The same of known steps and their median."""
+    resolution = resolution + 4.0 * float(np.spacing(max(abs(seconds[0]), abs(seconds[-1]))))
+    since = seconds - seconds[0] if seconds[0] else seconds
+    if steps.max() <= _GAP * median and np.ptp(steps) <= 1.001 * resolution:
+        mean = float(steps.mean())
+        return Clock(since, mean, 1.0 / mean)
     gap = steps > _GAP * median
     if gap.sum() >= _MANY and _straight(seconds, resolution):
         gap[:] = False  # steps of one and two last digits: a coarse clock, not lost samples
@@ -118,7 +130,23 @@ def judged(seconds: Floats, resolution: float = 0.0) -> Clock:
     jitter = 0.0 if rounded else float(np.abs(regular - step).max()) / step
     rows = np.flatnonzero(gap)
     gaps = tuple(zip(rows.tolist(), steps[rows].tolist(), strict=True))
-    return Clock(seconds - seconds[0], step, 1.0 / step, gaps, jitter, steady)
+    return Clock(since, step, 1.0 / step, gaps, jitter, steady)
+
+
+def median(steps: Floats) -> float:
+    """The median; of a long record it is looked for among the steps that are close to it."""
+    if len(steps) < _LONG:
+        return float(np.median(steps))
+    some = steps[:: len(steps) // 10_000]
+    low, high = np.quantile(some, (0.45, 0.55), method="nearest")
+    below, within = np.count_nonzero(steps < low), np.count_nonzero(steps <= high)
+    both = np.array([(len(steps) - 1) // 2, len(steps) // 2])
+    if not below <= both[0] <= both[1] < within:
+        return float(np.median(steps))
+    if low == high:
+        return float(low)
+    close = steps[(steps >= low) & (steps <= high)]
+    return float(np.partition(close, both - below)[both - below].mean())
 
 
 def _check_rising(columns: Columns, mapping: Mapping, seconds: Floats) -> None:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from tuner.data.logs.timename import UNITS, unit_of
 from tuner.data.logs.values import Columns, check_finite, factor_of, pick
 
 _DIGITS = 9
+_BLOCK = 1 << 15
 _NS = Fraction(1, 10**9)
 _JUMP = 20.0  # in usual steps: the samples that may be lost where a counter restarts
 _COUNTERS = {
@@ -139,9 +141,11 @@ def _seconds(column: Raw, scale: float, coarse: float) -> tuple[Floats, float]:
 
     Integers are subtracted as integers: nanoseconds since 1970 do not fit into float64.
     """
-    column = column.astype(np.int64 if column.dtype.kind in "iub" else np.float64)
+    column = column.astype(np.int64 if column.dtype.kind in "iub" else np.float64, copy=False)
     digits = 1.0 if column.dtype.kind == "i" else max(_digits(column), coarse)
-    seconds = (column - column[0]).astype(np.float64) * scale
+    seconds = (column - column[0]).astype(np.float64, copy=False)
+    if scale != 1.0:
+        seconds *= scale  # in place: a long record is large
     return seconds, digits * abs(scale)
 
 
@@ -154,10 +158,11 @@ def _rounding(column: Raw) -> float:
 def _digits(column: Floats) -> float:
     """The step of the last decimal digit in use, 10**-k, or that of rounding if larger."""
     sample = column[:: max(1, len(column) // 1000)]
-    noise = 4.0 * float(np.spacing(np.abs(column).max()))
+    noise = 4.0 * float(np.spacing(max(abs(column.min()), abs(column.max()))))
     for decimals in range(_DIGITS + 1):
         # With alternating steps every second row may have fewer digits than all of them.
-        if all(np.abs(x - np.round(x, decimals)).max() <= noise for x in (sample, column)):
+        parts = (column[at : at + _BLOCK] for at in range(0, len(column), _BLOCK))
+        if all(np.abs(x - np.round(x, decimals)).max() <= noise for x in chain((sample,), parts)):
             return max(10.0**-decimals, noise)
     return noise
 
@@ -165,10 +170,12 @@ def _digits(column: Floats) -> float:
 def _unwrapped(column: Raw) -> tuple[Raw, str]:
     """Times of a counter that restarted at its end and now counts on, and that end for a note."""
     whole = column.dtype.kind in "iub"
-    column = column.astype(np.int64 if whole else np.float64)
+    column = column.astype(np.int64 if whole else np.float64, copy=False)
+    if not (column[1:] < column[:-1]).any() or column.min() < 0:
+        return column, ""
     steps = np.diff(column)
     back = steps < 0
-    if not back.any() or column.min() < 0 or not (steps > 0).any():
+    if not (steps > 0).any():
         return column, ""
     usual = float(np.median(steps[steps > 0]))
     turns = np.append(0, np.cumsum(back))

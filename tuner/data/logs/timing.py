@@ -157,7 +157,7 @@ def _rated(columns: Columns, parts: Sequence[Mapping], rate_hz: float, samples: 
     """The clock of a rate, with the times and gaps of the time column where they agree."""
     names = quoted(part.column for part in parts)
     try:
-        repeated = int(same_as_before(columns, parts).sum())
+        repeated = int(np.count_nonzero(same_as_before(columns, parts)))
         clock = read_clock(columns, parts)
     except LogError as error:
         why = str(error).partition(" (mapped to time) ")[2].partition(";")[0]

@@ -12,6 +12,7 @@ from tuner.data.logs.table import Floats, Loaded, Raw, Table
 
 _EXACT = 1 << 53
 _HUGE = 1e150
+_BLOCK = 1 << 15
 _NOT_REAL = {
     "c": "is complex; map an array of its real parts",
     "O": "holds Python objects; save plain numbers",
@@ -175,9 +176,16 @@ def to_float(columns: Columns, mapping: Mapping, column: Raw) -> Floats:
     if factor != 1.0:
         with np.errstate(over="ignore"):
             values = values * factor
-    if values.size and values.min() > -_HUGE and values.max() < _HUGE:
-        return values  # NaN compares false
+    if _all_measured(values):
+        return values
     return np.where(np.abs(values) < _HUGE, values, np.nan)
+
+
+def _all_measured(values: Floats) -> bool:
+    """Whether there are numbers and none of them is missing; in blocks that fit the cache."""
+    blocks = (values[at : at + _BLOCK] for at in range(0, len(values), _BLOCK))
+    # NaN compares false.
+    return values.size > 0 and all(x.min() > -_HUGE and x.max() < _HUGE for x in blocks)
 
 
 def _check_exact(columns: Columns, mapping: Mapping, column: Raw) -> None:
@@ -194,9 +202,10 @@ def check_finite(columns: Columns, mapping: Mapping, values: Raw) -> None:
     Raises:
         LogError: with the first row and the number of rows.
     """
-    missing = ~(np.abs(np.asarray(values, float)) < _HUGE)  # NaN compares false
-    if not missing.any():
+    numbers = np.asarray(values, float)
+    if not numbers.size or _all_measured(numbers):
         return
+    missing = ~(np.abs(numbers) < _HUGE)  # NaN compares false
     rows = counted(int(missing.sum()), "row")
     place = columns.table.place(int(missing.argmax()))
     raise columns.error(
