@@ -15,6 +15,8 @@ from tuner.native.rebuilt import Rebuilt
 _SLOW = frozenset({"div", *CALLS})
 _MOST = 64
 """Most operations that are begun ahead: of more, too much would have to be kept."""
+_LONG = 1000
+"""Operations of a sample that are enough to do while a division ends."""
 
 
 def ahead(loop: Loop) -> Loop:
@@ -33,7 +35,7 @@ def ahead(loop: Loop) -> Loop:
     """
     head = _head(loop)
     roots = [*(cell.after for cell in loop.carried), *(k for row in loop.kept for k in row)]
-    if not 0 < len(head) <= _MOST:
+    if not 0 < len(head) <= _MOST or loop.operations > _LONG:
         return loop
     old, new = loop.graph, Graph()
     rest = [k for k in old.reached(roots) if k not in head]

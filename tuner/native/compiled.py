@@ -19,6 +19,7 @@ from objectives import Data, Objective, is_fold, judged
 from tuner.code.refused import NoCounterpartError
 from tuner.native.ahead import ahead
 from tuner.native.compiler import library
+from tuner.native.fused import fused
 from tuner.native.loop import Loop, loop
 from tuner.native.runner import runner_of
 from tuner.native.scaled import scaled
@@ -165,7 +166,7 @@ class Native:
 
     @cached_property
     def _loop(self) -> Loop:
-        return ahead(loop(self._turn, [np.ones(len(self._moves), bool)]))
+        return ahead(fused(loop(self._turn, [np.ones(len(self._moves), bool)])))
 
     @cached_property
     def _directions(self) -> Any:
@@ -173,7 +174,7 @@ class Native:
 
     @cached_property
     def _points(self) -> Any:
-        by_point = ahead(loop(self._turn, list(self._moves.T)))
+        by_point = ahead(fused(loop(self._turn, list(self._moves.T))))
         return self._loaded(source(by_point, LANES, points=True))
 
     def _loaded(self, text: str) -> Any:

@@ -6,13 +6,17 @@ from typing import Any
 from tuner.code.expression import converted, limited, operation
 from tuner.code.graph import Graph
 from tuner.code.literal import literal, type_of
+from tuner.code.nodes import Node
 from tuner.code.operations import Kind
 from tuner.native.lanes import HEAD, Lanes, function
 from tuner.native.loop import Loop
+from tuner.native.sines import sines
 
 LONG = 4000
 """Operations beyond which it matters most that few numbers wait in memory; below, and where values
 are no vectors, that a processor has derivatives to work on while it waits for a value."""
+
+_OF_TURNS = {"sin": "{0}.sine", "cos": "{0}.cosine", "tan": "{0}.sine / {0}.cosine"}
 
 
 def source(loop: Loop, lanes: int, *, points: bool) -> str:
@@ -44,6 +48,7 @@ class _Source:
         self.lanes = Lanes(loop.graph, self.wide, expected, self.name)
         self.lines: list[str] = []
         self._inverse: set[int] = set()
+        self._turned: set[int] = set()
 
     def text(self) -> str:
         """The whole text."""
@@ -64,7 +69,8 @@ class _Source:
         ]
         functions = [function(name, takes, self.count) for name, takes in used]
         head = HEAD.format(bytes=8 * self.count)
-        return "\n".join([head, *functions, "\n".join(main), ""])
+        turned = [sines()] if self._turned else []
+        return "\n".join([head, *turned, *functions, "\n".join(main), ""])
 
     def _before(self) -> list[str]:
         """The code of parameters, of values that follow from them, and of the initial state."""
@@ -162,6 +168,8 @@ class _Source:
         kinds: list[Kind] = [self.graph.nodes[one].kind for one in node.args]
         if node.op == "choose":
             return f"{given[0]} ? {given[1]} : {given[2]}"
+        if node.op in _OF_TURNS:
+            return self._of_turn(node)
         if node.op == "convert":
             return converted(given[0], kinds[0], node.kind, "double")
         if node.op in ("max", "min"):
@@ -169,6 +177,14 @@ class _Source:
                 if self.graph.is_constant(entry):
                     return limited(node.op, given[1 - at], given[at])
         return operation(node.op, given, kinds, "double")
+
+    def _of_turn(self, node: Node) -> str:
+        """Sine, cosine or tangent of an angle, of which the first two are computed once."""
+        (x,) = node.args
+        if x not in self._turned:
+            self._turned.add(x)
+            self.lines.append(f"    const pair turned{x} = turn({self.name(x)});")
+        return _OF_TURNS[node.op].format(f"turned{x}")
 
     def name(self, k: int) -> str:
         """A node as an operand."""
