@@ -10,8 +10,8 @@ from tuner.native.compiler import library
 from tuner.native.sines import sines
 
 CALLED = """
-double sine_of(double x) { return turn(x).sine; }
-double cosine_of(double x) { return turn(x).cosine; }
+double sine_of(double x) { return circular(x).sine; }
+double cosine_of(double x) { return circular(x).cosine; }
 """
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tuner.code.mutants import Step
+from tuner.code.array_step import Step
 from tuner.code.operations import COMPARE
 from tuner.code.states import Around, Arrays, placed
 

@@ -1,22 +1,15 @@
-"""A filter's step in NumPy on many states at once, with a constant changed in each lane."""
+"""Constants of a formula that are changed one at a time, each where one operation uses it."""
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from tuner.code.graph import Graph
 from tuner.code.nodes import Node
-from tuner.code.operations import BINARY, LOGIC, UNARY
-from tuner.code.program import Program
 
 CHANGE = 1e-3
 """A constant is changed by this share of itself."""
-_EXACT = frozenset({"neg", "abs", "choose", "convert", "max", "min", *LOGIC})
-Given: TypeAlias = Mapping[int, np.ndarray]
-"""Values of the input nodes, a state each: ``(B,)``."""
 
 
 class Mutant(NamedTuple):
@@ -34,185 +27,64 @@ class Mutant(NamedTuple):
     limit: bool = False
 
 
-class Noise(NamedTuple):
-    """Random errors of every operation.
-
-    Attributes:
-        draw: a generator.
-        size: of an error, over the result.
-        repeats: number of times that each step is worked out with errors of its own.
-    """
-
-    draw: np.random.Generator
-    size: float
-    repeats: int
+Lanes: TypeAlias = Mapping[Mutant, Sequence[int]]
+"""The rows of an array in which a constant is changed."""
 
 
-@dataclass(frozen=True, eq=False)
-class Step:
-    """A step as an array calculation.
-
-    Attributes:
-        program: the filter.
-    """
-
-    program: Program
-
-    @property
-    def graph(self) -> Graph:
-        """Of its scalars."""
-        return self.program.graph
-
-    @cached_property
-    def roots(self) -> list[int]:
-        """The stored entries of the next state, then those of the outputs."""
-        program = self.program
-        fields = [*program.state, *program.outputs]
-        arrays = [*program.after, *program.out]
-        pairs = zip(fields, arrays, strict=True)
-        return [int(nodes[index]) for field, nodes in pairs for index in field.entries()]
-
-    @cached_property
-    def order(self) -> list[int]:
-        """The nodes of a step."""
-        return self.graph.reached(self.roots)
-
-    @cached_property
-    def _done(self) -> dict[int, list[int]]:
-        """The nodes that are needed no longer after each one."""
-        last = {part: k for k in self.order for part in self.graph.nodes[k].args}
-        found: dict[int, list[int]] = {}
-        for part, k in last.items():
-            found.setdefault(k, []).append(part)
-        return found
-
-    @cached_property
-    def mutants(self) -> list[Mutant]:
-        """The constants of a step, but zeros and results that are constant."""
-        return list(self._mutants())
-
-    def _mutants(self) -> Iterator[Mutant]:
-        nodes = self.graph.nodes
-        for k in self.order:
-            for at, part in enumerate(nodes[k].args):
-                one = nodes[part]
-                if one.op == "constant" and one.kind == "real" and _changes(one):
-                    yield Mutant(k, at)
-                    if nodes[k].op in ("max", "min"):
-                        yield Mutant(k, at, limit=True)
-
-    def results(
-        self,
-        given: Given,
-        mutants: list[Mutant] | None = None,
-        noise: Noise | None = None,
-        watched: dict[int, np.ndarray] | None = None,
-        change: float = CHANGE,
-    ) -> list[np.ndarray]:
-        """The roots, ``(B,)`` or ``(1,)`` each; with mutants ``(M, B)`` where they make a change.
-
-        Args:
-            given: the inputs.
-            mutants: constants to be changed, one in each of M lanes.
-            noise: rounding errors of every operation; the roots are ``(repeats, B)`` then.
-            watched: nodes whose values are filled in.
-            change: of a constant, as a share of itself.
-        """
-        keep = set(self.roots)
-        lanes: dict[tuple[int, int, bool], list[int]] = {}
-        for lane, one in enumerate(mutants or ()):
-            lanes.setdefault(one, []).append(lane)
-        count, changed = len(mutants or ()), {one[0] for one in lanes}
-        known: dict[int, np.ndarray] = {}
-        with np.errstate(all="ignore"):
-            for k in self.order:
-                node, function = self.graph.nodes[k], self._functions[k]
-                args = [known[part] for part in node.args]
-                if function is None:
-                    found = given[k] if node.op == "input" else np.array([node.value])
-                elif k in changed:
-                    found = self._changed(k, args, lanes, count, 1 + change)
-                else:
-                    found = function(*args)
-                if noise is not None and k in self._rounded:
-                    errors = noise.draw.uniform(-1, 1, (noise.repeats, found.shape[-1]))
-                    found = found * (1 + noise.size * errors)
-                known[k] = found
-                if watched is not None and k in watched:
-                    watched[k] = found
-                for part in self._done.get(k, ()):
-                    if part not in keep:
-                        del known[part]
-        return [known[k] for k in self.roots]
-
-    @cached_property
-    def _functions(self) -> dict[int, Callable[..., Any] | None]:
-        """What makes each node of its operands; None for inputs and constants."""
-        return {k: _function(self.graph.nodes[k], self.graph.nodes) for k in self.order}
-
-    @cached_property
-    def _rounded(self) -> set[int]:
-        """The nodes that have a rounding error."""
-        nodes = self.graph.nodes
-        real = (k for k in self.order if nodes[k].kind == "real" and nodes[k].args)
-        return {k for k in real if nodes[k].op not in _EXACT}
-
-    def _changed(
-        self,
-        k: int,
-        args: list[np.ndarray],
-        lanes: Mapping[tuple[int, int, bool], list[int]],
-        M: int,
-        by: float,
-    ) -> np.ndarray:
-        node = self.graph.nodes[k]
-        args = list(args)
-        limit = None
-        for at in range(len(args)):
-            own = lanes.get((k, at, False), [])
-            if own:
-                args[at] = np.repeat(args[at][None], M, axis=0) * np.ones((M, 1))
-                args[at][own] *= by
-            if (k, at, True) in lanes:
-                limit = at, lanes[k, at, True]
-        function = self._functions[k]
-        assert function is not None
-        found = np.asarray(function(*args))
-        if limit is not None:
-            at, own = limit
-            x, plain = args[1 - at], np.asarray(self.graph.nodes[node.args[at]].value)
-            moved = plain * by
-            full = np.array(
-                np.broadcast_to(found, np.broadcast_shapes(found.shape, (M, 1), x.shape))
-            )
-            rows = np.broadcast_to(x, full.shape)[own]
-            inside = rows <= moved if node.op == "max" else rows >= moved
-            full[own] = np.where(inside, plain, rows)
-            found = full
-        return found
+def mutants_of(graph: Graph, order: Sequence[int]) -> Iterator[Mutant]:
+    """The constants of operations, but zeros and results that are constant."""
+    nodes = graph.nodes
+    for k in order:
+        for at, part in enumerate(nodes[k].args):
+            one = nodes[part]
+            if one.op == "constant" and one.kind == "real" and _changes(one):
+                yield Mutant(k, at)
+                if nodes[k].op in ("max", "min"):
+                    yield Mutant(k, at, limit=True)
 
 
 def _changes(node: Node) -> bool:
     return bool(np.isfinite(node.value)) and node.value != 0
 
 
-def _function(node: Node, nodes: list[Node]) -> Callable[..., Any] | None:
-    """The function of arrays that an operation is."""
-    if node.op in ("input", "constant"):
-        return None
-    if node.op == "choose":
-        return np.where
-    if node.op == "convert":
-        if node.kind == "whole" and nodes[node.args[0]].kind == "real":
-            return _whole
-        kind = {"real": float, "whole": int, "truth": bool}[node.kind]
-        return lambda x: np.asarray(x, kind)
-    if node.kind == "whole" and node.op == "div":
-        return lambda x, y: np.nan_to_num(np.trunc(x / y)).astype(int)
-    return (UNARY if len(node.args) == 1 else BINARY)[node.op]
+def with_changes(
+    graph: Graph,
+    k: int,
+    function: Callable[..., Any],
+    args: Sequence[np.ndarray],
+    lanes: Lanes,
+    M: int,
+    by: float,
+) -> np.ndarray:
+    """The results of an operation whose constants are changed in some rows, ``(M, B)``.
 
-
-def _whole(x: np.ndarray) -> np.ndarray:
-    """Real numbers made whole, as in C."""
-    whole = np.nan_to_num(np.trunc(x), posinf=2**31 - 1, neginf=-(2**31))
-    return np.asarray(np.clip(whole, -(2**31), 2**31 - 1).astype(int))
+    Args:
+        graph: of the operation.
+        k: the operation.
+        function: what it is in NumPy.
+        args: its operands.
+        lanes: the rows of each constant.
+        M: number of rows.
+        by: factor of a changed constant.
+    """
+    node = graph.nodes[k]
+    args = list(args)
+    limit = None
+    for at in range(len(args)):
+        own = lanes.get(Mutant(k, at), [])
+        if own:
+            args[at] = np.repeat(args[at][None], M, axis=0) * np.ones((M, 1))
+            args[at][own] *= by
+        if Mutant(k, at, limit=True) in lanes:
+            limit = at, lanes[Mutant(k, at, limit=True)]
+    found = np.asarray(function(*args))
+    if limit is not None:
+        at, own = limit
+        x, plain = args[1 - at], np.asarray(graph.nodes[node.args[at]].value)
+        moved = plain * by
+        full = np.array(np.broadcast_to(found, np.broadcast_shapes(found.shape, (M, 1), x.shape)))
+        rows = np.broadcast_to(x, full.shape)[own]
+        inside = rows <= moved if node.op == "max" else rows >= moved
+        full[own] = np.where(inside, plain, rows)
+        found = full
+    return found

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from tuner.code.graph import Graph
 from tuner.native.loop import Carried, Loop
-from tuner.native.rebuilt import Rebuilt
+from tuner.native.rewriting import Rewriter
 
 _OPPOSITE = {"add": "sub", "sub": "add"}
 
@@ -59,7 +59,7 @@ class _Writer:
         self._uses = Counter(roots) + Counter(part for k in order for part in nodes[k].args)
         self._products = {frozenset(nodes[k].args): k for k in order if nodes[k].op == "mul"}
         self.known: dict[int, int] = {}
-        plain = Rebuilt(self.old, self.new)
+        plain = Rewriter(self.old, self.new)
         for k in order:
             found = self._product(k) or self._sum(k)
             if found is None:

@@ -12,7 +12,7 @@ static __attribute__((noinline, cold)) pair by_library(double x)
 }
 """
 _TEXT = """
-static inline __attribute__((always_inline)) pair turn(double x)
+static inline __attribute__((always_inline)) pair circular(double x)
 {{
 #if defined __FMA__ || defined __ARM_FEATURE_FMA
     if (!(fabs(x) < {largest})) {{
@@ -39,7 +39,7 @@ _LOW = 6.123233995736766e-17
 
 
 def sines() -> str:
-    """A type ``pair`` and a function ``turn`` from an angle to its sine and cosine.
+    """A type ``pair`` and a function ``circular`` from an angle to its sine and cosine.
 
     The angle is reduced to at most an eighth of a turn, where the series are exact to rounding.
     NaN, infinity and many turns go to the library.

@@ -48,11 +48,11 @@ class _Source:
         self.lanes = Lanes(loop.graph, self.wide, expected, self.name)
         self.lines: list[str] = []
         self._inverse: set[int] = set()
-        self._turned: set[int] = set()
+        self._angles: set[int] = set()
 
     def text(self) -> str:
         """The whole text."""
-        before, turn, after = self._before(), self._turn(), self._after()
+        before, sample, after = self._before(), self._sample(), self._after()
         used = sorted(self.lanes.functions.items())
         main = [
             "void run(size_t n, size_t width, const double *p, const double *dp, const double *u,",
@@ -62,14 +62,14 @@ class _Source:
             "    const masks none = {0};",
             *before,
             "    for (size_t i = 0; i < n; i++, u += width) {",
-            *(f"    {line}" for line in turn),
+            *(f"    {line}" for line in sample),
             "    }",
             *after,
             "}",
         ]
         functions = [function(name, takes, self.count) for name, takes in used]
         head = HEAD.format(bytes=8 * self.count)
-        turned = [sines()] if self._turned else []
+        turned = [sines()] if self._angles else []
         return "\n".join([head, *turned, *functions, "\n".join(main), ""])
 
     def _before(self) -> list[str]:
@@ -88,7 +88,7 @@ class _Source:
             self.lines.append(f"    {self._type(cell.input)} S{n} = {text};")
         return self.lines
 
-    def _turn(self) -> list[str]:
+    def _sample(self) -> list[str]:
         """The code of one sample."""
         self.lines = []
         carried = self.loop.carried
@@ -181,9 +181,9 @@ class _Source:
     def _of_turn(self, node: Node) -> str:
         """Sine, cosine or tangent of an angle, of which the first two are computed once."""
         (x,) = node.args
-        if x not in self._turned:
-            self._turned.add(x)
-            self.lines.append(f"    const pair turned{x} = turn({self.name(x)});")
+        if x not in self._angles:
+            self._angles.add(x)
+            self.lines.append(f"    const pair turned{x} = circular({self.name(x)});")
         return _OF_TURNS[node.op].format(f"turned{x}")
 
     def name(self, k: int) -> str:
