@@ -53,9 +53,10 @@ time loop is traced to a graph of scalars with its derivatives. Whatever never c
 derivatives by up to eight parameters share one vector register. What precedes the
 loop (from a point to the filter's parameters) and what follows it (spectra, means) stays in JAX.
 In `tuner.values_and_gradients` eight points share a vector, unless the objective keeps samples
-until after the loop. The first division of a sample, on which everything else depends, is started
-while the derivatives of the previous sample are computed, and common factors of a derivative are
-multiplied once for all directions.
+until after the loop. In a short loop the first division of a sample, on which everything else
+depends, is started while the derivatives of the previous sample are computed. Common factors of a
+derivative are multiplied once for all directions, sums of products are ordered for multiply-add
+instructions, and sine and cosine of an angle come from one series without a call.
 
 - **XLA is the judge.** At the first point both compute value and gradient; where they differ by
   more than 1e-9 of the largest of these numbers, only XLA is used. Values without gradient,

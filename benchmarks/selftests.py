@@ -98,7 +98,7 @@ def judged(case: Any, precision: Precision) -> Seen:
         raise AssertionError(
             f"{case.name}, {precision}: {rows[0]}, {len(rows) - 1} of {len(lines)}"
         )
-    steps = form.tried.steps
+    steps = form.reference.steps
     return Seen(
         case.name,
         precision,
@@ -106,7 +106,7 @@ def judged(case: Any, precision: Precision) -> Seen:
         sum(samples != 0 for samples, _ in rows[1:]),
         sum(both != 0 for _, both in rows[1:]),
         steps.constants if steps else 0,
-        steps.shown if steps else 0,
+        steps.detected if steps else 0,
         steps.idle if steps else 0,
         [line for line, (_, both) in zip(lines, rows[1:], strict=True) if both == 0],
         taken,

@@ -38,7 +38,7 @@ def _predicted_jvp(at: Any, along: Any) -> tuple[Array, Array]:
         moved = moved + dW
     if not none(dF):
         half = _times_across(_turned_by(across, P), dF)
-        moved = moved + half + half.T
+        moved = moved + (half + half.T)
     return predicted(F, across, P, W), moved
 
 
@@ -82,7 +82,9 @@ def _corrected_jvp(at: Any, along: Any) -> tuple[Any, Any]:
     dk = weight * (dg - k * ds)
     # d(g g' / s) = Z k' + k Z' with Z = dg - k ds / 2.
     halves = 2 * even(jnp.outer(dg - k * (ds / 2), k))
-    dx = dx + jnp.multiply.outer(k, dy) + jnp.multiply.outer(dk, y)
+    # dk y with dk = (dg - k ds) / s, which is not needed by itself.
+    share = weight * y
+    dx = dx + jnp.multiply.outer(k, dy - ds * share) + jnp.multiply.outer(dg, share)
     return found, (dx, dP - halves, dy, jnp.where(seen, ds, 0.0), dk)
 
 

@@ -255,7 +255,7 @@ def test_an_unknown_word_is_refused(monkeypatch):
     ],
 )
 def test_what_has_no_c(name, error, words, tmp_path, monkeypatch):
-    monkeypatch.setattr("tuner.native.turn.MOST", 500)
+    monkeypatch.setattr("tuner.native.iteration.MOST", 500)
     case = next(case for case in CASES if case.name == name)
     data = jax.tree.map(np.asarray, Data(case.inputs(case.measured), np.ones(len(case.measured))))
     with pytest.raises(error, match=words):

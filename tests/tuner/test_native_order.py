@@ -1,8 +1,8 @@
 """What a compiled loop begins a sample ahead."""
 
 from tuner.code.graph import Graph
-from tuner.native.ahead import ahead
 from tuner.native.loop import Carried, Loop
+from tuner.native.pipelining import pipelined
 
 
 def gained(graph, addend):
@@ -14,7 +14,7 @@ def gained(graph, addend):
 
 def test_a_division_by_what_the_state_gives_begins_a_sample_ahead():
     graph = Graph()
-    found = ahead(gained(graph, graph.input(("p", 0))))
+    found = pipelined(gained(graph, graph.input(("p", 0))))
     quotient, variance = found.carried
     nodes = found.graph.nodes
     assert nodes[quotient.start].op == nodes[quotient.after].op == "div"
@@ -26,4 +26,4 @@ def test_a_division_by_what_the_state_gives_begins_a_sample_ahead():
 def test_a_division_by_what_the_next_sample_brings_does_not():
     graph = Graph()
     loop = gained(graph, graph.input(("u", 0)))
-    assert ahead(loop) is loop
+    assert pipelined(loop) is loop

@@ -9,7 +9,7 @@ from tuner.code.literal import type_of
 from tuner.code.memory import Held, Index, Lazy, View
 from tuner.code.operations import BINARY, UNARY, kind_of
 from tuner.code.primitives import RULES
-from tuner.code.straight import Operation
+from tuner.code.straight_line import Operation
 from tuner.code.texts import Text, Texts
 
 BY_ENTRY = frozenset(

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from tuner.code.primitives import walk
+from tuner.code.primitives import interpreter
 from tuner.code.refused import NoCounterpartError
 
 if TYPE_CHECKING:
@@ -52,14 +52,14 @@ def expressions(
     traced = jax.make_jaxpr(function)(jnp.zeros(len(symbols)))
     z = np.empty(len(symbols), object)
     z[:] = list(symbols)
-    (result,) = walk(_Scalars(), unrolls=False).closed(traced, [z])
+    (result,) = interpreter(_Scalars(), unrolls=False).closed(traced, [z])
     import casadi
 
     return [casadi.SX(entry) for entry in np.ravel(result)]
 
 
 class _Scalars:
-    """CasADi's scalars as the entries of a walk."""
+    """CasADi's scalars as the entries of an interpreter."""
 
     def constant(self, value: Any) -> Any:
         """A number; truth values as 0 and 1."""

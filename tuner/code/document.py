@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from tuner.code.fields import Field
 from tuner.code.files import Files
 from tuner.code.form import Form
+from tuner.code.implementation import Implementation
 from tuner.code.selftest import selftest
-from tuner.code.written import Written
 from tuner.export.header import header as header_of
 from tuner.export.tuned import Tuned
 
@@ -34,11 +34,11 @@ def files(tuned: Tuned, include: str, forms: Sequence[Form]) -> Files:
         include: name of the header's file.
         forms: each form with its test samples, the main one first.
     """
-    header, source = sources(tuned, include, [form.written for form in forms])
+    header, source = sources(tuned, include, [form.implementation for form in forms])
     return Files(header, source, selftest(include, forms))
 
 
-def sources(tuned: Tuned, include: str, forms: Sequence[Written]) -> tuple[str, str]:
+def sources(tuned: Tuned, include: str, forms: Sequence[Implementation]) -> tuple[str, str]:
     """Header and source of a tuned filter.
 
     Args:
@@ -55,12 +55,12 @@ def sources(tuned: Tuned, include: str, forms: Sequence[Written]) -> tuple[str, 
     lines += ["", "/* 0, or the number of the first sample that is off; in a file of its own. */"]
     lines += [f"int {forms[0].stem}_selftest(void);", "", "#ifdef __cplusplus", "}", "#endif"]
     text = "\n".join(line for form in forms for line in ["", *form.definitions])
-    head = ["/* Written by filter-tuner; do not edit it, export it again. */"]
+    head = ["/* Implementation by filter-tuner; do not edit it, export it again. */"]
     head += [f'#include "{include}"', "", "#include <math.h>"]
     if "bool " in text:
         head.append("#include <stdbool.h>")
     return header_of(tuned, lines), "\n".join([*head, _FINITE.rstrip(), text, ""])
 
 
-def _fields(form: Written) -> list[Field]:
+def _fields(form: Implementation) -> list[Field]:
     return [*form.state, *form.inputs, *form.outputs, *form.params]

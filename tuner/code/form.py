@@ -9,31 +9,31 @@ import numpy as np
 
 from filters import Lanes, Timed, TimedSample
 from filters.declared import bare, channel_facts
-from tuner.code.functions import written
+from tuner.code.functions import implementation
 from tuner.code.graph import TooLargeError
+from tuner.code.implementation import Implementation
 from tuner.code.literal import Precision
 from tuner.code.looped import looped
 from tuner.code.names import in_comment
 from tuner.code.program import Program, as_graph
+from tuner.code.reference import Reference, reference
 from tuner.code.refused import NoCounterpartError
 from tuner.code.trace import Traced, traced
-from tuner.code.tried import Tried, tried
-from tuner.code.written import Written
 
 FLAT = 1500
 """Most operations of a step that is written without loops."""
 NUMBERS = 400
 """Most numbers in state, inputs and outputs of a step without loops."""
 _GRAPH = 6000
-_FORMULAS = 16_000
+_FORMULAS, _STATE = 30_000, 600
 _LARGEST = 20_000
 
 
 class Form(NamedTuple):
     """The written code, and the samples it is tested on."""
 
-    written: Written
-    tried: Tried
+    implementation: Implementation
+    reference: Reference
 
 
 class Ready(NamedTuple):
@@ -41,13 +41,13 @@ class Ready(NamedTuple):
 
     Attributes:
         traced: the filter.
-        tried: its test samples.
+        reference: its test samples.
         note: a sentence about this form; "" for none.
         program: its graph; None where that is too large, or has no counterpart.
     """
 
     traced: Traced
-    tried: Tried
+    reference: Reference
     note: str
     program: Program | None
 
@@ -62,8 +62,8 @@ class Ready(NamedTuple):
             ValueError: for an operation that C has no counterpart for.
         """
         program = None if tunable else self.program
-        code = _written(self.traced, stem, tunable=tunable, program=program)
-        return Form(_noted(code, self.note), self.tried)
+        code = _implemented(self.traced, stem, tunable=tunable, program=program)
+        return Form(_noted(code, self.note), self.reference)
 
 
 def form(
@@ -91,7 +91,7 @@ def form(
     >>> from filters import AlphaBeta, AlphaBetaGains
     >>> gains = AlphaBetaGains(0.5, 0.1)
     >>> found = form("track", AlphaBeta(0.1), gains, np.arange(60.0), "float")
-    >>> [field.name for field in found.written.outputs]
+    >>> [field.name for field in found.implementation.outputs]
     ['position', 'velocity']
     """
     return ready(filter, params, inputs, precision).form(stem, tunable=tunable)
@@ -103,13 +103,13 @@ def ready(filter: Any, params: Any, inputs: Any, precision: Precision = "double"
     sample = jax.tree.map(lambda leaf: np.asarray(leaf)[0], inputs)
     whole = traced(filter, params, sample, precision, _wanted(filter))
     program = formulas(whole)
-    ran = tried(filter, params, inputs, whole.kept, precision, program)
-    return Ready(whole, ran, getattr(filter, "note", ""), program)
+    data = reference(filter, params, inputs, whole.kept, precision, program)
+    return Ready(whole, data, getattr(filter, "note", ""), program)
 
 
 def formulas(traced: Traced) -> Program | None:
     """The graph of a filter; None where it is too large, or an operation has no counterpart."""
-    if sum(field.size for field in traced.state) > NUMBERS:
+    if sum(field.size for field in traced.state) > _STATE:
         return None
     try:
         return as_graph(traced, most=_FORMULAS)
@@ -126,7 +126,7 @@ def write_form(
     *,
     keep: Collection[str] | None,
     tunable: bool = False,
-) -> Written:
+) -> Implementation:
     """A filter in C, without test samples.
 
     Args:
@@ -141,11 +141,11 @@ def write_form(
     Raises:
         ValueError: for a state that is too large, or an operation that C has no counterpart for.
     """
-    code = _written(traced(filter, params, sample, precision, keep), stem, tunable=tunable)
+    code = _implemented(traced(filter, params, sample, precision, keep), stem, tunable=tunable)
     return _noted(code, getattr(filter, "note", ""))
 
 
-def _noted(code: Written, note: str) -> Written:
+def _noted(code: Implementation, note: str) -> Implementation:
     if not note:
         return code
     return replace(code, declarations=[f"/* {in_comment(note, 200)} */", *code.declarations])
@@ -170,7 +170,9 @@ def _wanted(filter: Any) -> Collection[str] | None:
     return [name for name, fact in facts.items() if fact.kind != "detail"] or None
 
 
-def _written(whole: Traced, stem: str, *, tunable: bool, program: Program | None = None) -> Written:
+def _implemented(
+    whole: Traced, stem: str, *, tunable: bool, program: Program | None = None
+) -> Implementation:
     """The flat form where it is short, else one with loops, else the flat form after all."""
     code = None
     numbers = sum(field.size for field in (*whole.state, *whole.inputs, *whole.outputs))
@@ -180,7 +182,7 @@ def _written(whole: Traced, stem: str, *, tunable: bool, program: Program | None
         if program is not None and len(program.graph.nodes) > _GRAPH:
             raise TooLargeError("its operations are loops")
         program = program or as_graph(whole, tunable=tunable, most=_GRAPH)
-        code = written(program, stem, whole.values)
+        code = implementation(program, stem, whole.values)
         if code.operations <= FLAT:
             return code
     except TooLargeError:
@@ -190,4 +192,4 @@ def _written(whole: Traced, stem: str, *, tunable: bool, program: Program | None
     except NoCounterpartError:
         if code is not None:
             return code
-    return written(as_graph(whole, tunable=tunable, most=_LARGEST), stem, whole.values)
+    return implementation(as_graph(whole, tunable=tunable, most=_LARGEST), stem, whole.values)

@@ -8,15 +8,15 @@ import numpy as np
 from tuner.code.fields import Field
 from tuner.code.flat import Statements, wrapped
 from tuner.code.graph import Graph
+from tuner.code.implementation import Implementation, declarations, defaults, step, unused
+from tuner.code.interpreter import Arrays
 from tuner.code.program import Program
-from tuner.code.walk import Arrays
-from tuner.code.written import Written, declarations, defaults, step, unused
 
 Cells = list[tuple[str, int]]
 """Places in memory with the nodes to be stored there."""
 
 
-def written(program: Program, stem: str, values: Arrays) -> Written:
+def implementation(program: Program, stem: str, values: Arrays) -> Implementation:
     """A filter's functions.
 
     Args:
@@ -43,7 +43,7 @@ def written(program: Program, stem: str, values: Arrays) -> Written:
     lines += ["{", *body, *unused(body, used), "}"]
     live = program.graph.reached(node for _, node in step_cells)
     count = sum(program.graph.nodes[k].op not in ("constant", "input") for k in live)
-    return Written(
+    return Implementation(
         stem,
         program.precision,
         program.state,

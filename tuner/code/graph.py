@@ -16,7 +16,7 @@ class TooLargeError(ValueError):
 
 
 class Graph:
-    """Nodes in topological order; an algebra for a walk.
+    """Nodes in topological order; an algebra for an interpreter.
 
     Args:
         precision: the type of its real numbers.

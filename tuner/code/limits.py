@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tuner.code.mutants import Step
+from tuner.code.array_step import Step
 from tuner.code.operations import COMPARE
 from tuner.code.states import Around, Arrays, placed
 
@@ -73,8 +73,9 @@ def _apart(
     step: Step, states: Arrays, samples: Arrays, nodes: list[tuple[int, int]], count: int
 ) -> np.ndarray:
     """Two numbers of each pair in every step, ``(pairs, 2, count)``."""
-    known = step.values(placed(step.program, states, samples))
-    whole = {k: np.broadcast_to(np.asarray(known[k], float), count) for pair in nodes for k in pair}
+    watched = {k: np.zeros(1) for pair in nodes for k in pair}
+    step.results(placed(step.program, states, samples), watched=watched)
+    whole = {k: np.broadcast_to(np.asarray(x, float), count) for k, x in watched.items()}
     return np.array([[whole[k] for k in pair] for pair in nodes]).reshape(len(nodes), 2, count)
 
 

@@ -6,16 +6,16 @@ import numpy as np
 
 from tuner.code.block import Block
 from tuner.code.fields import Field
+from tuner.code.implementation import Implementation, declarations, defaults, step, unused
 from tuner.code.literal import type_of
+from tuner.code.loop_statements import LoopStatements
 from tuner.code.memory import Held, Lazy, View, rows_first, view
-from tuner.code.straight import Slot, straight, work
+from tuner.code.straight_line import Slot, straight_line, work
 from tuner.code.tables import Tables
 from tuner.code.trace import Traced
-from tuner.code.turns import Turns
-from tuner.code.written import Written, declarations, defaults, step, unused
 
 
-def looped(traced: Traced, stem: str, *, tunable: bool = False) -> Written:
+def looped(traced: Traced, stem: str, *, tunable: bool = False) -> Implementation:
     """A filter's functions.
 
     Args:
@@ -46,7 +46,7 @@ def looped(traced: Traced, stem: str, *, tunable: bool = False) -> Written:
     lines += [f"void {stem}_init({stem}_state *state{more})", "{", *begun, "}", ""]
     lines += [step(stem, tunable), "{", *stepped, "}"]
     member = f"{stem}_params params;" if tunable else None
-    return Written(
+    return Implementation(
         stem,
         traced.precision,
         traced.state,
@@ -72,15 +72,15 @@ def _function(traced: Traced, tables: Tables, which: str, tunable: bool) -> tupl
         where = "params->" if which == "start" else "tables->params."
         given = [*_slots(traced, where, traced.params, known)]
     if which == "start":
-        code = straight(traced.start, given)
+        code = straight_line(traced.start, given)
     else:
         given += _slots(traced, "state->", traced.state, known)
         given += _slots(traced, "in->", traced.inputs, known)
         wanted = [*range(len(state)), *(len(state) + k for k, w in enumerate(traced.kept) if w)]
-        code = straight(traced.step, given, wanted)
+        code = straight_line(traced.step, given, wanted)
     known = {slot: x for slot, x in known.items() if slot in code.uses}
     block.release(v.buffer for v in known.values() if isinstance(v, View))
-    found = Turns(block).run(code, known)
+    found = LoopStatements(block).run(code, known)
     _store(block, found, ends)
     types = [
         f"    {type_of(kind, traced.precision)} {name}[{size}];"

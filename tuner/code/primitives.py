@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from tuner.code.moves import MOVES, PLACED
+from tuner.code.interpreter import Algebra, Arrays, Interpreter, Rule, each, objects
 from tuner.code.operations import BINARY, UNARY
+from tuner.code.rearrangements import MOVES, PLACED
 from tuner.code.reductions import cumulated, place, product, reduced
 from tuner.code.refused import NoCounterpartError
-from tuner.code.walk import Algebra, Arrays, Rule, Walk, each, objects
 
 
 def _plain(op: str) -> Rule:
@@ -174,12 +174,12 @@ RULES: Mapping[str, Rule] = {
 """The rule of each operation."""
 
 
-def walk(
+def interpreter(
     algebra: Algebra,
     told: Callable[[Any, Arrays], None] | None = None,
     *,
     unrolls: bool = True,
-) -> Walk:
+) -> Interpreter:
     """A way through traced functions with entries of an algebra.
 
     Args:
@@ -187,4 +187,4 @@ def walk(
         told: called with every operation and its results.
         unrolls: whether loops are unrolled, or refused.
     """
-    return Walk(algebra, RULES, MOVES, _NUMBERS, unrolls, told)
+    return Interpreter(algebra, RULES, MOVES, _NUMBERS, unrolls, told)

@@ -9,10 +9,10 @@ import numpy as np
 
 from tuner.code.fields import Field, halved
 from tuner.code.graph import Graph
+from tuner.code.interpreter import Arrays, objects
 from tuner.code.literal import Precision
-from tuner.code.primitives import walk
+from tuner.code.primitives import interpreter
 from tuner.code.trace import Traced
-from tuner.code.walk import Arrays, objects
 
 Label: TypeAlias = tuple[Any, tuple[int, ...], int]
 """Where a node was traced, its entry in the result, and the operation's number."""
@@ -83,7 +83,7 @@ def as_graph(traced: Traced, *, tunable: bool = False, most: int | None = None) 
         TooLargeError: for more operations than that.
         ValueError: for an operation that has no counterpart.
     """
-    first = walk(Graph()).closed(traced.start, traced.values)
+    first = interpreter(Graph()).closed(traced.start, traced.values)
     half = {f.name for f, x in zip(traced.state, first, strict=True) if _square(f) and _even(x)}
     while True:
         program = _attempt(traced, half, tunable, most)
@@ -97,7 +97,7 @@ def as_graph(traced: Traced, *, tunable: bool = False, most: int | None = None) 
 def _attempt(traced: Traced, half: set[str], tunable: bool, most: int | None) -> Program:
     graph = Graph(traced.dtype, most=most)
     labels: dict[int, list[Label]] = {}
-    way = walk(graph, _labelling(graph, labels))
+    way = interpreter(graph, _labelling(graph, labels))
     state = halved(traced.state, half)
     params = traced.values
     if tunable:

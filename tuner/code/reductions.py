@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from tuner.code.walk import Algebra, Arrays, Rule, each, objects, rows_of
+from tuner.code.interpreter import Algebra, Arrays, Rule, each, objects, rows_of
 
 
 def reduced(op: str) -> Rule:

@@ -4,13 +4,19 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from tuner.code.fields import Field
-from tuner.code.flat import wrapped
 from tuner.code.form import Form
-from tuner.code.literal import Precision, literal
+from tuner.code.implementation import Implementation
+from tuner.code.reference import Reference
+from tuner.code.selftest_tables import (
+    compared,
+    comparison,
+    placed,
+    stepped,
+    stored,
+    table,
+    variables,
+)
 from tuner.code.steps import Steps
-from tuner.code.tried import Tried
-from tuner.code.written import Written
 
 
 def selftest(include: str, forms: Sequence[Form]) -> str:
@@ -20,7 +26,7 @@ def selftest(include: str, forms: Sequence[Form]) -> str:
         include: name of the header's file.
         forms: the written code, and its test samples.
     """
-    stem, file = forms[0].written.stem, include.rpartition(".")[0] or include
+    stem, file = forms[0].implementation.stem, include.rpartition(".")[0] or include
     lines = [
         "/*",
         " * Samples, and what filter-tuner's own filter makes of them; written by filter-tuner.",
@@ -35,13 +41,13 @@ def selftest(include: str, forms: Sequence[Form]) -> str:
         "#endif",
         "",
     ]
-    for written, tried in forms:
-        lines += _form(written, tried)
+    for code, data in forms:
+        lines += _form(code, data)
     calls = []
-    for written, tried in forms:
-        calls.append(f"{written.stem}_run_selftest()")
-        if tried.steps is not None:
-            calls.append(f"{written.stem}_step_selftest()")
+    for code, data in forms:
+        calls.append(f"{code.stem}_run_selftest()")
+        if data.steps is not None:
+            calls.append(f"{code.stem}_step_selftest()")
     lines += [f"int {stem}_selftest(void)", "{", f"    int off = {calls[0]};"]
     for call in calls[1:]:
         lines += ["    if (off == 0) {", f"        off = {call};", "    }"]
@@ -62,72 +68,70 @@ int main(void)
 }}"""
 
 
-def _form(written: Written, tried: Tried) -> Iterator[str]:
-    stem, real = written.stem, written.precision
-    begun = f"{stem}_init(&state{', &params' if written.params else ''});"
-    yield from _off(stem, real)
+def _form(code: Implementation, data: Reference) -> Iterator[str]:
+    stem, real = code.stem, code.precision
+    begun = f"{stem}_init(&state{', &params' if code.params else ''});"
+    yield from comparison(stem, real)
     yield f"static int {stem}_run_selftest(void)"
     yield "{"
-    yield from _table("samples", real, np.hstack(_flat(written.inputs, tried.samples)))
-    for name, outputs in (("expected", tried.expected), ("allowed", tried.allowed)):
-        yield from _table(name, real, np.hstack(_flat(written.outputs, outputs)))
+    yield from table("samples", real, np.hstack(stored(code.inputs, data.samples)))
+    for name, outputs in (("expected", data.expected), ("allowed", data.allowed)):
+        yield from table(name, real, np.hstack(stored(code.outputs, outputs)))
     for name, state in (
-        ("start", tried.start),
-        ("allowed_start", tried.allowed_start),
-        ("after", tried.after),
-        ("allowed_after", tried.allowed_after),
+        ("start", data.start),
+        ("allowed_start", data.allowed_start),
+        ("after", data.after),
+        ("allowed_after", data.allowed_after),
     ):
         alone = [np.asarray(one)[None] for one in state]
-        yield from _table(name, real, np.hstack([x[0] for x in _flat(written.state, alone)]))
-    yield from _locals(written)
+        yield from table(name, real, np.hstack([x[0] for x in stored(code.state, alone)]))
+    yield from variables(code)
     yield "    int first = 1;"
     yield f"    {begun}"
-    yield from _compared("state", written.state, stem, real, "start", "allowed_start", "    ")
-    yield f"    for (int k = 0; (k < {len(tried.samples[0])}) && (off == 0); k++) {{"
-    yield from _placed("input", written.inputs, "samples", real)
-    yield from _stepped(written)
-    yield from _compared(
-        "output", written.outputs, stem, real, "expected[k]", "allowed[k]", "        "
-    )
+    yield from compared("state", code.state, stem, real, "start", "allowed_start", "    ")
+    yield f"    for (int k = 0; (k < {len(data.samples[0])}) && (off == 0); k++) {{"
+    yield from placed("input", code.inputs, "samples", real)
+    yield from stepped(code)
+    yield from compared("output", code.outputs, stem, real, "expected[k]", "allowed[k]", "        ")
     yield "        first = k + 1;"
     yield "    }"
-    yield from _compared("state", written.state, stem, real, "after", "allowed_after", "    ")
+    yield from compared("state", code.state, stem, real, "after", "allowed_after", "    ")
     yield "    return (off != 0) ? first : 0;"
     yield from ("}", "")
-    if tried.steps is not None:
-        yield from _steps(written, tried.steps, len(tried.samples[0]))
+    if data.steps is not None:
+        yield from _steps(code, data.steps, len(data.samples[0]))
 
 
-def _steps(written: Written, steps: Steps, before: int) -> Iterator[str]:
+def _steps(code: Implementation, steps: Steps, before: int) -> Iterator[str]:
     """The function of single steps from given states, which are numbered on."""
     stem, real, count = (
-        written.stem,
-        written.precision,
+        code.stem,
+        code.precision,
         len(steps.states[0] if steps.states else steps.samples[0]),
     )
     yield from _told(steps)
     yield f"static int {stem}_step_selftest(void)"
     yield "{"
     for name, fields, arrays in (
-        ("given", written.state, steps.states),
-        ("samples", written.inputs, steps.samples),
-        ("expected", written.outputs, steps.expected),
-        ("allowed", written.outputs, steps.allowed),
-        ("after", written.state, steps.after),
-        ("allowed_after", written.state, steps.allowed_after),
+        ("given", code.state, steps.states),
+        ("samples", code.inputs, steps.samples),
+        ("expected", code.outputs, steps.expected),
+        ("allowed", code.outputs, steps.allowed),
+        ("after", code.state, steps.after),
+        ("allowed_after", code.state, steps.allowed_after),
     ):
-        yield from _table(name, real, np.hstack(_flat(fields, arrays)))
-    yield from _locals(written)
+        yield from table(name, real, np.hstack(stored(fields, arrays)))
+    yield from variables(code)
     yield "    int first = 0;"
     yield f"    for (int k = 0; (k < {count}) && (off == 0); k++) {{"
-    yield from _placed("state", written.state, "given", real)
-    yield from _placed("input", written.inputs, "samples", real)
-    yield from _stepped(written)
+    yield from placed("state", code.state, "given", real)
+    yield from placed("input", code.inputs, "samples", real)
+    yield from stepped(code)
     for part, fields, right, most in (
-        ("output", written.outputs, "expected[k]", "allowed[k]"),
-        ("state", written.state, "after[k]", "allowed_after[k]"),
+        ("output", code.outputs, "expected[k]", "allowed[k]"),
+        ("state", code.state, "after[k]", "allowed_after[k]"),
     ):
-        yield from _compared(part, fields, stem, real, right, most, "        ")
+        yield from compared(part, fields, stem, real, right, most, "        ")
     yield f"        first = {before + 1} + k;"
     yield "    }"
     yield "    return (off != 0) ? first : 0;"
@@ -139,123 +143,10 @@ def _told(steps: Steps) -> Iterator[str]:
     yield "/*"
     yield " * Single steps from given states."
     if steps.constants:
-        yield f" * Of {steps.constants} constants in its formulas {steps.shown} show in them:"
+        yield f" * Of {steps.constants} constants in its formulas {steps.detected} show in them:"
         yield " * changed by a thousandth, each of these moves a result further than is allowed."
-    if steps.shown < steps.constants:
-        yield f" * The other {steps.constants - steps.shown} move none beyond rounding,"
-        idle = f"; {steps.idle} not even when doubled" if steps.idle else ""
+    if steps.detected < steps.constants:
+        yield f" * The other {steps.constants - steps.detected} move none beyond rounding,"
+        idle = f"; {steps.idle} have no effect there" if steps.idle else ""
         yield f" * in {steps.looked_at} steps from states near and far{idle}."
     yield " */"
-
-
-def _off(stem: str, real: Precision) -> Iterator[str]:
-    """The function that compares two numbers."""
-    fabs = "fabs" if real == "double" else "fabsf"
-    yield f"static int {stem}_off(const {real} found, const {real} right, const {real} allowed)"
-    yield "{"
-    yield "    int off = 1;"
-    yield f"    if ({fabs}(found - right) <= allowed) {{"
-    yield from ("        off = 0;", "    }")
-    yield "    if ((isnan(right) != 0) && (isnan(found) != 0)) {"
-    yield from ("        off = 0;", "    }", "    return off;")
-    yield from ("}", "")
-
-
-def _locals(written: Written) -> Iterator[str]:
-    stem = written.stem
-    for name in ("state", "input", "output"):
-        yield f"    {stem}_{name} {name};"
-    yield "    int off = 0;"
-    if written.params:
-        yield from (f"    {stem}_params params;", f"    {stem}_tables tables;")
-        yield f"    {stem}_defaults(&params);"
-        yield f"    {stem}_set(&tables, &params);"
-
-
-def _placed(part: str, fields: Sequence[Field], table: str, real: Precision) -> Iterator[str]:
-    for at, (place, field) in enumerate(_places(part, fields)):
-        yield f"        {place} = {_given(f'{table}[k][{at}]', field, real)};"
-
-
-def _stepped(written: Written) -> Iterator[str]:
-    tables = ", &tables" if written.params else ""
-    yield f"        {written.stem}_step(&state, &input, &output{tables});"
-
-
-def _compared(
-    part: str,
-    fields: Sequence[Field],
-    stem: str,
-    real: Precision,
-    right: str,
-    allowed: str,
-    pad: str,
-) -> Iterator[str]:
-    at = 0
-    for field in fields:
-        place = "i" if at == 0 else f"{at} + i"
-        if not field.shape:
-            found = _found(f"{part}.{field.name}", field, real)
-            ends = f"{right}[{at}], {allowed}[{at}]"
-            yield wrapped(f"{pad}off |= {stem}_off({found}, {ends});")
-        else:
-            found = _found(f"{part}.{field.name}[i]", field, real)
-            ends = f"{right}[{place}], {allowed}[{place}]"
-            yield f"{pad}for (int i = 0; i < {field.size}; i++) {{"
-            yield f"{pad}    off |= {stem}_off({found}, {ends});"
-            yield f"{pad}}}"
-        at += field.size
-
-
-def _found(place: str, field: Field, real: Precision) -> str:
-    if field.kind == "truth":
-        return f"{place} ? {literal(1, 'real', real)} : {literal(0, 'real', real)}"
-    return place if field.kind == "real" else f"({real}){place}"
-
-
-def _given(text: str, field: Field, real: Precision) -> str:
-    if field.kind == "truth":
-        return f"{text} > {literal(0.5, 'real', real)}"
-    return text if field.kind == "real" else f"(int){text}"
-
-
-def _places(part: str, fields: Sequence[Field]) -> Iterator[tuple[str, Field]]:
-    for field in fields:
-        for index in field.entries():
-            yield f"{part}.{field.place(index)}", field
-
-
-def _flat(fields: Sequence[Field], arrays: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """The stored entries of each field, ``(N, size)``."""
-    found = []
-    for field, array in zip(fields, arrays, strict=True):
-        rows = np.asarray(array).reshape(len(array), -1)
-        where = [int(np.ravel_multi_index(i, field.shape)) if i else 0 for i in field.entries()]
-        entries = [rows[:, k] for k in where]
-        found.append(np.stack(entries, axis=1) if entries else np.zeros((len(array), 0)))
-    return found or [np.zeros((1, 0))]
-
-
-def _table(name: str, real: Precision, values: np.ndarray) -> Iterator[str]:
-    """A constant array of one or two axes, never empty, as C requires."""
-    if not values.size:
-        values = np.zeros((*values.shape[:-1], 1))
-    sizes = "".join(f"[{n}]" for n in values.shape)
-    yield f"    static const {real} {name}{sizes} = {{"
-    rows = values if values.ndim == 2 else values[None]
-    for k, row in enumerate(rows):
-        text = ", ".join(literal(x, "real", real) for x in row)
-        end = "," if k + 1 < len(rows) else ""
-        yield _row(f"{{{text}}}{end}" if values.ndim == 2 else text)
-    yield "    };"
-
-
-def _row(text: str) -> str:
-    """A row of numbers in short lines."""
-    lines, line = [], "       "
-    for part in text.split(" "):
-        if len(line) + len(part) + 1 > 100:
-            lines.append(line)
-            line = "           "
-        line += f" {part}"
-    return "\n".join([*lines, line])

@@ -7,12 +7,13 @@ from typing import Any
 import jax
 import numpy as np
 
+from tuner.code.array_step import Step
+from tuner.code.detection import Expected, allowed, expected, number_detected
 from tuner.code.fields import Field
-from tuner.code.mutants import Step
 from tuner.code.operations import kind_of
 from tuner.code.program import Program
-from tuner.code.ran import SAMPLES, Own
-from tuner.code.shown import Found, allowed, expected, search, shown, unplaced
+from tuner.code.reference_filter import SAMPLES, ReferenceFilter
+from tuner.code.search import Found, search, unplaced
 from tuner.code.states import Around, Arrays, column, placed
 
 STEPS, _UNSEARCHED = 16, 4
@@ -28,8 +29,9 @@ class Steps:
         expected, after: the outputs, and the next state.
         allowed, allowed_after: their tolerances.
         constants: number of constants in the formulas of a step.
-        shown: number of those that show in these steps when changed by a thousandth.
-        idle: number of those that moved no result even when doubled.
+        detected: number of those that show in these steps when changed by a thousandth.
+        idle: number of those that had no effect at all: not even doubled, or in a long step by
+            their derivatives.
         looked_at: number of steps among which these were found.
     """
 
@@ -40,13 +42,13 @@ class Steps:
     allowed: Arrays
     allowed_after: Arrays
     constants: int
-    shown: int
+    detected: int
     idle: int
     looked_at: int
 
 
 def searched_steps(
-    own: Own, program: Program, met: Arrays, samples: Any, wanted: Sequence[int]
+    own: ReferenceFilter, program: Program, met: Arrays, samples: Any, wanted: Sequence[int]
 ) -> Steps | None:
     """Steps in which constants show, with JAX's results."""
     leaves, tree = jax.tree.flatten(samples)
@@ -55,7 +57,7 @@ def searched_steps(
     found = search(step, around, STEPS)
     if found.count == 0:
         return None
-    states, outputs = own.ran(
+    states, outputs = own.run(
         jax.tree.unflatten(
             tree, [x.astype(leaf.dtype) for x, leaf in zip(found.samples, leaves, strict=True)]
         ),
@@ -82,8 +84,8 @@ def _judged(step: Step, found: Found, after: Arrays, outputs: Arrays) -> Steps:
         apart = np.nan_to_num(np.abs(by_jax - right.exact), posinf=0, neginf=0)
     right = replace(right, strays=np.maximum(right.strays, apart))
     same = (np.isnan(by_jax) == np.isnan(right.exact)).all(axis=0)
-    shows = shown(step, given, list(step.mutants), right, 1.0) & same
-    most, rest = unplaced(program.state, allowed(right, program.precision)[:, same])
+    right = Expected(right.exact[:, same], right.strays[:, same])
+    most, rest = unplaced(program.state, allowed(step, right))
     most_out, _ = unplaced(program.outputs, rest)
     return Steps(
         [x[same] for x in found.states],
@@ -93,14 +95,14 @@ def _judged(step: Step, found: Found, after: Arrays, outputs: Arrays) -> Steps:
         most_out,
         most,
         len(step.mutants),
-        int(shows.any(axis=1).sum()),
+        number_detected(step, {k: x[same] for k, x in given.items()}, right),
         found.idle,
         found.tried,
     )
 
 
 def drawn_steps(
-    own: Own, met: Arrays, samples: Any, wanted: Sequence[int], share: float
+    own: ReferenceFilter, met: Arrays, samples: Any, wanted: Sequence[int], share: float
 ) -> Steps | None:
     """Steps from states of all sizes, without a search; what is allowed is told by JAX alone.
 
@@ -121,12 +123,12 @@ def drawn_steps(
         for part in Around(state, inputs, met, leaves).drawn(draw, SAMPLES)
     ]
 
-    def ran(by: Own, errors: float) -> Arrays:
+    def ran(by: ReferenceFilter, errors: float) -> Arrays:
         before, given = (
             [_near(x, by.dtype, errors * draw.uniform(-1, 1, x.shape)) for x in part]
             for part in drawn
         )
-        after, outputs = by.ran(jax.tree.unflatten(tree, given), before)
+        after, outputs = by.run(jax.tree.unflatten(tree, given), before)
         return [np.asarray(x, float) for x in (*after, *(outputs[k] for k in wanted))]
 
     found = ran(own, 0.0)

@@ -1,4 +1,4 @@
-"""Expressions of C as the entries of a walk: an operation on texts is a text."""
+"""Expressions of C as the entries of an interpreter: an operation on texts is a text."""
 
 import math
 from typing import Any, NamedTuple

@@ -8,8 +8,8 @@ import jax
 import numpy as np
 
 from tuner.code.fields import Field, fields_of
+from tuner.code.interpreter import Arrays
 from tuner.code.literal import Precision
-from tuner.code.walk import Arrays
 
 LARGEST = 2000
 """Most numbers of a state: a larger covariance alone would fill a controller's memory."""

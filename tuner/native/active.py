@@ -8,9 +8,9 @@ import numpy as np
 from jax import Array
 
 from tuner.code.graph import Graph, TooLargeError
-from tuner.code.primitives import walk
+from tuner.code.interpreter import objects
+from tuner.code.primitives import interpreter
 from tuner.code.refused import NoCounterpartError
-from tuner.code.walk import objects
 
 _MOST = 50_000
 
@@ -38,7 +38,7 @@ def moved(build: Callable[[Array], Any], size: int) -> list[np.ndarray]:
 def _by_numbers(closed: Any, size: int) -> list[np.ndarray]:
     graph = Graph(most=_MOST)
     z = np.array([graph.input(k) for k in range(size)] or 0, object)
-    leaves = objects(graph, walk(graph).closed(closed, [z.reshape(size)]))
+    leaves = objects(graph, interpreter(graph).closed(closed, [z.reshape(size)]))
     by: list[frozenset[int]] = []
     for node in graph.nodes:
         own = {node.value} if node.op == "input" else set()

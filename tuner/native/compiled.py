@@ -17,13 +17,14 @@ from jax import Array
 from filters import AnyFilter
 from objectives import Data, Objective, is_fold, judged
 from tuner.code.refused import NoCounterpartError
-from tuner.native.ahead import ahead
 from tuner.native.compiler import library
+from tuner.native.fused import fused
+from tuner.native.iteration import iteration
 from tuner.native.loop import Loop, loop
+from tuner.native.pipelining import pipelined
 from tuner.native.runner import runner_of
 from tuner.native.scaled import scaled
 from tuner.native.text import source
-from tuner.native.turn import turn
 
 LANES = 8
 """Directions or points at once: the width of today's widest vectors."""
@@ -59,7 +60,7 @@ class Native:
     ) -> None:
         self.objective, self.build, self.size, self.folder = objective, build, size, folder
         runner = runner_of(filter, objective, build, jax.device_put(np.zeros(size)), data)
-        self._turn = scaled(turn(runner))
+        self._iteration = scaled(iteration(runner))
         moving = [leaf.any(-1) for leaf in runner.moved]
         self._places = [np.flatnonzero(leaf) for leaf in moving]
         self._moves = np.vstack([x[m] for x, m in zip(runner.moved, moving, strict=True)])
@@ -106,8 +107,8 @@ class Native:
         for block, part in enumerate(padded):
             own = slopes[:, block * lanes : (block + 1) * lanes]
             part[:, : own.shape[1]] = own
-        ends = np.empty((1 + len(at), blocks, len(self._turn.total), 1 + lanes))
-        count = len(self._turn.kept)
+        ends = np.empty((1 + len(at), blocks, len(self._iteration.total), 1 + lanes))
+        count = len(self._iteration.kept)
         kept = np.empty((blocks, len(rows) if count else 0, count, 1 + lanes))
 
         def go(rows: np.ndarray, ends: np.ndarray) -> None:
@@ -132,7 +133,7 @@ class Native:
             NoCodeError: where there is no compiler that works.
             NoCounterpartError: where points cannot go side by side.
         """
-        if self._turn.kept:
+        if self._iteration.kept:
             raise NoCounterpartError("what is kept for after the loop, of points side by side,")
         run = self._points
         padded = np.vstack([Z, np.repeat(Z[-1:], -len(Z) % LANES, axis=0)])
@@ -140,7 +141,7 @@ class Native:
         count = len(padded) // LANES
         p = numbers.reshape(count, LANES, -1).transpose(0, 2, 1)
         dp = slopes.reshape(count, LANES, -1, self.size).transpose(0, 2, 3, 1)
-        ends = np.empty((count, len(self._turn.total), 1 + self.size, LANES))
+        ends = np.empty((count, len(self._iteration.total), 1 + self.size, LANES))
         none = np.empty(0)
 
         def group(k: int) -> None:
@@ -165,7 +166,7 @@ class Native:
 
     @cached_property
     def _loop(self) -> Loop:
-        return ahead(loop(self._turn, [np.ones(len(self._moves), bool)]))
+        return pipelined(fused(loop(self._iteration, [np.ones(len(self._moves), bool)])))
 
     @cached_property
     def _directions(self) -> Any:
@@ -173,7 +174,7 @@ class Native:
 
     @cached_property
     def _points(self) -> Any:
-        by_point = ahead(loop(self._turn, list(self._moves.T)))
+        by_point = pipelined(fused(loop(self._iteration, list(self._moves.T))))
         return self._loaded(source(by_point, LANES, points=True))
 
     def _loaded(self, text: str) -> Any:

@@ -7,8 +7,8 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from tuner.code.graph import Graph
-from tuner.native.rebuilt import Rebuilt
-from tuner.native.turn import MOST, Pair, Turn
+from tuner.native.iteration import MOST, Iteration, Pair
+from tuner.native.rewriting import Rewriter
 
 Key: TypeAlias = tuple[int, int]
 """A number of the state: its cell, and 0 for its value or from 1 on for its derivatives."""
@@ -49,22 +49,22 @@ class Loop:
         return sum(node.op not in ("constant", "input") for node in nodes)
 
 
-def loop(turn: Turn, moves: Sequence[np.ndarray]) -> Loop:
+def loop(iteration: Iteration, moves: Sequence[np.ndarray]) -> Loop:
     """The loop of an iteration, with derivatives in several directions.
 
     What is a number at the start and the same number after a sample is one for good; most of these
     are zeros, and what they are multiplied with goes with them.
 
     Args:
-        turn: the iteration.
+        iteration: the iteration.
         moves: for each direction, which of the varying parameters vary in it.
 
     Raises:
-        TooLargeError: for more operations than :data:`tuner.native.turn.MOST`.
+        TooLargeError: for more operations than :data:`tuner.native.iteration.MOST`.
     """
     assumed: set[Key] | None = None
     while True:
-        attempt = _Attempt(turn, moves, assumed)
+        attempt = _Attempt(iteration, moves, assumed)
         still = {key for key, cell in attempt.cells.items() if attempt.stays(cell)}
         if assumed == still:
             return attempt.loop(still)
@@ -74,15 +74,22 @@ def loop(turn: Turn, moves: Sequence[np.ndarray]) -> Loop:
 class _Attempt:
     """The loop if some numbers of the state are constant; None: all that are known at the start."""
 
-    def __init__(self, turn: Turn, moves: Sequence[np.ndarray], assumed: set[Key] | None) -> None:
-        self.old, self.new, self.turn, self.assumed = turn.graph, Graph(most=MOST), turn, assumed
+    def __init__(
+        self, iteration: Iteration, moves: Sequence[np.ndarray], assumed: set[Key] | None
+    ) -> None:
+        self.old, self.new, self.iteration, self.assumed = (
+            iteration.graph,
+            Graph(most=MOST),
+            iteration,
+            assumed,
+        )
         self.cells: dict[Key, Carried] = {}
         self._zero = self.new.constant(0.0)
-        starts = [k for cell in turn.cells for k in cell.start if k is not None]
-        ends = [pair for cell in turn.cells for pair in (cell.input, cell.after)]
-        then = [k for pair in (*ends, *turn.kept) for k in pair if k is not None]
+        starts = [k for cell in iteration.cells for k in cell.start if k is not None]
+        ends = [pair for cell in iteration.cells for pair in (cell.input, cell.after)]
+        then = [k for pair in (*ends, *iteration.kept) for k in pair if k is not None]
         self._tangent_nodes = tangent_nodes(self.old)
-        self._rebuilt = Rebuilt(self.old, self.new)
+        self._rebuilt = Rewriter(self.old, self.new)
         self._moves = moves
         known: list[dict[int, int]] = [{} for _ in range(1 + len(moves))]
         self._write(self.old.reached(starts), known)
@@ -90,9 +97,9 @@ class _Attempt:
         self._write(self.old.reached(then), known)
         for (k, part), cell in self._parts():
             self.cells[k, part] = Carried(*(known[part][node] for node in cell))
-        wanted = [turn.cells[k].input for k in turn.total]
+        wanted = [iteration.cells[k].input for k in iteration.total]
         self.total = [self._row(pair, known) for pair in wanted]
-        self.kept = [self._row(pair, known) for pair in turn.kept]
+        self.kept = [self._row(pair, known) for pair in iteration.kept]
 
     def _write(self, order: list[int], known: list[dict[int, int]]) -> None:
         """Write values once and derivatives in each direction, in the traced order.
@@ -125,7 +132,7 @@ class _Attempt:
 
     def _parts(self) -> Iterator[tuple[Key, Carried]]:
         """The state's numbers and their derivatives, by nodes of the iteration."""
-        for k, cell in enumerate(self.turn.cells):
+        for k, cell in enumerate(self.iteration.cells):
             for part in range(1 + len(self._moves)):
                 at, start, after = (pair[min(part, 1)] for pair in cell)
                 if at is not None and start is not None and after is not None:

@@ -190,7 +190,7 @@ def _made(static: Static, size: int, leaves: tuple[Any, ...], tree: Any, folder:
 @lru_cache(maxsize=128)
 def _operations(static: Static, size: int, leaves: tuple[Any, ...], tree: Any) -> int:
     """Approximate number of operations of a step."""
-    from tuner.code.straight import Slot, straight, work
+    from tuner.code.straight_line import Slot, straight_line, work
 
     filter, data = cast("AnyFilter", static.filter), _data(leaves, tree)
     one = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(leaf.shape[1:], leaf.dtype), data.inputs)
@@ -198,4 +198,4 @@ def _operations(static: Static, size: int, leaves: tuple[Any, ...], tree: Any) -
     given = params, jax.eval_shape(filter.init, params), one
     closed = jax.make_jaxpr(filter.step)(*given)
     slots = [Slot(leaf.shape, np.dtype(leaf.dtype)) for leaf in jax.tree.leaves(given)]
-    return work(straight(closed, slots).operations)
+    return work(straight_line(closed, slots).operations)

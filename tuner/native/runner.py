@@ -11,8 +11,8 @@ from jax import Array
 from filters import AnyFilter, run
 from objectives import Data, Folded, Objective, is_fold
 from objectives.in_numpy import in_numpy
-from tuner.code.straight import Slot, straight
-from tuner.code.walk import Arrays
+from tuner.code.interpreter import Arrays
+from tuner.code.straight_line import Slot, straight_line
 from tuner.native.active import moved
 
 Leaves: TypeAlias = Sequence[Any]
@@ -129,5 +129,5 @@ def _looked_at(objective: Any, filter: AnyFilter, params: Any, data: Data) -> li
     leaves, tree = jax.tree.flatten(outputs)
     judged = jax.make_jaxpr(lambda seen, truth: objective(jax.tree.unflatten(tree, seen), truth))
     given = [Slot(leaf.shape, leaf.dtype) for leaf in (*leaves, *jax.tree.leaves(data.truth))]
-    uses = straight(judged(leaves, data.truth), given).uses
+    uses = straight_line(judged(leaves, data.truth), given).uses
     return [slot in uses for slot in given[: len(leaves)]]

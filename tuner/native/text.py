@@ -6,13 +6,17 @@ from typing import Any
 from tuner.code.expression import converted, limited, operation
 from tuner.code.graph import Graph
 from tuner.code.literal import literal, type_of
+from tuner.code.nodes import Node
 from tuner.code.operations import Kind
 from tuner.native.lanes import HEAD, Lanes, function
 from tuner.native.loop import Loop
+from tuner.native.sines import sines
 
 LONG = 4000
 """Operations beyond which it matters most that few numbers wait in memory; below, and where values
 are no vectors, that a processor has derivatives to work on while it waits for a value."""
+
+_OF_TURNS = {"sin": "{0}.sine", "cos": "{0}.cosine", "tan": "{0}.sine / {0}.cosine"}
 
 
 def source(loop: Loop, lanes: int, *, points: bool) -> str:
@@ -44,10 +48,11 @@ class _Source:
         self.lanes = Lanes(loop.graph, self.wide, expected, self.name)
         self.lines: list[str] = []
         self._inverse: set[int] = set()
+        self._angles: set[int] = set()
 
     def text(self) -> str:
         """The whole text."""
-        before, turn, after = self._before(), self._turn(), self._after()
+        before, sample, after = self._before(), self._sample(), self._after()
         used = sorted(self.lanes.functions.items())
         main = [
             "void run(size_t n, size_t width, const double *p, const double *dp, const double *u,",
@@ -57,14 +62,15 @@ class _Source:
             "    const masks none = {0};",
             *before,
             "    for (size_t i = 0; i < n; i++, u += width) {",
-            *(f"    {line}" for line in turn),
+            *(f"    {line}" for line in sample),
             "    }",
             *after,
             "}",
         ]
         functions = [function(name, takes, self.count) for name, takes in used]
         head = HEAD.format(bytes=8 * self.count)
-        return "\n".join([head, *functions, "\n".join(main), ""])
+        turned = [sines()] if self._angles else []
+        return "\n".join([head, *turned, *functions, "\n".join(main), ""])
 
     def _before(self) -> list[str]:
         """The code of parameters, of values that follow from them, and of the initial state."""
@@ -82,7 +88,7 @@ class _Source:
             self.lines.append(f"    {self._type(cell.input)} S{n} = {text};")
         return self.lines
 
-    def _turn(self) -> list[str]:
+    def _sample(self) -> list[str]:
         """The code of one sample."""
         self.lines = []
         carried = self.loop.carried
@@ -162,6 +168,8 @@ class _Source:
         kinds: list[Kind] = [self.graph.nodes[one].kind for one in node.args]
         if node.op == "choose":
             return f"{given[0]} ? {given[1]} : {given[2]}"
+        if node.op in _OF_TURNS:
+            return self._of_turn(node)
         if node.op == "convert":
             return converted(given[0], kinds[0], node.kind, "double")
         if node.op in ("max", "min"):
@@ -169,6 +177,14 @@ class _Source:
                 if self.graph.is_constant(entry):
                     return limited(node.op, given[1 - at], given[at])
         return operation(node.op, given, kinds, "double")
+
+    def _of_turn(self, node: Node) -> str:
+        """Sine, cosine or tangent of an angle, of which the first two are computed once."""
+        (x,) = node.args
+        if x not in self._angles:
+            self._angles.add(x)
+            self.lines.append(f"    const pair turned{x} = circular({self.name(x)});")
+        return _OF_TURNS[node.op].format(f"turned{x}")
 
     def name(self, k: int) -> str:
         """A node as an operand."""

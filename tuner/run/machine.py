@@ -119,7 +119,7 @@ def _record(
         precision=variant.precision,
         file=file,
         forms=list(code.forms),
-        operations=next(iter(code.forms.values())).written.operations,
+        operations=next(iter(code.forms.values())).implementation.operations,
         code_bytes=None if measured is None else measured.code,
         stack_bytes=None if measured is None else measured.stack,
     )

@@ -74,34 +74,34 @@ class Library:
 
     def run(self, stem, inputs):
         """The outputs over a record, a field each, time first."""
-        written = self.forms[stem]
+        code = self.forms[stem]
         columns = [np.asarray(a, float).reshape(len(a), -1) for a in jax.tree.leaves(inputs)]
         z = np.ascontiguousarray(np.hstack(columns))
-        y = np.zeros((len(z), sum(field.size for field in written.outputs)))
+        y = np.zeros((len(z), sum(field.size for field in code.outputs)))
         doubles = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
         function = getattr(self.loaded, f"run_{stem}")
         function.argtypes, function.restype = [ctypes.c_size_t, doubles, doubles], None
         function(len(z), z, y)
-        return _unpacked(written.outputs, y)
+        return _unpacked(code.outputs, y)
 
 
-def _driver(written):
-    stem = written.stem
-    cast = {"real": f"({written.precision})", "truth": "0.0 != ", "whole": "(int)"}
+def _driver(code):
+    stem = code.stem
+    cast = {"real": f"({code.precision})", "truth": "0.0 != ", "whole": "(int)"}
     lines = [f'#include "{stem}.h"', f"void run_{stem}(size_t n, const double *z, double *y);"]
     lines += [f"void run_{stem}(size_t n, const double *z, double *y)", "{"]
     lines += [f"{stem}_state s;", f"{stem}_input in;", f"{stem}_output out;"]
     tables = ""
-    if written.params:
+    if code.params:
         lines += [f"{stem}_params p;", f"{stem}_tables t;", f"{stem}_defaults(&p);"]
         lines += [f"{stem}_set(&t, &p);"]
         tables = ", &t"
     lines += [f"{stem}_init(&s{', &p' if tables else ''});", "for (size_t k = 0; k < n; k++) {"]
-    places = [(f, i) for f in written.inputs for i in f.entries()]
+    places = [(f, i) for f in code.inputs for i in f.entries()]
     for at, (field, index) in enumerate(places):
         lines.append(f"in.{field.place(index)} = {cast[field.kind]}z[{at}];")
     lines += [f"z += {len(places)};", f"{stem}_step(&s, &in, &out{tables});"]
-    places = [(f, i) for f in written.outputs for i in f.entries()]
+    places = [(f, i) for f in code.outputs for i in f.entries()]
     for at, (field, index) in enumerate(places):
         lines.append(f"y[{at}] = (double)out.{field.place(index)};")
     return "\n".join([*lines, f"y += {len(places)};", "}", "}"])

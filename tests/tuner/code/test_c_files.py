@@ -19,8 +19,8 @@ from tests.tuner.code.made import FILTERS, KEPT
 from tests.tuner.export_cases import nasty, tuned
 from tuner.code.document import files, sources
 from tuner.code.form import Form, form, write_form
+from tuner.code.reference import reference
 from tuner.code.trace import traced
-from tuner.code.tried import tried
 from tuner.export.header import load
 
 M4 = ["-std=c99", "-Os", "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"]
@@ -35,7 +35,7 @@ def made(name, precision="double", tunable=False):
     keep = KEPT[name]
     code = write_form(name, filter, params, sample, precision, keep=keep, tunable=tunable)
     kept = traced(filter, params, sample, precision, keep).kept
-    return Form(code, tried(filter, params, record, kept, precision))
+    return Form(code, reference(filter, params, record, kept, precision))
 
 
 def put(folder, name, found, text=None):
@@ -72,7 +72,7 @@ def test_a_constant_that_is_off_by_a_thousandth_fails(tmp_path, name, precision,
     found = made(name, precision)
     other = params._replace(**{parameter: 1.001 * getattr(params, parameter)})
     wrong = form(name, filter, other, record, precision)
-    put(tmp_path, name, Form(wrong.written, found.tried))
+    put(tmp_path, name, Form(wrong.implementation, found.reference))
     done = selftest_of(tmp_path, name)
     assert done.returncode == 1
     assert re.fullmatch(r"sample \d+ is off\n", done.stdout)
@@ -121,8 +121,8 @@ def test_it_is_small_on_a_controller(tmp_path, name):
     needed("arm-none-eabi-gcc")
     filter, params, record = FILTERS[name]
     sample = jax.tree.map(lambda leaf: np.asarray(leaf)[0], record)
-    written = write_form(name, filter, params, sample, "float", keep=SHOWN[name])
-    header, source = sources(tuned(name=name), f"{name}.h", [written])
+    code = write_form(name, filter, params, sample, "float", keep=SHOWN[name])
+    header, source = sources(tuned(name=name), f"{name}.h", [code])
     (tmp_path / f"{name}.h").write_text(header)
     (tmp_path / f"{name}.c").write_text(source)
     done = ran(tmp_path, "arm-none-eabi-gcc", *M4, "-fstack-usage", "-c", f"{name}.c", "-o", "a.o")

@@ -72,7 +72,7 @@ def test_nasty_names_are_names_of_c(tmp_path, compiler):
     files_ = ("int.c", "int_selftest.c", "-o", "a", "-lm")
     compile_in(tmp_path, compiler, "-DSELFTEST_MAIN", *files_)
     assert ran(tmp_path, "./a").returncode == 0
-    names = [field.name for field in found.written.inputs]
+    names = [field.name for field in found.implementation.inputs]
     assert names == ["int_", "double_", "sigma", "sigma_2", "state_", "isnan_", "NAN_", "y0_"]
 
 
@@ -115,9 +115,9 @@ def test_a_state_of_ten_thousand_numbers_is_refused():
 
 
 def test_a_larger_state_takes_loops():
-    written = write_form("large", Large(900), (), np.zeros(()), "double", keep=None)
-    assert any("for (int" in line for line in written.definitions)
-    assert len(written.definitions) < 60
+    code = write_form("large", Large(900), (), np.zeros(()), "double", keep=None)
+    assert any("for (int" in line for line in code.definitions)
+    assert len(code.definitions) < 60
 
 
 def test_fields_of_one_name_are_told_apart():

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from tuner.code import operations
 from tuner.code.graph import Graph, TooLargeError
+from tuner.code.interpreter import objects
 from tuner.code.operations import in_numpy
-from tuner.code.primitives import walk
+from tuner.code.primitives import interpreter
 from tuner.code.refused import NoCounterpartError
-from tuner.code.walk import objects
 
 
 def graph_of(function, *shapes, **options):
@@ -25,7 +25,7 @@ def graph_of(function, *shapes, **options):
             entries[index] = graph.input((k, index))
         given.append(entries)
     traced = jax.make_jaxpr(function)(*(jnp.zeros(shape) for shape in shapes))
-    (result,) = objects(graph, walk(graph).closed(traced, given))
+    (result,) = objects(graph, interpreter(graph).closed(traced, given))
     return graph, given, result
 
 

@@ -10,9 +10,9 @@ from jax import Array
 
 from tests.tuner.code.compiled import compile_in, needed, ran
 from tests.tuner.export_cases import tuned
+from tuner.code.array_step import Step
 from tuner.code.document import files
 from tuner.code.form import form
-from tuner.code.mutants import Step
 from tuner.code.program import as_graph
 from tuner.code.trace import traced
 
@@ -45,10 +45,10 @@ def numbers_of(precision):
 @pytest.mark.parametrize("precision", ["double", "float"])
 def test_limits_and_series_show(precision):
     found = form("bent", Bent(), 0.5, RECORD, precision)
-    steps = found.tried.steps
+    steps = found.reference.steps
     assert steps.constants == len(numbers_of(precision).mutants)
     # In float the series and the function agree where they meet, to rounding.
-    assert steps.constants - steps.shown == (1 if precision == "float" else 0)
+    assert steps.constants - steps.detected == (1 if precision == "float" else 0)
 
 
 @pytest.mark.parametrize(("right", "wrong"), [("7.0", "7.007"), ("5.0", "5.005"), ("3.0", "3.003")])
@@ -79,7 +79,7 @@ def test_a_changed_constant_is_one_lane():
     given = {int(x): np.array([8.0, 0.0]), int(u): np.array([0.0, 1e-3])}
     (limited, out) = step.results(given)
     assert limited.tolist() == [7.0, 0.0005]
-    lanes = step.changed(step.values(given), step.mutants)
+    lanes = step.results(given, step.mutants)
     moved = np.array([np.broadcast_to(lanes[0], (len(step.mutants), 2)) != limited])
     assert moved.any(axis=-1).sum() >= 2
     assert np.broadcast_to(lanes[1], (len(step.mutants), 2)).shape == (len(step.mutants), len(out))

@@ -15,7 +15,7 @@ _TYPES: Mapping[Kind, np.dtype] = {
 }
 
 
-class Rebuilt:
+class Rewriter:
     """A writer of a graph's nodes into another graph, with simplification.
 
     A number that several are divided by is inverted once.

@@ -7,11 +7,11 @@ import numpy as np
 
 from tuner.code.block import Block
 from tuner.code.memory import Held, Index, Lazy, View, affine, rows_first, total
-from tuner.code.moves import places
 from tuner.code.numbers import worked_out
 from tuner.code.operations import Kind, kind_of
+from tuner.code.rearrangements import places
 from tuner.code.refused import NoCounterpartError, no_counterpart
-from tuner.code.straight import Operation
+from tuner.code.straight_line import Operation
 
 _KEPT = frozenset({"copy", "copy_p", "stop_gradient", "optimization_barrier"})
 MOVED = _KEPT | frozenset(

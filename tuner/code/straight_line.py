@@ -11,10 +11,10 @@ from typing import Any, TypeAlias
 import numpy as np
 from jax.extend import core
 
-from tuner.code.moves import MOVES, PLACED
-from tuner.code.primitives import walk
+from tuner.code.interpreter import aval_of, inner_of
+from tuner.code.primitives import interpreter
+from tuner.code.rearrangements import MOVES, PLACED
 from tuner.code.refused import NoCounterpartError, check_type
-from tuner.code.walk import aval_of, inner_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ class Operation:
 
 
 @dataclass(frozen=True)
-class Straight:
+class StraightLine:
     """Operations in their order.
 
     Attributes:
@@ -70,9 +70,9 @@ class Straight:
     uses: dict[Slot, list[int]]
 
 
-def straight(
+def straight_line(
     closed: core.ClosedJaxpr, given: Sequence[Atom], wanted: Collection[int] | None = None
-) -> Straight:
+) -> StraightLine:
     """The operations of a traced function.
 
     Args:
@@ -86,7 +86,7 @@ def straight(
     return needed(writer.operations, kept)
 
 
-def needed(operations: Sequence[Operation], results: list[Atom]) -> Straight:
+def needed(operations: Sequence[Operation], results: list[Atom]) -> StraightLine:
     """The needed operations, and when each result is needed last."""
     live = {atom for atom in results if isinstance(atom, Slot)}
     kept: list[Operation] = []
@@ -103,7 +103,7 @@ def needed(operations: Sequence[Operation], results: list[Atom]) -> Straight:
     for atom in results:
         if isinstance(atom, Slot):
             uses.setdefault(atom, []).append(len(kept))
-    return Straight(kept, results, {slot: max(where) for slot, where in uses.items()}, uses)
+    return StraightLine(kept, results, {slot: max(where) for slot, where in uses.items()}, uses)
 
 
 def work(operations: Sequence[Operation]) -> int:
@@ -113,7 +113,7 @@ def work(operations: Sequence[Operation]) -> int:
         params, size = one.equation.params, sum(math.prod(slot.shape) for slot in one.outputs)
         if one.name == "scan":
             slots = [Slot(v.aval.shape, v.aval.dtype) for v in params["jaxpr"].jaxpr.invars]
-            total += params["length"] * work(straight(params["jaxpr"], slots).operations)
+            total += params["length"] * work(straight_line(params["jaxpr"], slots).operations)
         elif one.name == "dot_general":
             axes, _ = params["dimension_numbers"]
             total += 2 * size * math.prod(one.inputs[0].shape[k] for k in axes[0])
@@ -153,7 +153,7 @@ class _Writer:
             return found
         numbers = [atom for atom in given if isinstance(atom, np.ndarray)]
         if len(numbers) == len(given):
-            return list(walk(_NO_ENTRIES).known(equation, numbers))
+            return list(interpreter(_NO_ENTRIES).known(equation, numbers))
         for out in equation.outvars:
             check_type(equation.primitive.name, out.aval.dtype)
         if equation.primitive.name == "cond":

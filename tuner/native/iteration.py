@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tuner.code.graph import Graph
+from tuner.code.interpreter import Arrays, objects
 from tuner.code.operations import kind_of
-from tuner.code.primitives import walk
+from tuner.code.primitives import interpreter
 from tuner.code.program import symmetric
-from tuner.code.walk import Arrays, objects
 from tuner.native.runner import Runner, is_real, with_slopes
 
 MOST = 12_000
@@ -33,7 +33,7 @@ class Cell(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Turn:
+class Iteration:
     """A traced iteration, with derivatives in one arbitrary direction.
 
     Attributes:
@@ -62,7 +62,7 @@ class _WithTangent:
         return Pair(self.values[at], None if self.slopes is None else self.slopes[at])
 
 
-def turn(runner: Runner) -> Turn:
+def iteration(runner: Runner) -> Iteration:
     """Trace a loop.
 
     Raises:
@@ -79,10 +79,12 @@ def turn(runner: Runner) -> Turn:
         halves -= wrong
 
 
-def _attempt(runner: Runner, begun: Any, stepped: Any, halves: set[int]) -> tuple[Turn, set[int]]:
+def _attempt(
+    runner: Runner, begun: Any, stepped: Any, halves: set[int]
+) -> tuple[Iteration, set[int]]:
     """The iteration if these matrices are symmetric, and which of them turn out not to be."""
     graph, size = Graph(most=MOST), len(runner.state)
-    way = walk(graph)
+    way = interpreter(graph)
     params = _parameters(graph, runner)
     slopes = [one.slopes for one in params if one.slopes is not None]
     values = [one.values for one in params]
@@ -97,7 +99,9 @@ def _attempt(runner: Runner, begun: Any, stepped: Any, halves: set[int]) -> tupl
     cells, total = _cells(runner, halves, before, starts, after)
     kept = [one.pair(at) for one in after[size:] for at in np.ndindex(one.values.shape)]
     wanted = [k for one, k in zip(after[size:], runner.keeps, strict=True) for _ in one.values.flat]
-    return Turn(graph, cells, total, [x for x, k in zip(kept, wanted, strict=True) if k]), wrong
+    return Iteration(
+        graph, cells, total, [x for x, k in zip(kept, wanted, strict=True) if k]
+    ), wrong
 
 
 def _cells(

@@ -9,13 +9,13 @@ from tuner.code.block import Block
 from tuner.code.bulk import BY_ENTRY, SUMS, by_entry, product, summed
 from tuner.code.flat import Statements
 from tuner.code.graph import Graph
+from tuner.code.interpreter import each, objects
 from tuner.code.memory import Held, Lazy, Listed, View, rows_first, times, total
 from tuner.code.operations import kind_of
-from tuner.code.primitives import walk
+from tuner.code.primitives import interpreter
 from tuner.code.refused import no_counterpart
-from tuner.code.shifts import JOINED, MOVED, SCATTERED, joined, moved, scattered
-from tuner.code.straight import Atom, Operation, Slot, Straight, straight
-from tuner.code.walk import each, objects
+from tuner.code.straight_line import Atom, Operation, Slot, StraightLine, straight_line
+from tuner.code.strides import JOINED, MOVED, SCATTERED, joined, moved, scattered
 
 SMALL = 32
 """Largest arrays of a loop whose body is written entry by entry."""
@@ -28,7 +28,7 @@ _SIMPLE: tuple[tuple[frozenset[str], Callable[[Block, Operation, list[Held]], He
 _STREAMED = BY_ENTRY | SUMS.keys()
 
 
-class Turns:
+class LoopStatements:
     """A writer of operations into a block.
 
     Args:
@@ -39,7 +39,7 @@ class Turns:
     def __init__(self, block: Block, held: frozenset[str] = frozenset()) -> None:
         self.block, self.held = block, held
 
-    def run(self, code: Straight, known: Mapping[Slot, Held]) -> list[Held]:
+    def run(self, code: StraightLine, known: Mapping[Slot, Held]) -> list[Held]:
         """The results of operations.
 
         Args:
@@ -66,7 +66,7 @@ class Turns:
     def _held(self, atom: Atom, values: Mapping[Slot, Held]) -> Held:
         return self.block.tables.read(atom) if isinstance(atom, np.ndarray) else values[atom]
 
-    def _kept(self, code: Straight, slot: Slot, x: Held, dying: frozenset[str]) -> Held:
+    def _kept(self, code: StraightLine, slot: Slot, x: Held, dying: frozenset[str]) -> Held:
         """An expression that remains one where it is needed once, and elementwise."""
         if isinstance(x, View) or x.number is not None:
             return x
@@ -150,14 +150,14 @@ class Turns:
         if max((int(np.prod(v.aval.shape)) for v in variables), default=0) <= SMALL:
             return self._written_out(closed, given)
         slots = [Slot(v.aval.shape, np.dtype(v.aval.dtype)) for v in closed.jaxpr.invars]
-        code = straight(closed, slots)
-        return Turns(self.block, held).run(code, dict(zip(slots, given, strict=True)))
+        code = straight_line(closed, slots)
+        return LoopStatements(self.block, held).run(code, dict(zip(slots, given, strict=True)))
 
     def _written_out(self, closed: core.ClosedJaxpr, given: list[Held]) -> list[Listed]:
         """One iteration, entry by entry."""
         graph = Graph(np.float64 if self.block.precision == "double" else np.float32)
         entries = [_entries(graph, x) for x in given]
-        found = objects(graph, walk(graph).closed(closed, entries))
+        found = objects(graph, interpreter(graph).closed(closed, entries))
         made = Statements(
             graph,
             {},

@@ -10,14 +10,16 @@ from dataclasses import replace
 from tuner.code.expression import CALLS
 from tuner.code.graph import Graph
 from tuner.native.loop import Carried, Loop
-from tuner.native.rebuilt import Rebuilt
+from tuner.native.rewriting import Rewriter
 
 _SLOW = frozenset({"div", *CALLS})
 _MOST = 64
 """Most operations that are begun ahead: of more, too much would have to be kept."""
+_LONG = 1000
+"""Operations of a sample that are enough to do while a division ends."""
 
 
-def ahead(loop: Loop) -> Loop:
+def pipelined(loop: Loop) -> Loop:
     """The same loop, which computes its first slow operations a sample before.
 
     They and what they are made of are carried then. Only those count that no sample's data enter:
@@ -27,19 +29,19 @@ def ahead(loop: Loop) -> Loop:
     >>> variance, noise = graph.input(("s", 0)), graph.input(("p", 0))
     >>> gain = graph.apply("div", graph.constant(1.0), graph.apply("add", variance, noise))
     >>> cell = Carried(variance, noise, graph.apply("mul", variance, gain))
-    >>> rotated = ahead(Loop(graph, [cell], [[variance]], [], 0))
+    >>> rotated = pipelined(Loop(graph, [cell], [[variance]], [], 0))
     >>> [rotated.graph.nodes[one.input].value for one in rotated.carried]
     [('ahead', 0), ('s', 0)]
     """
     head = _head(loop)
     roots = [*(cell.after for cell in loop.carried), *(k for row in loop.kept for k in row)]
-    if not 0 < len(head) <= _MOST:
+    if not 0 < len(head) <= _MOST or loop.operations > _LONG:
         return loop
     old, new = loop.graph, Graph()
     rest = [k for k in old.reached(roots) if k not in head]
     outside = {part for k in rest for part in old.nodes[k].args}.union(roots)
     crossing = sorted(head & outside)
-    writer = Rebuilt(old, new)
+    writer = Rewriter(old, new)
 
     def written(order: list[int], known: dict[int, int]) -> dict[int, int]:
         for k in order:
@@ -66,7 +68,7 @@ def ahead(loop: Loop) -> Loop:
     )
 
 
-def _known(entry: int, known: dict[int, int], writer: Rebuilt) -> int:
+def _known(entry: int, known: dict[int, int], writer: Rewriter) -> int:
     writer.write(entry, known)
     return known[entry]
 

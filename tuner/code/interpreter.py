@@ -41,7 +41,7 @@ class Algebra(Protocol):
 
 
 @dataclass(frozen=True)
-class Walk:
+class Interpreter:
     """A way through traced functions.
 
     Attributes:

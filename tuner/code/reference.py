@@ -9,7 +9,7 @@ import numpy as np
 
 from tuner.code.literal import Precision
 from tuner.code.program import Program
-from tuner.code.ran import SAMPLES, Own
+from tuner.code.reference_filter import SAMPLES, ReferenceFilter
 from tuner.code.states import Arrays
 from tuner.code.steps import Steps, drawn_steps, searched_steps
 from tuner.code.trace import in_precision
@@ -21,7 +21,7 @@ _ROUNDING = {"double": 1e-12, "float": 1e-6}
 
 
 @dataclass(frozen=True, eq=False)
-class Tried:
+class Reference:
     """Samples and expected results, flat; whole numbers and truth values as real ones.
 
     Attributes:
@@ -43,14 +43,14 @@ class Tried:
     steps: Steps | None = None
 
 
-def tried(
+def reference(
     filter: Any,
     params: Any,
     inputs: Any,
     kept: Sequence[bool],
     precision: Precision,
     program: Program | None = None,
-) -> Tried:
+) -> Reference:
     """Run a filter over some of its samples, in the target's precision.
 
     The first samples and some of all the others, with holes where the filter takes them; then
@@ -64,16 +64,16 @@ def tried(
         precision: double or float.
         program: its formulas; None: single steps are not searched for.
     """
-    own = Own(filter, params, np.float32 if precision == "float" else np.float64)
+    own = ReferenceFilter(filter, params, np.float32 if precision == "float" else np.float64)
     samples = _with_holes(own, _selected_samples(inputs))
-    states, outputs = own.ran(samples)
-    others = [own.ran(near) for near in _beside(samples, own.dtype)]
-    others.append(replace(own, dtype=np.float64).ran(samples))
+    states, outputs = own.run(samples)
+    others = [own.run(near) for near in _beside(samples, own.dtype)]
+    others.append(replace(own, dtype=np.float64).run(samples))
     rest = _ROUNDING[precision] * max(map(_size, (*own.start, *(x[-1] for x in states))), default=0)
     wanted = [k for k, put_out in enumerate(kept) if put_out]
     share = _SHARE[precision]
     double = replace(own, dtype=np.float64).start
-    found = Tried(
+    found = Reference(
         [np.asarray(leaf) for leaf in jax.tree.leaves(in_precision(samples, own.dtype))],
         [outputs[k] for k in wanted],
         [_allowed(outputs[k], [other[1][k] for other in others], share) for k in wanted],
@@ -114,7 +114,7 @@ def _selected_samples(inputs: Any) -> Any:
     return jax.tree.map(lambda leaf: np.asarray(leaf)[which], inputs)
 
 
-def _with_holes(own: Own, samples: Any) -> Any:
+def _with_holes(own: ReferenceFilter, samples: Any) -> Any:
     """The samples with gaps in every channel that may be missing."""
     leaves, tree = jax.tree.flatten(samples)
     whole: Any = tree
@@ -125,7 +125,7 @@ def _with_holes(own: Own, samples: Any) -> Any:
         holed = leaf.copy()
         holed[4 + k % 5 :: 13] = np.nan
         other = jax.tree.unflatten(whole, [*leaves[:k], holed, *leaves[k + 1 :]])
-        if all(np.isfinite(part[-1]).all() for part in double.ran(other)[0]):
+        if all(np.isfinite(part[-1]).all() for part in double.run(other)[0]):
             leaves[k] = holed
     return jax.tree.unflatten(whole, leaves)
 

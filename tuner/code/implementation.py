@@ -11,7 +11,7 @@ from tuner.code.names import in_comment
 
 
 @dataclass(frozen=True)
-class Written:
+class Implementation:
     """A form of a filter in C.
 
     Attributes:

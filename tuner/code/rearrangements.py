@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from tuner.code.interpreter import Algebra, Arrays, Rule, each, mixed, objects, rows_of
 from tuner.code.numbers import MOVED, Move, worked_out
 from tuner.code.refused import NoCounterpartError
-from tuner.code.walk import Algebra, Arrays, Rule, each, mixed, objects, rows_of
 
 MOST_WAYS = 16
 """Most entries of a table with an index known at run time; all of them are evaluated."""

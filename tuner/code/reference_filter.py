@@ -36,7 +36,7 @@ class _Restarted:
 
 
 @dataclass(frozen=True, eq=False)
-class Own:
+class ReferenceFilter:
     """A filter with its parameters, run in a precision."""
 
     filter: Any
@@ -54,7 +54,7 @@ class Own:
         """The state before the first sample, flat, as real numbers."""
         return [np.asarray(leaf, self.dtype) for leaf in jax.tree.leaves(self._start)]
 
-    def ran(self, samples: Any, states: Arrays | None = None) -> tuple[Arrays, Arrays]:
+    def run(self, samples: Any, states: Arrays | None = None) -> tuple[Arrays, Arrays]:
         """The state after each sample and the outputs, flat, as real numbers.
 
         Args:

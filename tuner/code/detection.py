@@ -1,0 +1,111 @@
+"""Whether a constant that is changed shows in the results of a step, beyond rounding."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tuner.code.array_step import Given, Noise, Step
+from tuner.code.mutants import CHANGE, Mutant
+from tuner.code.sensitivity import sensitivities
+
+EPS = {"double": 2.0**-52, "float": 2.0**-23}
+SHARE = 4
+"""Tolerance of a number after one step over its size and the precision, beside that of rounding."""
+STRAYS, IN_LOOPS = 4, 16
+"""Tolerance over the largest effect of random rounding errors; in C with loops, whose operations
+are in another order."""
+LONG = 6000
+"""Operations of a step beyond which constants are judged by derivatives, which one pass gives for
+all of them, and changed one by one only in the end."""
+_CLEAR, _FAINT = 60.0, 0.5
+"""The root of summed squares of moves over their tolerances from which a constant shows whichever
+of the results share it, and below which it does not."""
+_PART, _REPEATS = 64, 6
+_LARGEST = {"double": 1e60, "float": 1e12}
+
+
+@dataclass(frozen=True, eq=False)
+class Expected:
+    """Roots of steps without and with rounding errors, ``(roots, B)``."""
+
+    exact: np.ndarray
+    strays: np.ndarray
+
+
+def plain(step: Step, given: Given) -> Expected:
+    """The results of steps, without rounding errors."""
+    count = max(map(len, given.values()), default=1)
+    found = [np.broadcast_to(one, count) for one in step.results(given)]
+    exact = np.array(found, float).reshape(-1, count)
+    return Expected(exact, np.zeros(exact.shape))
+
+
+def expected(step: Step, given: Given, draw: np.random.Generator) -> Expected:
+    """The results of steps, and by how much rounding errors change them."""
+    exact = plain(step, given).exact
+    noise = Noise(draw, EPS[step.program.precision], _REPEATS)
+    runs = step.results(given, noise=noise)
+    with np.errstate(all="ignore"):
+        apart = [np.abs(run - right) for run, right in zip(runs, exact, strict=True)]
+    strays = np.array([np.max(np.atleast_2d(one), axis=0) for one in apart]).reshape(exact.shape)
+    return Expected(exact, np.where(np.isnan(exact), 0, strays))
+
+
+def allowed(step: Step, right: Expected) -> np.ndarray:
+    """The tolerance of each root, ``(roots, B)``."""
+    size = EPS[step.program.precision] * np.abs(np.nan_to_num(right.exact))
+    strays = IN_LOOPS if len(step.order) > LONG else STRAYS
+    return np.asarray(strays * right.strays + SHARE * size)
+
+
+def detected(
+    step: Step,
+    given: Given,
+    mutants: list[Mutant],
+    right: Expected,
+    margin: float,
+    change: float = CHANGE,
+) -> np.ndarray:
+    """Which constants show in which steps, ``(M, B)``; none in a step without finite results."""
+    most = margin * allowed(step, right)
+    found = np.zeros((len(mutants), right.exact.shape[1]), bool)
+    with np.errstate(all="ignore"):
+        for k, row in enumerate(step.results(given, mutants, change=change)):
+            if row.ndim == 2:
+                apart = np.abs(row.astype(float) - right.exact[k])
+                found |= (apart > most[k]) | (np.isnan(row) != np.isnan(right.exact[k]))
+    return np.asarray(found & _compared(step, right))
+
+
+def moves(
+    step: Step, given: Given, right: Expected, draw: np.random.Generator
+) -> dict[Mutant, np.ndarray]:
+    """By how much each constant moves the results, over their tolerances, to first order.
+
+    The root of the sum of squares, ``(B,)``; 0 in steps that are not compared.
+    """
+    found = sensitivities(step, given, allowed(step, right), draw)
+    return {one: np.where(_compared(step, right), size, 0.0) for one, size in found.items()}
+
+
+def number_detected(step: Step, given: Given, right: Expected) -> int:
+    """Number of constants that show in at least one of the steps."""
+    if not right.exact.shape[1]:
+        return 0
+    if len(step.order) <= LONG:
+        return int(detected(step, given, step.mutants, right, 1.0).any(axis=1).sum())
+    size = {one: x.max() for one, x in moves(step, given, right, np.random.default_rng(2)).items()}
+    clear = sum(bool(x > _CLEAR) for x in size.values())
+    rest = [one for one in step.mutants if one.limit or _FAINT < size[one] <= _CLEAR]
+    parts = (rest[at : at + _PART] for at in range(0, len(rest), _PART))
+    return clear + sum(
+        int(detected(step, given, part, right, 1.0).any(axis=1).sum()) for part in parts
+    )
+
+
+def _compared(step: Step, right: Expected) -> np.ndarray:
+    """The steps to a finite state of numbers that are not too large."""
+    own = sum(field.size for field in step.program.state)
+    good = np.isfinite(right.exact[:own]).all(axis=0) & np.isfinite(right.strays).all(axis=0)
+    size = np.abs(np.nan_to_num(right.exact)).max(axis=0, initial=0)
+    return np.asarray(good & (size < _LARGEST[step.program.precision]))

@@ -1,0 +1,144 @@
+"""Steps in which a wrong constant shows: a search from states near a filter's own and far off."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from tuner.code.array_step import Given, Step
+from tuner.code.detection import LONG, detected, expected, moves, plain
+from tuner.code.fields import Field
+from tuner.code.limits import beside_limits
+from tuner.code.literal import Precision
+from tuner.code.mutants import Mutant
+from tuner.code.states import Around, Arrays, placed
+
+_BATCH, _ROUNDS, _FEW = 64, 8, 4
+_CLEAR = 10.0
+"""The move over its tolerance, of the results together, from which one of them probably shows."""
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Single steps in which constants show.
+
+    Attributes:
+        states, samples: a field each, ``(C, ...)``.
+        count: C.
+        tried: number of states that were looked at.
+        idle: number of constants that had no effect in any of them: not even doubled, or in a long
+            step by their derivatives.
+    """
+
+    states: Arrays
+    samples: Arrays
+    count: int
+    tried: int
+    idle: int
+
+
+@dataclass(eq=False)
+class _Hidden:
+    """The constants that no chosen step shows, and those of them without any effect so far."""
+
+    mutants: list[Mutant]
+    idle: set[Mutant]
+
+
+def search(step: Step, around: Around, most: int) -> Found:
+    """At most so many steps that together show as many constants as can be.
+
+    Args:
+        step: the filter's.
+        around: where states are drawn.
+        most: number of steps.
+    """
+    draw, tried, chosen = np.random.default_rng(0), 0, list[Arrays]()
+    program, hidden = step.program, _Hidden(list(step.mutants), set(step.mutants))
+    look = _by_derivatives if len(step.order) > LONG else _by_changes
+    for drawn in _batches(step, around, draw):
+        if not hidden.mutants or len(chosen) == most:
+            break
+        states, samples = (_rounded(part, program.precision) for part in drawn)
+        given = placed(program, states, samples)
+        tried += len(next(iter(given.values()), ()))
+        shows = look(step, given, hidden, draw)
+        while len(chosen) < most:
+            best = int(shows.sum(axis=0).argmax())
+            if not shows[:, best].any():
+                break
+            chosen.append([x[best] for x in (*states, *samples)])
+            kept = np.logical_not(shows[:, best])
+            pairs = zip(hidden.mutants, kept, strict=True)
+            hidden.mutants = [one for one, stays in pairs if stays]
+            shows = shows[kept]
+        hidden.idle &= set(hidden.mutants)
+    fields = [*program.state, *program.inputs]
+    whole = [
+        np.array([one[k] for one in chosen]).reshape(len(chosen), *f.shape)
+        for k, f in enumerate(fields)
+    ]
+    own = len(program.state)
+    return Found(whole[:own], whole[own:], len(chosen), tried, len(hidden.idle))
+
+
+def _by_changes(step: Step, given: Given, hidden: _Hidden, draw: np.random.Generator) -> np.ndarray:
+    """Which constants show in which steps, ``(M, B)``, by a change of each."""
+    mutants, idle = hidden.mutants, sorted(hidden.idle)
+    count = max(map(len, given.values()), default=1)
+    whole = np.zeros((len(mutants), count), bool)
+    # Rounding is measured where a change shows at all, which is in few of the later steps.
+    exact = plain(step, given)
+    some = detected(step, given, mutants, exact, 2.0).any(axis=0)
+    some |= detected(step, given, idle, exact, 1.0, change=1.0).any(axis=0)
+    if some.any():
+        part = {k: x[some] for k, x in given.items()}
+        right = expected(step, part, draw)
+        whole[:, some] = detected(step, part, mutants, right, 2.0)
+        doubled = np.atleast_1d(detected(step, part, idle, right, 1.0, change=1.0).any(axis=1))
+        hidden.idle = {one for one, shows in zip(idle, doubled, strict=True) if not shows}
+    return whole
+
+
+def _by_derivatives(
+    step: Step, given: Given, hidden: _Hidden, draw: np.random.Generator
+) -> np.ndarray:
+    """The same by derivatives, which take one pass for all constants."""
+    found = moves(step, given, expected(step, given, draw), draw)
+    hidden.idle = {one for one in hidden.idle if not found[one].any()}
+    return np.array([found[one] > _CLEAR for one in hidden.mutants])
+
+
+def _batches(
+    step: Step, around: Around, draw: np.random.Generator
+) -> Iterator[tuple[Arrays, Arrays]]:
+    rounds = _FEW if len(step.order) > LONG else _ROUNDS
+    yield from (around.drawn(draw, _BATCH) for _ in range(rounds))
+    if len(step.order) <= LONG:
+        yield from beside_limits(step, around, draw)
+
+
+def unplaced(fields: list[Field], rows: np.ndarray) -> tuple[Arrays, np.ndarray]:
+    """Rows of stored entries as arrays ``(B, ...)`` of each field, and the rows that remain."""
+    found = []
+    for field in fields:
+        own, rows = rows[: field.size], rows[field.size :]
+        array = np.zeros((own.shape[1], *field.shape))
+        for row, index in zip(own, field.entries(), strict=True):
+            array[_at(index)] = row
+            if field.half:
+                array[_at(index[::-1])] = row
+        found.append(array)
+    return found, rows
+
+
+def _at(index: tuple[int, ...]) -> tuple[slice | int, ...]:
+    return (slice(None), *index)
+
+
+def _rounded(arrays: Arrays, precision: Precision) -> Arrays:
+    """Numbers that the precision has."""
+    if precision == "double":
+        return arrays
+    with np.errstate(all="ignore"):
+        return [x.astype(np.float32).astype(float) if x.dtype.kind == "f" else x for x in arrays]

@@ -1,0 +1,66 @@
+"""Sine and cosine of one angle together, in C, without a call."""
+
+import math
+
+HEAD = """\
+typedef struct { double sine, cosine; } pair;
+
+static __attribute__((noinline, cold)) pair by_library(double x)
+{
+    const pair both = {sin(x), cos(x)};
+    return both;
+}
+"""
+_TEXT = """
+static inline __attribute__((always_inline)) pair circular(double x)
+{{
+#if defined __FMA__ || defined __ARM_FEATURE_FMA
+    if (!(fabs(x) < {largest})) {{
+        return by_library(x);
+    }}
+    const double k = __builtin_rint(x * {turns});
+    const double r = __builtin_fma(-k, {low}, __builtin_fma(-k, {high}, x));
+    const double z = r * r, w = z * z;
+    const double s = r + r * z * ({sine});
+    const double c = 1.0 - (0.5 * z - w * ({cosine}));
+    const int q = (int)k;
+    const double one = (q & 1) ? c : s, other = (q & 1) ? s : c;
+    const pair both = {{(q & 2) ? -one : one, ((q + 1) & 2) ? -other : other}};
+    return both;
+#else
+    return by_library(x);
+#endif
+}}
+"""
+_LARGEST = 1e5
+"""The largest angle whose distance from a multiple of a quarter turn two numbers still tell."""
+_LOW = 6.123233995736766e-17
+"""A quarter turn less its double."""
+
+
+def sines() -> str:
+    """A type ``pair`` and a function ``circular`` from an angle to its sine and cosine.
+
+    The angle is reduced to at most an eighth of a turn, where the series are exact to rounding.
+    NaN, infinity and many turns go to the library.
+    """
+    signs = [(-1) ** k for k in range(1, 9)]
+    sine = [s / math.factorial(2 * k + 1) for k, s in enumerate(signs, 1)]
+    cosine = [-s / math.factorial(2 * k + 2) for k, s in enumerate(signs, 1)]
+    return HEAD + _TEXT.format(
+        largest=_LARGEST,
+        turns=repr(2 / math.pi),
+        high=repr(math.pi / 2),
+        low=_LOW,
+        sine=_series(sine),
+        cosine=_series(cosine),
+    )
+
+
+def _series(factors: list[float]) -> str:
+    """A series in z, by pairs of terms: half as many operations wait for one another."""
+    text = ""
+    for k in reversed(range(0, len(factors), 2)):
+        two = f"({factors[k]!r} + z * {factors[k + 1]!r})"
+        text = f"{two} + w * ({text})" if text else two
+    return text
