@@ -32,13 +32,18 @@ def main(arguments: list[str]) -> int:
 
 def install(locked: str) -> None:
     """Make .venv, if it is not there, and install the locked versions and this project."""
-    if not PYTHON.exists():
+    new = not PYTHON.exists()
+    if new:
         venv.create(HOME, with_pip=True)
     pip = (PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check")
+    if new:  # all processors compile at once what pip compiles file by file
+        pip += ("--no-compile",)
     # Hashes cannot be checked for a folder, so the project itself comes in a second step.
     for step in (("--require-hashes", "-r", locked), ("--no-deps", "--no-build-isolation", ".")):
         if call(*pip, *step, folder=ROOT):
             sys.exit("the installation failed; the lines above say why")
+    if new:  # some packages hold templates that are no Python: no fault
+        call(PYTHON, "-m", "compileall", "-qq", "-j", "0", HOME, folder=ROOT)
 
 
 def call(*command: str | Path, folder: Path) -> int:

@@ -1,5 +1,7 @@
 import gc
 import os
+import shutil
+import tempfile
 
 import pytest
 from hypothesis import settings
@@ -37,7 +39,31 @@ settings.register_profile("tests", deadline=None, derandomize=True, max_examples
 settings.load_profile("tests")
 
 
+def pytest_configure(config):
+    """One cache of compiled code for all processes of a session; no test touches the user's."""
+    if "TUNER_CACHE" not in os.environ:  # workers find that of the process that started them
+        os.environ["TUNER_CACHE"] = folder = tempfile.mkdtemp(prefix="compiled")
+        config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+        config.add_cleanup(lambda: os.environ.pop("TUNER_CACHE", None))
+
+
 @pytest.fixture(scope="session", autouse=True)
-def own_cache(tmp_path_factory):
-    """No test touches the user's cache of compiled code."""
-    os.environ.setdefault("TUNER_CACHE", str(tmp_path_factory.mktemp("compiled")))
+def kept_programs():
+    """What one process compiled, no other one compiles again."""
+    from tuner.run.cache import use_cache
+
+    assert use_cache()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def rough():
+    """Pictures are drawn without the layout that measures every text, half of their time.
+
+    It is what is yielded: tests/tuner/test_drawing.py looks at where things stand.
+    """
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    with pytest.MonkeyPatch.context() as patch:
+        measuring = ConstrainedLayoutEngine.execute
+        patch.setattr(ConstrainedLayoutEngine, "execute", lambda *_: None)
+        yield measuring

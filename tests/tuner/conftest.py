@@ -1,5 +1,6 @@
 import os
 from importlib.metadata import EntryPoint
+from pathlib import Path
 
 import pytest
 
@@ -9,16 +10,9 @@ from tuner.cli import invoke
 
 
 @pytest.fixture(scope="session")
-def cache(tmp_path_factory):
-    """A compilation cache of this session's own, for this process and those it starts."""
-    folder = tmp_path_factory.mktemp("cache")
-    before = os.environ.get("TUNER_CACHE")
-    os.environ["TUNER_CACHE"] = str(folder)
-    yield folder
-    if before is None:
-        del os.environ["TUNER_CACHE"]
-    else:
-        os.environ["TUNER_CACHE"] = before
+def cache():
+    """The folder of compiled code, for this process and those it starts."""
+    return Path(os.environ["TUNER_CACHE"])
 
 
 @pytest.fixture

@@ -7,6 +7,7 @@ import zlib
 
 import numpy as np
 import pytest
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from tuner.run.drawing import MANY, draw, new_canvas, picture, table
 from tuner.run.figure import Chart, Line, Map, merged
@@ -35,6 +36,14 @@ MAP = Map(
     np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]),
     (Line("best", np.array([1.5]), np.array([15.0])),),
 )
+
+
+@pytest.fixture(scope="module", autouse=True)
+def laid_out(rough):
+    """Pictures as users see them."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(ConstrainedLayoutEngine, "execute", rough)
+        yield
 
 
 def rows(figure):

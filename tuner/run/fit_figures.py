@@ -44,7 +44,7 @@ def _output(posed: Posed, values: Mapping[str, Any], name: str) -> np.ndarray:
 def _attitude(posed: Posed, found: Mapping[str, np.ndarray], part: str) -> Chart:
     """The angle that the objective takes, over time."""
     truth = jnp.asarray(_columns(posed, posed.timeline.truth[posed.output]))
-    angle = jax.vmap(lambda estimate, true: getattr(attitude_error(estimate, true), part))
+    angle = jax.jit(jax.vmap(lambda q, true: getattr(attitude_error(q, true), part)))
     errors = {when: np.degrees(np.asarray(angle(q, truth))) for when, q in found.items()}
     words = "error of the " + ("attitude" if part == "total" else part)
     lines = [_line(posed, when, error) for when, error in errors.items()]
