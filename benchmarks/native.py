@@ -17,6 +17,7 @@ from jax import Array
 from rich.console import Console
 
 from benchmarks.extended import DELTA, DT, NOISE, record
+from benchmarks.gradients import extended
 from benchmarks.table import Row, duration, markdown, show
 from benchmarks.timing import interleave
 from benchmarks.work import Work
@@ -28,6 +29,8 @@ from tuner.native.compiler import NoCodeError, compiler
 
 PART = "Gradients by compiled C"
 SAMPLES, ROUNDS, POINTS = 20_000, 9, 256
+PENDULUMS = (5, 9)
+"""States of extended filters; of 15 a loop with derivatives is too long for C."""
 AGREED = 1e-11
 BUSY = "both ways are vector code, which other work on the machine stretches unequally"
 BACKWARDS = (
@@ -126,6 +129,7 @@ def rows() -> list[Row]:
     found = []
     for name, (problem, target) in posed().items():
         found += [_gradient(name, problem, target), _compiling(name, problem)]
+    found += [_over_a_value(n) for n in PENDULUMS]
     return [*found, _together(Work().problem(Reading.R1))]
 
 
@@ -145,6 +149,43 @@ def _gradient(name: str, problem: Problem, target: float | None) -> Row:
     if target is None:
         note += "; XLA's, where TUNER_NATIVE is not on"
     return _row(name, calls, target, note, f", {problem.gradient_way}")
+
+
+def pendulums(n: int) -> Problem:
+    """An extended filter of n states, of which 12 parameters at most are tuned."""
+    free = min(12, n + 2)
+    filter, build, inputs = extended(n, free)
+    names = [f"p{k}" for k in range(free)]
+    space = Space.of(**{name: Positive(1.0, 1e-3, 1e3) for name in names})
+    noises = lambda values: build(jnp.log(jnp.stack([values[k] for k in names])))  # noqa: E731
+    data = Data(inputs, np.zeros(len(inputs.z)))
+    return Problem("pendulums", space, filter, noises, InnovationLikelihood(), data)
+
+
+def _over_a_value(n: int) -> Row:
+    """A gradient by C over a value by XLA, as a search evaluates both."""
+    problem = pendulums(n)
+    z = problem.space.start()
+    with native("on"):
+        gradient = problem.value_and_gradient(z)[1]
+    apart = float(np.abs(gradient - problem.by_xla(z)[1]).max() / np.abs(gradient).max())
+    if not apart <= AGREED:
+        raise AssertionError(f"the extended filter of {n} states differs by {apart:.1g}")
+    times = interleave(
+        {"C": lambda: problem.value_and_gradient(z), "value": lambda: problem.value(z)}, ROUNDS
+    )
+    ratio = times.ratio("C", "value")
+    return Row(
+        part=PART,
+        what=f"extended filter, {n} states, {len(z)} parameters: gradient",
+        ours=duration(times.median("C")),
+        against=f"XLA, value: {duration(times.median('value'))}",
+        figure=ratio.median,
+        best=ratio.best,
+        target=2.0,
+        note=f"gradients differ by {apart:.0e} of the largest at most",
+        why=BUSY,
+    )
 
 
 def _together(problem: Problem) -> Row:

@@ -46,29 +46,31 @@ from one sample to the next, and C spends its time waiting for that chain.
 
 ## Two ways to a gradient
 
-A search spends its time in `Problem.value_and_gradient`. XLA computes it at first; where the
-record is long enough, C is compiled for it, by the compiler that `CC` names or by `cc`. The
-time loop is traced to a graph of scalars with its derivatives. Whatever never changes over time
-(structural zeros above all) is left out, only one half of a symmetric matrix is stored, and the
-derivatives by up to eight parameters share one vector register. What precedes the
-loop (from a point to the filter's parameters) and what follows it (spectra, means) stays in JAX.
-In `tuner.values_and_gradients` eight points share a vector, unless the objective keeps samples
-until after the loop. In a short loop the first division of a sample, on which everything else
-depends, is started while the derivatives of the previous sample are computed. Common factors of a
-derivative are multiplied once for all directions, sums of products are ordered for multiply-add
-instructions, and sine and cosine of an angle come from one series without a call.
+A search spends its time in `Problem.value_and_gradient`. XLA computes it at first; where the record
+is long enough, C is compiled for it, by the compiler that `CC` names or by `cc`. The time loop is
+traced to a graph of scalars with its derivatives. Whatever never changes over time (structural
+zeros above all) is left out, only one half of a symmetric matrix is stored, and the derivatives by
+up to eight parameters share one vector register; of more parameters there are several, which share
+one pass over the record. What precedes the loop (from a point to the filter's parameters) and what
+follows it (spectra, means) stays in JAX. In `tuner.values_and_gradients` eight points share a
+vector, unless the objective keeps samples until after the loop. In a short loop the first division
+of a sample, on which everything else depends, is started while the derivatives of the previous
+sample are computed. Common factors of a derivative are multiplied once for all directions, sums of
+products are ordered for multiply-add instructions, and sine and cosine of an angle come from one
+series without a call.
 
 - **XLA is the judge.** At the first point both compute value and gradient; where they differ by
   more than 1e-9 of the largest of these numbers, only XLA is used. Values without gradient,
   Hessians and the certificate always come from XLA.
-- **When.** C pays where a search would spend more time in XLA's loop than the compiler takes: (N
-  (1 + n) - 20 000) times the operations of a step is above 70 million, for N samples and n
+- **When.** C pays where a search would spend more time in XLA's loop than the compiler takes:
+  (N (1 + n) - 20 000) times the operations of a step is above 70 million, for N samples and n
   parameters; with six parameters and 500 operations that is from about 23 000 samples. Where XLA
-  goes backwards through the loop, which costs about three passes for any n, C must take at most
-  half as many operations as a step: it does where matrices have zeros, and does not where they
-  are dense. `TUNER_NATIVE=on` uses C wherever it can be compiled, `off` never. `gradient_by` of a
-  `Solution`, also in `result.json`, states the choice and the reason, as in `XLA, forwards: the
-  record is too short for compiling C to pay`.
+  goes backwards through the loop, which costs about three passes for any n, and five in parts, C
+  must take at most half as many operations as a step, or five sixths: it does where matrices have
+  zeros, and of a linear filter does not where they are dense. `TUNER_NATIVE=on` uses C wherever
+  it can be compiled, `off` never. `gradient_by` of a `Solution`, also in `result.json`, states
+  the choice and the reason, as in `XLA, forwards: the record is too short for compiling C to
+  pay`.
 - **What has no C.** XLA runs loops with an operation that scalars do not have (a while loop, a
   decomposition) and loops of more than 12 000 operations with their derivatives. Without a
   compiler, or where it fails or takes more than 30 s, nothing changes.

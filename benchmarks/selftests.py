@@ -20,8 +20,10 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks.without_effect import without_effect
 from tests.filters.battery import CASES
 from tests.tuner.export_cases import tuned
+from tuner.code.array_step import Step
 from tuner.code.document import files
 from tuner.code.form import ready
 from tuner.code.literal import Precision
@@ -57,9 +59,10 @@ class Seen:
         seen: those that it shows.
         formulas: constants in the formulas of a step, each where it is used; 0: not searched.
         shown: those that its single steps show.
-        idle: those that move no result in any step that was looked at, not even doubled.
+        proven: those of the rest that no result depends on.
+        idle: number of those that had no effect in any step that was looked at, not even doubled.
         hidden: lines of C with numbers that it does not show.
-        seconds: taken to write it.
+        seconds: of the processor, taken to write it.
     """
 
     name: str
@@ -69,6 +72,7 @@ class Seen:
     seen: int
     formulas: int
     shown: int
+    proven: int
     idle: int
     hidden: list[str]
     seconds: float
@@ -78,10 +82,10 @@ def judged(case: Any, precision: Precision) -> Seen:
     """What the self-test of a case of the battery sees."""
     stem = re.sub(r"\W+", "_", case.name).strip("_").lower()[:25].strip("_")
     record = jax.tree.map(np.asarray, case.inputs(case.measured))
-    begun = time.perf_counter()
+    begun = time.process_time()
     found = ready(case.filter, case.build(case.point), record, precision)
     form = found.form(stem)
-    taken = time.perf_counter() - begun
+    taken = time.process_time() - begun
     text = files(tuned(name=stem), f"{stem}.h", [form])
     source, lines = changeable(text.source, precision)
     with tempfile.TemporaryDirectory() as name:
@@ -99,6 +103,8 @@ def judged(case: Any, precision: Precision) -> Seen:
             f"{case.name}, {precision}: {rows[0]}, {len(rows) - 1} of {len(lines)}"
         )
     steps = form.reference.steps
+    step = Step(found.program) if found.program is not None else None
+    proven = without_effect(step, steps.undetected) if step and steps else set()
     return Seen(
         case.name,
         precision,
@@ -107,6 +113,7 @@ def judged(case: Any, precision: Precision) -> Seen:
         sum(both != 0 for _, both in rows[1:]),
         steps.constants if steps else 0,
         steps.detected if steps else 0,
+        len(proven),
         steps.idle if steps else 0,
         [line for line, (_, both) in zip(lines, rows[1:], strict=True) if both == 0],
         taken,
@@ -171,26 +178,28 @@ def main(names: list[str]) -> None:
     """Print what is seen and what is not."""
     console = Console(width=140)
     table = Table(
-        *("filter", "in", "numbers", "by samples", "seen", "formulas", "shown", "idle", "s")
+        *("filter", "in", "numbers", "by samples", "seen", "formulas", "shown", "proven"),
+        *("idle", "CPU s"),
     )
     rows = []
     for row in all_judged(names):
         rows.append(row)
-        of = (row.constants, row.by_samples, row.seen, row.formulas, row.shown, row.idle)
-        table.add_row(row.name, row.precision, *map(str, of), f"{row.seconds:.1f}")
+        of = (row.constants, row.by_samples, row.seen, row.formulas, row.shown, row.proven)
+        table.add_row(row.name, row.precision, *map(str, of), str(row.idle), f"{row.seconds:.1f}")
         if names:
             console.print(*row.hidden, sep="\n", markup=False, highlight=False)
     console.print(table)
     for precision in ("double", "float"):
         own = [row for row in rows if row.precision == precision]
-        total, before, seen, formulas, shown, idle = (
+        total, before, seen, formulas, shown, proven, idle = (
             sum(getattr(row, part) for row in own)
-            for part in ("constants", "by_samples", "seen", "formulas", "shown", "idle")
+            for part in ("constants", "by_samples", "seen", "formulas", "shown", "proven", "idle")
         )
         console.print(
             f"{precision}: {seen} of {total} numbers in C are seen, {before} by samples in a row; "
-            f"{shown} of {formulas} constants in formulas show in single steps, "
-            f"{idle} move nothing even when doubled"
+            f"{shown} of {formulas} constants in formulas show in single steps, {proven} have no "
+            f"effect by proof, {idle} had none in any step looked at; "
+            f"{max(row.seconds for row in own):.1f} s of a processor at most"
         )
 
 

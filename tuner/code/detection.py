@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tuner.code.array_step import Given, Noise, Step
-from tuner.code.mutants import CHANGE, Mutant
+from tuner.code.mutants import CHANGE, Mutant, is_limit
 from tuner.code.sensitivity import sensitivities
 
 EPS = {"double": 2.0**-52, "float": 2.0**-23}
@@ -84,23 +84,31 @@ def moves(
 
     The root of the sum of squares, ``(B,)``; 0 in steps that are not compared.
     """
+    good = _compared(step, right)
     found = sensitivities(step, given, allowed(step, right), draw)
-    return {one: np.where(_compared(step, right), size, 0.0) for one, size in found.items()}
+    return {one: np.where(good, size, 0.0) for one, size in found.items()}
 
 
-def number_detected(step: Step, given: Given, right: Expected) -> int:
-    """Number of constants that show in at least one of the steps."""
+def undetected(step: Step, given: Given, right: Expected) -> list[Mutant]:
+    """The constants that show in none of the steps."""
+    mutants = step.mutants
     if not right.exact.shape[1]:
-        return 0
+        return mutants
     if len(step.order) <= LONG:
-        return int(detected(step, given, step.mutants, right, 1.0).any(axis=1).sum())
-    size = {one: x.max() for one, x in moves(step, given, right, np.random.default_rng(2)).items()}
-    clear = sum(bool(x > _CLEAR) for x in size.values())
-    rest = [one for one in step.mutants if one.limit or _FAINT < size[one] <= _CLEAR]
-    parts = (rest[at : at + _PART] for at in range(0, len(rest), _PART))
-    return clear + sum(
-        int(detected(step, given, part, right, 1.0).any(axis=1).sum()) for part in parts
-    )
+        return _unseen(mutants, detected(step, given, mutants, right, 1.0))
+    found = moves(step, given, right, np.random.default_rng(2))
+    size = {one: float(x.max()) for one, x in found.items()}
+    limits = {one for one in mutants if is_limit(step.graph, one)}
+    hidden = [one for one in mutants if one not in limits and size[one] <= _FAINT]
+    rest = [one for one in mutants if one in limits or _FAINT < size[one] <= _CLEAR]
+    for at in range(0, len(rest), _PART):
+        part = rest[at : at + _PART]
+        hidden += _unseen(part, detected(step, given, part, right, 1.0))
+    return hidden
+
+
+def _unseen(mutants: list[Mutant], shows: np.ndarray) -> list[Mutant]:
+    return [one for one, row in zip(mutants, shows, strict=True) if not row.any()]
 
 
 def _compared(step: Step, right: Expected) -> np.ndarray:

@@ -7,6 +7,7 @@ import numpy as np
 
 from tuner.code.graph import Graph
 from tuner.code.nodes import Node
+from tuner.code.operations import COMPARE
 
 CHANGE = 1e-3
 """A constant is changed by this share of itself."""
@@ -41,6 +42,11 @@ def mutants_of(graph: Graph, order: Sequence[int]) -> Iterator[Mutant]:
                 yield Mutant(k, at)
                 if nodes[k].op in ("max", "min"):
                     yield Mutant(k, at, limit=True)
+
+
+def is_limit(graph: Graph, one: Mutant) -> bool:
+    """Whether a constant decides between two results, which depend on it in no smooth way."""
+    return one.limit or graph.nodes[one.node].op in COMPARE
 
 
 def _changes(node: Node) -> bool:

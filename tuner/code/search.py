@@ -10,10 +10,14 @@ from tuner.code.detection import LONG, detected, expected, moves, plain
 from tuner.code.fields import Field
 from tuner.code.limits import beside_limits
 from tuner.code.literal import Precision
-from tuner.code.mutants import Mutant
+from tuner.code.mutants import Mutant, is_limit
 from tuner.code.states import Around, Arrays, placed
 
 _BATCH, _ROUNDS, _FEW = 64, 8, 4
+_LONGEST = 15_000
+"""Operations of a step beyond which no states beside limits are looked for."""
+_TOGETHER = 32
+"""Limits of a long step that are changed together."""
 _CLEAR = 10.0
 """The move over its tolerance, of the results together, from which one of them probably shows."""
 
@@ -103,10 +107,17 @@ def _by_changes(step: Step, given: Given, hidden: _Hidden, draw: np.random.Gener
 def _by_derivatives(
     step: Step, given: Given, hidden: _Hidden, draw: np.random.Generator
 ) -> np.ndarray:
-    """The same by derivatives, which take one pass for all constants."""
-    found = moves(step, given, expected(step, given, draw), draw)
-    hidden.idle = {one for one in hidden.idle if not found[one].any()}
-    return np.array([found[one] > _CLEAR for one in hidden.mutants])
+    """The same by derivatives, which take one pass for all constants; limits have none."""
+    right = expected(step, given, draw)
+    found = moves(step, given, right, draw)
+    shows = np.array([found[one] > _CLEAR for one in hidden.mutants])
+    limits = [k for k, one in enumerate(hidden.mutants) if is_limit(step.graph, one)]
+    for at in range(0, len(limits), _TOGETHER):
+        part = limits[at : at + _TOGETHER]
+        shows[part] = detected(step, given, [hidden.mutants[k] for k in part], right, 2.0)
+    moved = {one for k, one in enumerate(hidden.mutants) if shows[k].any() or found[one].any()}
+    hidden.idle -= moved
+    return shows
 
 
 def _batches(
@@ -114,7 +125,7 @@ def _batches(
 ) -> Iterator[tuple[Arrays, Arrays]]:
     rounds = _FEW if len(step.order) > LONG else _ROUNDS
     yield from (around.drawn(draw, _BATCH) for _ in range(rounds))
-    if len(step.order) <= LONG:
+    if len(step.order) <= _LONGEST:
         yield from beside_limits(step, around, draw)
 
 

@@ -8,8 +8,9 @@ import jax
 import numpy as np
 
 from tuner.code.array_step import Step
-from tuner.code.detection import Expected, allowed, expected, number_detected
+from tuner.code.detection import Expected, allowed, expected, undetected
 from tuner.code.fields import Field
+from tuner.code.mutants import Mutant
 from tuner.code.operations import kind_of
 from tuner.code.program import Program
 from tuner.code.reference_filter import SAMPLES, ReferenceFilter
@@ -29,7 +30,7 @@ class Steps:
         expected, after: the outputs, and the next state.
         allowed, allowed_after: their tolerances.
         constants: number of constants in the formulas of a step.
-        detected: number of those that show in these steps when changed by a thousandth.
+        undetected: those that show in none of these steps when changed by a thousandth.
         idle: number of those that had no effect at all: not even doubled, or in a long step by
             their derivatives.
         looked_at: number of steps among which these were found.
@@ -42,9 +43,14 @@ class Steps:
     allowed: Arrays
     allowed_after: Arrays
     constants: int
-    detected: int
+    undetected: list[Mutant]
     idle: int
     looked_at: int
+
+    @property
+    def detected(self) -> int:
+        """Number of constants that show."""
+        return self.constants - len(self.undetected)
 
 
 def searched_steps(
@@ -95,7 +101,7 @@ def _judged(step: Step, found: Found, after: Arrays, outputs: Arrays) -> Steps:
         most_out,
         most,
         len(step.mutants),
-        number_detected(step, {k: x[same] for k, x in given.items()}, right),
+        undetected(step, {k: x[same] for k, x in given.items()}, right),
         found.idle,
         found.tried,
     )
@@ -144,7 +150,7 @@ def drawn_steps(
     right, most = ([x[which] for x in part] for part in (found, allowed))
     starts, given = ([x[which] for x in part] for part in drawn)
     n = len(met)
-    return Steps(starts, given, right[n:], right[:n], most[n:], most[:n], 0, 0, 0, SAMPLES)
+    return Steps(starts, given, right[n:], right[:n], most[n:], most[:n], 0, [], 0, SAMPLES)
 
 
 def _near(x: np.ndarray, dtype: type[np.floating], errors: np.ndarray) -> np.ndarray:

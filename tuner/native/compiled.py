@@ -16,6 +16,7 @@ from jax import Array
 
 from filters import AnyFilter
 from objectives import Data, Objective, is_fold, judged
+from tuner.code.graph import TooLargeError
 from tuner.code.refused import NoCounterpartError
 from tuner.native.compiler import library
 from tuner.native.fused import fused
@@ -102,14 +103,14 @@ class Native:
         """
         run, lanes = self._directions, self._lanes
         numbers, slopes = (np.asarray(part) for part in self._slopes(z))
-        blocks = -(-self.size // lanes)
-        padded = np.zeros((blocks, len(numbers), lanes))
+        blocks, wide = self._blocks, self._vectors * lanes
+        padded = np.zeros((blocks, len(numbers), wide))
         for block, part in enumerate(padded):
-            own = slopes[:, block * lanes : (block + 1) * lanes]
+            own = slopes[:, block * wide : (block + 1) * wide]
             part[:, : own.shape[1]] = own
-        ends = np.empty((1 + len(at), blocks, len(self._iteration.total), 1 + lanes))
+        ends = np.empty((1 + len(at), blocks, len(self._iteration.total), 1 + wide))
         count = len(self._iteration.kept)
-        kept = np.empty((blocks, len(rows) if count else 0, count, 1 + lanes))
+        kept = np.empty((blocks, len(rows) if count else 0, count, 1 + wide))
 
         def go(rows: np.ndarray, ends: np.ndarray) -> None:
             for directions, end, keep in zip(padded, ends, kept, strict=True):
@@ -162,11 +163,27 @@ class Native:
     @property
     def operations(self) -> int:
         """Number of operations per sample; one on all lanes counts once."""
-        return -(-self.size // self._lanes) * self._loop.operations
+        return self._blocks * self._loop.operations
+
+    @property
+    def _vectors(self) -> int:
+        """Number of vectors of directions in the loop."""
+        return self._loop.directions
+
+    @property
+    def _blocks(self) -> int:
+        """Number of passes over the record, for as many directions as there are."""
+        return -(-self.size // (self._vectors * self._lanes))
 
     @cached_property
     def _loop(self) -> Loop:
-        return pipelined(fused(loop(self._iteration, [np.ones(len(self._moves), bool)])))
+        """The loop with all directions, which share its values, or else with one vector of them."""
+        every = [np.ones(len(self._moves), bool)]
+        try:
+            whole = loop(self._iteration, every * -(-self.size // self._lanes))
+        except TooLargeError:
+            whole = loop(self._iteration, every)
+        return pipelined(fused(whole))
 
     @cached_property
     def _directions(self) -> Any:

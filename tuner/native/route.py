@@ -24,8 +24,10 @@ PAYS, COMPILED = 7e7, 2e4
 each operation of a step."""
 AGREED = 1e-9
 """Tolerance of value and gradient against XLA's, over the largest of these numbers."""
-_BACKWARDS = 3
-"""Cost of a backward gradient in passes."""
+BACKWARDS, IN_PARTS = 3, 5
+"""Cost of a backward gradient in passes, and of one in parts."""
+_EVEN = 6
+"""Operations of XLA, those of a step times its passes, over those of C, where both take as long."""
 _MOST = 4000
 """Most operations of a step in C."""
 _FAILURES = (ValueError, TypeError, LookupError, AttributeError, OSError, MemoryError, NoCodeError)
@@ -60,7 +62,7 @@ class Route:
         data: the record.
         size: of a point.
         exact: value and gradient by XLA, with which C is compared once.
-        backwards: whether XLA goes backwards through the loop, at the price of a few passes.
+        backwards: price in passes, where XLA goes backwards through the loop; 0: forwards.
         at: samples where the loop begins anew, and another thread takes over.
         told: the choice in words; "" before it is made.
     """
@@ -69,7 +71,7 @@ class Route:
     data: Data
     size: int
     exact: Callable[[np.ndarray], Both]
-    backwards: bool = False
+    backwards: int = 0
     at: tuple[int, ...] = ()
     told: str = ""
     _single: "Native | None" = None
@@ -140,7 +142,7 @@ class Route:
 
     def _pays(self, shapes: Any, points: int) -> bool:
         samples = len(jax.tree.leaves(self.data.inputs)[0])
-        passes = _BACKWARDS if self.backwards and points == 1 else 1 + self.size
+        passes = self.backwards if self.backwards and points == 1 else 1 + self.size
         turns = samples * passes * points - COMPILED
         if turns * _MOST < PAYS:
             return False
@@ -150,7 +152,8 @@ class Route:
         """Whether derivatives in C cost more than XLA's way back, as through dense matrices."""
         if not self.backwards:
             return False
-        return bool(2 * native.operations > _operations(self.static, self.size, *shapes))
+        most = self.backwards * _operations(self.static, self.size, *shapes)
+        return bool(_EVEN * native.operations > most)
 
     def _agrees(self, found: Both, z: np.ndarray) -> bool:
         """Whether both equal XLA's; also False where XLA's are not finite.

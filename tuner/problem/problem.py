@@ -16,7 +16,7 @@ from tuner.certificate.single_precision import SinglePrecision, single_precision
 from tuner.certificate.solution import Solution
 from tuner.data.source import Source
 from tuner.export.tuned import Quantity
-from tuner.native.route import Route
+from tuner.native.route import BACKWARDS, IN_PARTS, Route
 from tuner.problem.constant_gains import share_of_constant_gains
 from tuner.problem.constraint import Constraint
 from tuner.problem.exported import Exported, Trial, exported_of, held_of, once, quantities_of
@@ -151,7 +151,8 @@ class Problem:
     def route(self) -> Route:
         """Whether its gradient is computed by compiled C, where that pays, or by XLA."""
         if not self._routes:
-            back = self.gradient_way != "forwards"
+            prices = {"forwards": 0, "backwards": BACKWARDS, "backwards in parts": IN_PARTS}
+            back = prices[self.gradient_way]
             lines, whole = self.in_lines, OneRecord(self.static, self.data)
             static, data, at = whole if lines is None else lines.end_to_end()
             self._routes.append(Route(static, data, self.space.size, self.by_xla, back, at))

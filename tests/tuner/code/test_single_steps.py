@@ -1,6 +1,7 @@
 """Single steps of a self-test: whether a wrong constant shows in them."""
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -8,12 +9,16 @@ import numpy as np
 import pytest
 from jax import Array
 
+from benchmarks.without_effect import without_effect
 from tests.tuner.code.compiled import compile_in, needed, ran
 from tests.tuner.export_cases import tuned
 from tuner.code.array_step import Step
 from tuner.code.document import files
 from tuner.code.form import form
+from tuner.code.graph import Graph
+from tuner.code.mutants import mutants_of
 from tuner.code.program import as_graph
+from tuner.code.sensitivity import sensitivities
 from tuner.code.trace import traced
 
 
@@ -83,3 +88,42 @@ def test_a_changed_constant_is_one_lane():
     moved = np.array([np.broadcast_to(lanes[0], (len(step.mutants), 2)) != limited])
     assert moved.any(axis=-1).sum() >= 2
     assert np.broadcast_to(lanes[1], (len(step.mutants), 2)).shape == (len(step.mutants), len(out))
+
+
+def test_derivatives_tell_how_far_a_change_moves_a_result():
+    step = numbers_of("double")
+    x, u = (next(iter(step.program.known[part][0].flat)) for part in ("state", "in"))
+    given = {int(x): np.array([0.03, 5.7]), int(u): np.array([0.02, 0.1])}
+    plain = [np.broadcast_to(row, 2) for row in step.results(given)]
+    changed = step.results(given, step.mutants)
+    for root, row in enumerate(changed):
+        scales = np.full((len(changed), 2), np.inf)
+        scales[root] = 1.0
+        found = sensitivities(step, given, scales, np.random.default_rng(0))
+        moved = np.abs(np.broadcast_to(row, (len(step.mutants), 2)) - plain[root])
+        moved[[k for k, one in enumerate(step.mutants) if not found[one].any()]] = 0.0
+        at, size = moved > 1e-12, np.array([found[one] for one in step.mutants])
+        assert not size[~at].any()
+        shares = size[at] / moved[at]  # of the random weight of that result
+        assert np.allclose(shares, shares[0], rtol=5e-3)
+
+
+def test_constants_of_long_steps_are_judged_by_derivatives(monkeypatch):
+    monkeypatch.setattr("tuner.code.detection.LONG", 0)
+    monkeypatch.setattr("tuner.code.search.LONG", 0)
+    steps = form("bent", Bent(), 0.5, RECORD).reference.steps
+    assert steps.constants - steps.detected <= 1
+    assert len(steps.undetected) == steps.constants - steps.detected
+
+
+def test_what_no_result_depends_on_is_proven():
+    graph = Graph()
+    x, y = graph.input(("in", "x")), graph.input(("in", "y"))
+    missing = graph.apply("isnan", x)
+    divisor = graph.choose(missing, x, graph.constant(1.5))
+    inverse = graph.apply("div", y, divisor)
+    out = graph.choose(missing, inverse, graph.constant(2.5))
+    step = SimpleNamespace(graph=graph, order=graph.reached([out]), roots=[out])
+    mutants = list(mutants_of(graph, step.order))
+    assert [graph.nodes[graph.nodes[k].args[at]].value for k, at, _ in mutants] == [1.5, 2.5]
+    assert without_effect(step, mutants) == {mutants[0]}
