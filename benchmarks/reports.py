@@ -71,6 +71,7 @@ def looked_at(browser, file, view, asked):
     if asked.pictures is not None:
         asked.pictures.mkdir(parents=True, exist_ok=True)
         page.reload()
+        page.evaluate("scrollTo(0, 0)")  # the navigation stays at the top of what is seen
         page.screenshot(path=asked.pictures / f"{file.parent.name}-{view}.png", full_page=True)
     page.close()
     return found + (accessibility(browser, file, view, asked.axe) if asked.axe else [])

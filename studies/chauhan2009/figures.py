@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from studies.chauhan2009.behaviour import TOLERATED, Behaviour
-from studies.chauhan2009.data import BEFORE, MOTIONS, Step, times
+from studies.chauhan2009.data import BEFORE, MOTIONS, Motion, Step, times
 from studies.chauhan2009.paper import DRIVEN, EVERY, MAGNIFIED, STEADY, TRACKED
 from studies.chauhan2009.problems import CONSTANT, estimated
 from studies.chauhan2009.sweep import SHOWN, Sweep, ranges
@@ -44,10 +44,8 @@ def _steady(sweep: Sweep) -> Chart:
         error = _followed(sweep, angle)[1][at][late]
         lines.append(Line(f"{angle:g} deg", t, error))
         errors.append(_rms(error))
-    told = ", ".join(f"{e:.2g} at {angle:g}" for angle, e in zip(STEADY, errors, strict=True))
-    title = (
-        f"Fig. 5 in degrees: the steady error, {told} deg rms, does not grow as the angle shrinks"
-    )
+    told = ", ".join(f"{e:.2g} deg at {angle:g}" for angle, e in zip(STEADY, errors, strict=True))
+    title = f"Fig. 5 in degrees: the rms of the steady error is {told} deg"
     return Chart("fig5_steady", title, "time, s", "pitch error, deg", tuple(lines))
 
 
@@ -105,7 +103,9 @@ class _Part(NamedTuple):
 
 PARTS = {
     "peak": _Part("largest error in 60 s", "random over fuzzy", "%", ratio=True),
-    "settled": _Part(f"last error above {TOLERATED:g} %", "random less fuzzy, s", "s", ratio=False),
+    "settled": _Part(
+        f"time of the last error above {TOLERATED:g} %", "random less fuzzy, s", "s", ratio=False
+    ),
     "ripple": _Part("deviation over the last 60 s", "random over fuzzy", "%", ratio=True),
 }
 
@@ -128,21 +128,23 @@ def _swept(sweep: Sweep) -> Iterator[Chart]:
             lines.append(Line(name, factors, against))
             motion = case.step.motion
             lower[motion] = lower[motion] & (against < (1 if words.ratio else 0))
-        told = [
-            f"{ranges(list(factors[found]), list(factors))} ({motion} steps)"
-            for motion, found in lower.items()
-        ]
+        told = [_lambdas(factors, found, motion) for motion, found in lower.items()]
         same = np.full(2, 1.0 if words.ratio else 0.0)
         equal = Line("as with fuzzy noise", factors[[0, -1]], same, drawn="limit")
         yield Chart(
             name=f"sweep_{part}",
-            title=f"{words.name[0].upper()}{words.name[1:]}: below fuzzy noise's for lambda "
-            f"{' and '.join(told)}",
+            title=f"Random noise has the smaller {words.name} at {' and '.join(told)}",
             x_label="lambda",
             y_label=f"{words.name}, {words.axis}",
             lines=(*lines, equal),
             log="xy" if words.ratio else "x",
         )
+
+
+def _lambdas(factors: np.ndarray, found: np.ndarray, motion: Motion) -> str:
+    """The lambdas that are found, after steps of a kind, in words."""
+    told = f"lambda {ranges(list(factors[found]), list(factors))}" if found.any() else "no lambda"
+    return f"{told} ({motion} steps)"
 
 
 def _mean(found: Behaviour, part: str) -> float:

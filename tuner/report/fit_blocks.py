@@ -59,12 +59,12 @@ def _nis(now: DiagnosticsRecord, before: DiagnosticsRecord) -> str:
 def _tests(before: DiagnosticsRecord, now: DiagnosticsRecord) -> Table:
     was = {found.test: found.verdict for found in before.findings}
     rows = [
-        [found.test, found.what, number(found.statistic, 3), number(found.p, 2), found.verdict,
-         was.get(found.test, "")]
+        [found.test, found.verdict, was.get(found.test, ""), found.what,
+         number(found.statistic, 3), number(found.p, 2)]
         for found in now.findings
     ]  # fmt: skip
-    head = ["test", "statistic", "statistic", "chance", "tuned", "before"]
-    return Table("Tests of the innovations", head, rows, frozenset((2, 3)), 4)
+    head = ["test", "tuned", "before", "statistic", "value", "p-value"]
+    return Table("Tests of the innovations", head, rows, frozenset((4, 5)), 1)
 
 
 def determined(result: Result, kept: Kept) -> Iterator[Block]:

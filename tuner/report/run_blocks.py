@@ -9,7 +9,7 @@ from tuner.report.blocks import Block, Commands, Listed, Table, Words
 from tuner.report.pictures import pictures
 from tuner.report.report_json import Kept
 from tuner.report.verdict import main_solution
-from tuner.report.words import amount, counted, label, number, percent, sentence, size
+from tuner.report.words import amount, counted, label, number, percent, sentence, size, unit
 from tuner.run.comparison import Comparison
 from tuner.run.result import Result, SingleRecord, SolutionRecord
 
@@ -17,6 +17,8 @@ SHORT = 12
 """Letters of a checksum that are shown."""
 NAMED = 8
 """Parameters of a search that are named one by one."""
+ROUNDING = 1e-12
+"""A value that is off by this share or less is the same, added up in another order."""
 _FORMATS = (("c", "C for the machine"), ("json", "or toml, npz, csv, mat"))
 
 
@@ -115,7 +117,14 @@ def data(result: Result, kept: Kept) -> Iterator[Block]:
         if about:
             yield Listed(about)
         if record.rows:
-            head, *rows = record.rows
+            head, *given = record.rows
+            rows = [
+                [
+                    unit(cell) if name == "unit" else cell
+                    for name, cell in zip(head, row, strict=True)
+                ]
+                for row in given
+            ]
             title = f"Channels of recording {number_}" if several else "Channels"
             yield Table(title, head, rows, frozenset(range(3, len(head))))
     if kept.recordings > len(kept.records) > 0:
@@ -168,7 +177,7 @@ def _bytes(count: int | None) -> str:
 
 
 def _deviation(change: float | None) -> str:
-    return "the same" if not change else f"{number(change, 2)} off"
+    return "the same" if abs(change or 0.0) < ROUNDING else f"{number(change, 2)} off"
 
 
 def _single(check: SingleRecord) -> str:

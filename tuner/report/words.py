@@ -111,14 +111,14 @@ def interval(ends: tuple[float | None, float | None] | None, digits: int = 3) ->
 def percent(share: float | None) -> str:
     """A share in per cent.
 
-    >>> [percent(share).replace(HARD, " ") for share in (0.1234, -0.001, 0.9994)]
-    ['12 %', '−0.1 %', '99.9 %']
+    >>> [percent(share).replace(HARD, " ") for share in (0.1234, -0.001, 0.9994, 2e-7)]
+    ['12 %', '−0.1 %', '99.9 %', '2×10⁻⁵ %']
     """
     if share is None or not math.isfinite(share):
         return "\N{EN DASH}"
     told = 100 * share
     text = f"{told:.1f}" if 99 <= abs(told) < 100 else f"{told:.0f}"
-    return f"{text if abs(told) >= 10 else f'{told:.2g}'}{HARD}%".replace("-", MINUS)
+    return f"{text.replace('-', MINUS) if abs(told) >= 10 else number(told, 2)}{HARD}%"
 
 
 def counted(count: int, word: str) -> str:

@@ -48,7 +48,10 @@ def _attitude(posed: Posed, found: Mapping[str, np.ndarray], part: str) -> Chart
     errors = {when: np.degrees(np.asarray(angle(q, truth))) for when, q in found.items()}
     words = "error of the " + ("attitude" if part == "total" else part)
     lines = [_line(posed, when, error) for when, error in errors.items()]
-    return _chart(posed, posed.output, f"{words}, before and after", f"{words}, deg", lines)
+    known = np.isfinite(errors["tuned"]) & np.isfinite(errors["before"])
+    less = float(np.mean((errors["tuned"] < errors["before"])[known])) if known.any() else 0.0
+    title = f"{words} is smaller than before in {100 * less:.0f} % of the samples"
+    return _chart(posed, posed.output, title, f"{words}, deg", lines)
 
 
 def _parts(posed: Posed, name: str, found: Mapping[str, np.ndarray]) -> Iterator[Chart]:
@@ -57,7 +60,6 @@ def _parts(posed: Posed, name: str, found: Mapping[str, np.ndarray]) -> Iterator
     if posed.output:
         shown["truth"] = _columns(posed, posed.timeline.truth[posed.output])
     unit = f", {posed.unit}" if posed.unit else ""
-    words = "before, tuned and true" if posed.output else "before and after"
     drawn: Drawn = "curve" if posed.output else "points"
     for i, axis in enumerate(axes):
         called = f"{name} {axis}".rstrip()
@@ -67,7 +69,17 @@ def _parts(posed: Posed, name: str, found: Mapping[str, np.ndarray]) -> Iterator
             _line(posed, when, np.where(seen, columns[:, i], np.nan), drawn)
             for when, columns in shown.items()
         ]
-        yield _chart(posed, called, f"{called}: {words}", f"{called}{unit}", lines)
+        title = f"{called}, before and after"
+        if posed.output:
+            off = {when: _rms(found[when][:, i] - shown["truth"][:, i]) for when in found}
+            title = f"{called}: {off['tuned']:.3g}{unit.strip(',')} rms from the truth, "
+            title += f"{off['before']:.3g} before"
+        yield _chart(posed, called, title, f"{called}{unit}", lines)
+
+
+def _rms(error: np.ndarray) -> float:
+    known = error[np.isfinite(error)]
+    return float(np.sqrt(np.mean(known**2))) if known.size else float("nan")
 
 
 def normalised(posed: Posed, tuned: Mapping[str, Any]) -> Chart:

@@ -95,14 +95,16 @@ def test_a_map():
 
 
 def test_a_chart_of_nothing():
-    (chart,) = made.kept_pictures([made.Shown("figures", made.Chart("a", "b", "x", "y", ()))])
+    (chart,) = made.kept_pictures(
+        [made.ReportFigure("figures", made.Chart("a", "b", "x", "y", ()))]
+    )
     assert drawn(chart).shapes == []
 
 
 def test_axes_of_one_scale():
     track = made.Line("track", np.array([0.0, 10.0]), np.array([0.0, 1.0]))
     chart = made.Chart("track", "A track", "x, m", "y, m", (track,), equal=True)
-    (kept,) = made.kept_pictures([made.Shown("figures", chart)])
+    (kept,) = made.kept_pictures([made.ReportFigure("figures", chart)])
     found = drawn(kept)
     spans = [axis.high - axis.low for axis in (found.x, found.y)]
     assert found.aspect == pytest.approx(spans[0] / spans[1]) == pytest.approx(2.0)
