@@ -1,4 +1,7 @@
-"""The fuzzy law with a window that comes with the data, so that windows share one compilation."""
+"""The tuned filters over whole periods of ticks, with a window that comes with the data.
+
+Windows share one compilation so, and what only a measurement asks for is computed once a period.
+"""
 
 from dataclasses import dataclass, replace
 from functools import partial
@@ -9,53 +12,80 @@ import numpy as np
 from jax import Array
 
 from filters import GpsAidedKalman, GpsAidedNoise, GpsAidedSample, Lanes
-from filters.gps_aided import GpsAidedOutputs, GpsAidedState
+from filters.gps_aided import GpsAidedState
+from filters.kalman import Estimate
+from filters.protocol import over_time
 from objectives import Data
 from studies.chauhan2009.data import Records
+from studies.chauhan2009.paper import EVERY
 from tuner.problem.exported import Exported, Trial, exported_of
 
 
-class WindowedSample(NamedTuple):
-    """A tick's inputs, and how many residuals the law may take, ``()``."""
+class Period(NamedTuple):
+    """The ticks from one measurement to the next.
 
-    sample: GpsAidedSample
+    Attributes:
+        gyr: rates of the ticks, rad/s, ``(EVERY, 3)``.
+        angles: what is measured at the last one, rad, ``(3,)``.
+        most: how many residuals the law may take, ``()``.
+    """
+
+    gyr: Array
+    angles: Array
     most: Array
 
 
 @dataclass(frozen=True)
-class Windowed:
-    """A fuzzy filter that never counts more residuals than its data say.
+class ByPeriod:
+    """A filter that takes a period at a time; its outputs are the angles at the ticks.
 
-    With the newest of a longer window it finds what a filter with the shorter one finds.
+    It finds what the filter finds tick by tick. With the newest of a longer window it finds what a
+    filter with the shorter one finds.
 
     Attributes:
-        filter: with the longest window.
+        law: the filter, with the longest window.
     """
 
-    filter: GpsAidedKalman
-    same_params = True
+    law: GpsAidedKalman
 
     def init(self, params: GpsAidedNoise) -> GpsAidedState:
         """The filter's own start."""
-        return self.filter.init(params)
+        return self.law.init(params)
 
     def step(
-        self, params: GpsAidedNoise, state: GpsAidedState, inputs: WindowedSample
-    ) -> tuple[GpsAidedState, GpsAidedOutputs]:
-        """Take one sample, which adds one residual at most."""
+        self, params: GpsAidedNoise, state: GpsAidedState, inputs: Period
+    ) -> tuple[GpsAidedState, Array]:
+        """Take one period, which adds one residual at most; the angles, rad, ``(EVERY, 3)``."""
+
+        def tick(estimate: Estimate, rate: Array) -> tuple[Estimate, Array]:
+            ahead = self.law.ahead(state._replace(estimate=estimate), rate)
+            return ahead, self.law.angles(ahead.x)
+
+        ahead, angles = over_time(tick, state.estimate, inputs.gyr)
         known = state.residuals
         short = known._replace(taken=jnp.minimum(known.taken, inputs.most - 1))
-        return self.filter.step(params, state._replace(residuals=short), inputs.sample)
+        last = GpsAidedSample(inputs.gyr[-1], inputs.angles)
+        state, outputs = self.law.corrected(params, state._replace(residuals=short), ahead, last)
+        return state, jnp.concatenate([angles[:-1], outputs.angles[None]])
 
 
-def windowed(made: Records, samples: int) -> Data:
-    """Records with a window for :class:`Windowed`."""
-    most = np.full(np.shape(made.truth), float(samples))
-    return Data(WindowedSample(made.inputs, jnp.asarray(most)), made.truth)
+def by_period(made: Records, samples: int) -> Data:
+    """Records for :class:`ByPeriod`, filled up to whole periods by NaN."""
+    gyr, truth = (_periods(np.asarray(part)) for part in (made.inputs.gyr, made.truth))
+    angles = _periods(np.asarray(made.inputs.angles))[:, :, -1]
+    most = np.full(truth.shape[:2], float(samples))
+    return Data(Period(gyr, angles, most), truth)
+
+
+def _periods(ticks: np.ndarray) -> np.ndarray:
+    """Ticks ``(N, k, ...)`` by periods, ``(M, k, EVERY, ...)``."""
+    more = [(0, -len(ticks) % EVERY), *[(0, 0)] * (ticks.ndim - 1)]
+    full = np.pad(ticks, more, constant_values=np.nan)
+    return np.moveaxis(full.reshape(-1, EVERY, *ticks.shape[1:]), 1, 2)
 
 
 def exported(filter: GpsAidedKalman, made: Records) -> Exported:
-    """The export of a filter that is tuned as :class:`Windowed`: itself."""
+    """The export of a filter that is tuned as :class:`ByPeriod`: itself."""
     return replace(exported_of(filter), runs=partial(_itself, filter, made))
 
 
