@@ -114,9 +114,9 @@ class PitchRmse:
     skipped: int
     ticks: int
 
-    def __call__(self, outputs: Array, truth: Array) -> Array:
+    def __call__(self, outputs: GpsAidedOutputs, truth: Array) -> Array:
         """The error of one record, by periods, ``()``."""
-        error = (outputs[..., 1] - truth).ravel()[self.skipped : self.ticks]
+        error = (outputs.angles[..., 1] - truth).ravel()[self.skipped : self.ticks]
         return jnp.degrees(jnp.sqrt((error**2).mean()))
 
 

@@ -5,14 +5,14 @@ Windows share one compilation so, and what only a measurement asks for is comput
 
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
 from filters import GpsAidedKalman, GpsAidedNoise, GpsAidedSample, Lanes
-from filters.gps_aided import GpsAidedState
+from filters.gps_aided import GpsAidedOutputs, GpsAidedState
 from filters.kalman import Estimate
 from filters.protocol import over_time
 from objectives import Data
@@ -37,51 +37,54 @@ class Period(NamedTuple):
 
 @dataclass(frozen=True)
 class ByPeriod:
-    """A filter that takes a period at a time; its outputs are the angles at the ticks.
+    """A filter that takes a period at a time; its output is the angles at the ticks alone.
 
     It finds what the filter finds tick by tick. With the newest of a longer window it finds what a
     filter with the shorter one finds.
 
     Attributes:
-        law: the filter, with the longest window.
+        filter: the filter, with the longest window.
     """
 
-    law: GpsAidedKalman
+    filter: GpsAidedKalman
+    same_params = True
 
     def init(self, params: GpsAidedNoise) -> GpsAidedState:
         """The filter's own start."""
-        return self.law.init(params)
+        return self.filter.init(params)
 
     def step(
         self, params: GpsAidedNoise, state: GpsAidedState, inputs: Period
-    ) -> tuple[GpsAidedState, Array]:
-        """Take one period, which adds one residual at most; the angles, rad, ``(EVERY, 3)``."""
+    ) -> tuple[GpsAidedState, GpsAidedOutputs]:
+        """Take one period, which adds one residual at most; the angles are ``(EVERY, 3)``."""
 
         def tick(estimate: Estimate, rate: Array) -> tuple[Estimate, Array]:
-            ahead = self.law.ahead(state._replace(estimate=estimate), rate)
-            return ahead, self.law.angles(ahead.x)
+            ahead = self.filter.ahead(state._replace(estimate=estimate), rate)
+            return ahead, self.filter.angles(ahead.x)
 
         ahead, angles = over_time(tick, state.estimate, inputs.gyr)
         known = state.residuals
         short = known._replace(taken=jnp.minimum(known.taken, inputs.most - 1))
         last = GpsAidedSample(inputs.gyr[-1], inputs.angles)
-        state, outputs = self.law.corrected(params, state._replace(residuals=short), ahead, last)
-        return state, jnp.concatenate([angles[:-1], outputs.angles[None]])
+        state, outputs = self.filter.corrected(params, state._replace(residuals=short), ahead, last)
+        whole = jnp.concatenate([angles[:-1], outputs.angles[None]])
+        nothing: Any = dict.fromkeys(GpsAidedOutputs._fields)
+        return state, GpsAidedOutputs(**nothing | {"angles": whole})
 
 
 def by_period(made: Records, samples: int) -> Data:
     """Records for :class:`ByPeriod`, filled up to whole periods by NaN."""
-    gyr, truth = (_periods(np.asarray(part)) for part in (made.inputs.gyr, made.truth))
-    angles = _periods(np.asarray(made.inputs.angles))[:, :, -1]
-    most = np.full(truth.shape[:2], float(samples))
-    return Data(Period(gyr, angles, most), truth)
+    gyr, angles, truth = map(_periods, (made.inputs.gyr, made.inputs.angles, made.truth))
+    most = jnp.full(truth.shape[:2], float(samples))
+    return Data(Period(gyr, angles[:, :, -1], most), truth)
 
 
-def _periods(ticks: np.ndarray) -> np.ndarray:
+def _periods(part: Array) -> Array:
     """Ticks ``(N, k, ...)`` by periods, ``(M, k, EVERY, ...)``."""
+    ticks = np.asarray(part)
     more = [(0, -len(ticks) % EVERY), *[(0, 0)] * (ticks.ndim - 1)]
     full = np.pad(ticks, more, constant_values=np.nan)
-    return np.moveaxis(full.reshape(-1, EVERY, *ticks.shape[1:]), 1, 2)
+    return jnp.asarray(np.moveaxis(full.reshape(-1, EVERY, *ticks.shape[1:]), 1, 2))
 
 
 def exported(filter: GpsAidedKalman, made: Records) -> Exported:

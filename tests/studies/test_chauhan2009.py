@@ -143,7 +143,7 @@ def test_a_window_that_comes_with_the_data_is_the_filter_with_that_window(sample
     own = problems._run(Lanes(replace(FUZZY, samples=samples), 2), params, made.inputs)
     data = by_period(made, samples)
     found = problems._run(Lanes(ByPeriod(FUZZY), 2), params, data.inputs)
-    by_tick = np.moveaxis(np.asarray(found), 2, 1).reshape(-1, 2, 3)[: len(made.truth)]
+    by_tick = np.moveaxis(np.asarray(found.angles), 2, 1).reshape(-1, 2, 3)[: len(made.truth)]
     np.testing.assert_allclose(by_tick, own.angles, rtol=0, atol=1e-12)
 
 
