@@ -75,7 +75,7 @@ class ByPeriod:
 def by_period(made: Records, samples: int) -> Data:
     """Records for :class:`ByPeriod`, filled up to whole periods by NaN."""
     gyr, angles, truth = map(_periods, (made.inputs.gyr, made.inputs.angles, made.truth))
-    most = jnp.full(truth.shape[:2], float(samples))
+    most = jnp.asarray(np.full(truth.shape[:2], float(samples)))  # of one type with slices of it
     return Data(Period(gyr, angles[:, :, -1], most), truth)
 
 
