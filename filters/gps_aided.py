@@ -221,9 +221,14 @@ class GpsAidedKalman:
         self, params: GpsAidedNoise, state: GpsAidedState, inputs: GpsAidedSample
     ) -> tuple[GpsAidedState, GpsAidedOutputs]:
         """Predict; where there is a measurement, correct and choose the next Q."""
-        ahead = self._ahead(state, inputs.gyr)
-        angles = self._angles(ahead.x)
-        H = jax.jacfwd(self._angles)(ahead.x)
+        return self.corrected(params, state, self.ahead(state, inputs.gyr), inputs)
+
+    def corrected(
+        self, params: GpsAidedNoise, state: GpsAidedState, ahead: Estimate, inputs: GpsAidedSample
+    ) -> tuple[GpsAidedState, GpsAidedOutputs]:
+        """The second half of a step, from what :meth:`ahead` predicted."""
+        angles = self.angles(ahead.x)
+        H = jax.jacfwd(self.angles)(ahead.x)
         nu = wrapped(inputs.angles - angles)
         found, taken = linearised(ahead, H, params.R, angles + nu, angles)
         seen = ~jnp.isnan(inputs.angles).all()
@@ -234,7 +239,7 @@ class GpsAidedKalman:
         outputs = GpsAidedOutputs(
             after.x,
             after.P,
-            self._angles(after.x),
+            self.angles(after.x),
             state.Q,
             residual,
             taken.innovation,
@@ -242,8 +247,8 @@ class GpsAidedKalman:
         )
         return GpsAidedState(after, Q, residuals), outputs
 
-    def _ahead(self, state: GpsAidedState, rate: Array) -> Estimate:
-        """(3) to (6), without a projection."""
+    def ahead(self, state: GpsAidedState, rate: Array) -> Estimate:
+        """The prediction over one tick, (3) to (6), without a projection."""
         x, P = state.estimate
         half = 0.5 if self.kinematics == "half" else 1.0
         turn = half * turning(or_else(rate, x[4:]) - x[4:])
@@ -257,7 +262,8 @@ class GpsAidedKalman:
         q = x[:4] + self.dt * matmul(turn, x[:4])
         return Estimate(jnp.concatenate([q / jnp.sqrt(q @ q), x[4:]]), P)
 
-    def _angles(self, x: Array) -> Array:
+    def angles(self, x: Array) -> Array:
+        """Roll, pitch and yaw of a state, rad, ``(3,)``."""
         return euler_angles(x[:4], homogeneous=self.euler == "homogeneous")
 
     def _normalised(self, found: Estimate, seen: Array) -> Estimate:

@@ -55,7 +55,28 @@ def run(
     """
     params = unfolded(params, inputs)
     start = filter.init(params)
-    return over_time(lambda s, u: filter.step(params, s, u), start, inputs, unroll=unroll)
+    return over_time(lambda s, u: step_of(filter, params, s, u), start, inputs, unroll=unroll)
+
+
+def step_of(filter: Any, params: Any, state: Any, inputs: Any) -> tuple[Any, Any]:
+    """A filter's step, which is traced once for all programs that it is a part of.
+
+    A filter that cannot be told from others, for it has no hash, is traced anew each time.
+    """
+    try:
+        hash(filter)
+    except TypeError:
+        stepped: tuple[Any, Any] = filter.step(params, state, inputs)
+    else:
+        stepped = _traced(filter, params, state, inputs)
+    return stepped
+
+
+_traced = jax.jit(
+    lambda filter, params, state, inputs: filter.step(params, state, inputs),
+    static_argnums=0,
+    inline=True,
+)
 
 
 def over_time(

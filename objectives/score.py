@@ -10,6 +10,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from filters import AnyFilter, Settling, run, run_kept, summed
+from filters.protocol import step_of
 from objectives.kinds import Additive
 from objectives.likelihood import InnovationLikelihood, Likely
 
@@ -72,7 +73,7 @@ class Folded:
         self, params: Any, state: tuple[Any, Any], inputs: Data
     ) -> tuple[tuple[Any, Any], Any]:
         """One sample of the filter, then of the objective."""
-        inner, output = self.filter.step(params, state[0], inputs.inputs)
+        inner, output = step_of(self.filter, params, state[0], inputs.inputs)
         total, kept = self.fold.update(state[1], output, inputs.truth)
         return (inner, total), kept
 
@@ -203,7 +204,7 @@ class _Adding:
 
     def step(self, params: Any, state: Any, inputs: Data) -> tuple[Any, tuple[Array, Array]]:
         """One sample of the filter, and its terms."""
-        state, output = self.filter.step(params, state, inputs.inputs)
+        state, output = step_of(self.filter, params, state, inputs.inputs)
         return state, self.objective.added(output, inputs.truth)
 
 

@@ -16,7 +16,7 @@ from objectives import Records as OverRecords
 from studies.chauhan2009.data import BEFORE, MOTIONS, Records, Step, records
 from studies.chauhan2009.paper import DT, EVERY
 from studies.chauhan2009.settings import Settings
-from studies.chauhan2009.windows import Windowed, exported, windowed
+from studies.chauhan2009.windows import ByPeriod, by_period, exported
 from tuner.problem.parameters import Bounded, Fixed, Parameter, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.space import Space
@@ -108,17 +108,16 @@ class PitchRmse:
 
     Attributes:
         skipped: ticks before.
+        ticks: of a record; what fills up its last period is left out.
     """
 
     skipped: int
+    ticks: int
 
     def __call__(self, outputs: GpsAidedOutputs, truth: Array) -> Array:
-        """The error of one record, ``()``."""
-        error = (outputs.angles[:, 1] - truth)[self.skipped :]
+        """The error of one record, by periods, ``()``."""
+        error = (outputs.angles[..., 1] - truth).ravel()[self.skipped : self.ticks]
         return jnp.degrees(jnp.sqrt((error**2).mean()))
-
-
-OBJECTIVE = OverRecords(PitchRmse(round(BEFORE / DT)))
 
 
 def space(law: str, noise: float) -> Space:
@@ -177,19 +176,18 @@ def _posed(settings: Settings, name: str, made: Records) -> Problem:
     return Problem(
         name=name,
         space=space(law, settings.noise),
-        filter=Lanes(Windowed(longest) if law == "fuzzy" else own, made.truth.shape[1]),
+        filter=Lanes(ByPeriod(longest if law == "fuzzy" else own), made.truth.shape[1]),
         build=parameters,
-        objective=OBJECTIVE,
+        objective=OverRecords(PitchRmse(round(BEFORE / DT), len(made.truth))),
         data=data_of(settings, name, made),
         source=made.source,
-        exported=exported(own, made) if law == "fuzzy" else None,
+        exported=exported(own, made),
     )
 
 
 def data_of(settings: Settings, name: str, made: Records) -> Data:
     """Records as the problem of a filter takes them."""
-    law, own = filters(settings)[name]
-    return windowed(made, own.samples) if law == "fuzzy" else Data(made.inputs, made.truth)
+    return by_period(made, filters(settings)[name][1].samples)
 
 
 def judged_by_hand(settings: Settings, made: Records) -> float:

@@ -1,8 +1,11 @@
-"""The fuzzy law with a window that comes with the data, so that windows share one compilation."""
+"""The tuned filters over whole periods of ticks, with a window that comes with the data.
+
+Windows share one compilation so, and what only a measurement asks for is computed once a period.
+"""
 
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -10,26 +13,37 @@ from jax import Array
 
 from filters import GpsAidedKalman, GpsAidedNoise, GpsAidedSample, Lanes
 from filters.gps_aided import GpsAidedOutputs, GpsAidedState
+from filters.kalman import Estimate
+from filters.protocol import over_time
 from objectives import Data
 from studies.chauhan2009.data import Records
+from studies.chauhan2009.paper import EVERY
 from tuner.problem.exported import Exported, Trial, exported_of
 
 
-class WindowedSample(NamedTuple):
-    """A tick's inputs, and how many residuals the law may take, ``()``."""
+class Period(NamedTuple):
+    """The ticks from one measurement to the next.
 
-    sample: GpsAidedSample
+    Attributes:
+        gyr: rates of the ticks, rad/s, ``(EVERY, 3)``.
+        angles: what is measured at the last one, rad, ``(3,)``.
+        most: how many residuals the law may take, ``()``.
+    """
+
+    gyr: Array
+    angles: Array
     most: Array
 
 
 @dataclass(frozen=True)
-class Windowed:
-    """A fuzzy filter that never counts more residuals than its data say.
+class ByPeriod:
+    """A filter that takes a period at a time; its output is the angles at the ticks alone.
 
-    With the newest of a longer window it finds what a filter with the shorter one finds.
+    It finds what the filter finds tick by tick. With the newest of a longer window it finds what a
+    filter with the shorter one finds.
 
     Attributes:
-        filter: with the longest window.
+        filter: the filter, with the longest window.
     """
 
     filter: GpsAidedKalman
@@ -40,22 +54,41 @@ class Windowed:
         return self.filter.init(params)
 
     def step(
-        self, params: GpsAidedNoise, state: GpsAidedState, inputs: WindowedSample
+        self, params: GpsAidedNoise, state: GpsAidedState, inputs: Period
     ) -> tuple[GpsAidedState, GpsAidedOutputs]:
-        """Take one sample, which adds one residual at most."""
+        """Take one period, which adds one residual at most; the angles are ``(EVERY, 3)``."""
+
+        def tick(estimate: Estimate, rate: Array) -> tuple[Estimate, Array]:
+            ahead = self.filter.ahead(state._replace(estimate=estimate), rate)
+            return ahead, self.filter.angles(ahead.x)
+
+        ahead, angles = over_time(tick, state.estimate, inputs.gyr)
         known = state.residuals
         short = known._replace(taken=jnp.minimum(known.taken, inputs.most - 1))
-        return self.filter.step(params, state._replace(residuals=short), inputs.sample)
+        last = GpsAidedSample(inputs.gyr[-1], inputs.angles)
+        state, outputs = self.filter.corrected(params, state._replace(residuals=short), ahead, last)
+        whole = jnp.concatenate([angles[:-1], outputs.angles[None]])
+        nothing: Any = dict.fromkeys(GpsAidedOutputs._fields)
+        return state, GpsAidedOutputs(**nothing | {"angles": whole})
 
 
-def windowed(made: Records, samples: int) -> Data:
-    """Records with a window for :class:`Windowed`."""
-    most = np.full(np.shape(made.truth), float(samples))
-    return Data(WindowedSample(made.inputs, jnp.asarray(most)), made.truth)
+def by_period(made: Records, samples: int) -> Data:
+    """Records for :class:`ByPeriod`, filled up to whole periods by NaN."""
+    gyr, angles, truth = map(_periods, (made.inputs.gyr, made.inputs.angles, made.truth))
+    most = jnp.asarray(np.full(truth.shape[:2], float(samples)))  # of one type with slices of it
+    return Data(Period(gyr, angles[:, :, -1], most), truth)
+
+
+def _periods(part: Array) -> Array:
+    """Ticks ``(N, k, ...)`` by periods, ``(M, k, EVERY, ...)``."""
+    ticks = np.asarray(part)
+    more = [(0, -len(ticks) % EVERY), *[(0, 0)] * (ticks.ndim - 1)]
+    full = np.pad(ticks, more, constant_values=np.nan)
+    return jnp.asarray(np.moveaxis(full.reshape(-1, EVERY, *ticks.shape[1:]), 1, 2))
 
 
 def exported(filter: GpsAidedKalman, made: Records) -> Exported:
-    """The export of a filter that is tuned as :class:`Windowed`: itself."""
+    """The export of a filter that is tuned as :class:`ByPeriod`: itself."""
     return replace(exported_of(filter), runs=partial(_itself, filter, made))
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
+from filters import protocol
 from tuner.problem import programs, samples, surface
 
 MOST = 24
@@ -21,5 +22,5 @@ def forget_old_ones() -> None:
 
 
 def _compiled() -> Iterator[Any]:
-    for module in (programs, samples, surface):
+    for module in (protocol, programs, samples, surface):
         yield from (each for each in vars(module).values() if hasattr(each, "clear_cache"))

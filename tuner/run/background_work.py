@@ -1,10 +1,12 @@
 """Compiling and importing what a fit needs later, while it is planned and solved."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from importlib import import_module
+from typing import Any
 
 import jax
+import numpy as np
 
 from tuner.certificate.single_precision import halved
 from tuner.problem.problem import Problem
@@ -39,8 +41,7 @@ def compile_ahead(problem: Problem) -> None:
     XLA compiles without the interpreter's lock. What fails here fails again where it is needed,
     and is told there.
     """
-    leaves = jax.tree.leaves(problem.data.inputs)
-    if not problem.space.size or not leaves or len(leaves[0]) > LONG_RECORD:
+    if not _is_short(problem):
         return
     z = problem.space.start()
     for trial in (
@@ -52,6 +53,30 @@ def compile_ahead(problem: Problem) -> None:
     ):
         with suppress(Exception):
             trial()
+
+
+def differentiate(problem: Any) -> None:
+    """Compile a problem's gradient, which every certificate takes, where its search would begin."""
+    if _is_short(problem):
+        with suppress(Exception):
+            problem.by_xla(problem.space.start())
+
+
+def of_each_program(problems: Iterable[Any]) -> list[Problem]:
+    """One problem of those that share their compilations, in order; convex programs have none."""
+    found: dict[Any, Problem] = {}
+    for problem in problems:
+        if isinstance(problem, Problem):
+            leaves, tree = jax.tree.flatten(problem.data)
+            shapes = tuple((np.shape(leaf), np.asarray(leaf).dtype) for leaf in leaves)
+            found.setdefault((problem.scored, problem.way, shapes, tree), problem)
+    return list(found.values())
+
+
+def _is_short(problem: Problem) -> bool:
+    """Whether there is something to compile, and a trial run takes less time than that."""
+    leaves = jax.tree.leaves(problem.data.inputs)
+    return bool(problem.space.size and leaves and len(leaves[0]) <= LONG_RECORD)
 
 
 def import_report_packages() -> None:

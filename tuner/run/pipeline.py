@@ -22,7 +22,12 @@ from tuner.problem.problem import Problem
 from tuner.report.report_json import Kept as ForReport
 from tuner.report.report_json import kept_pictures, nothing_kept
 from tuner.report.write import KEPT, PAGE, page_of
-from tuner.run.background_work import import_report_packages, in_background
+from tuner.run.background_work import (
+    differentiate,
+    import_report_packages,
+    in_background,
+    of_each_program,
+)
 from tuner.run.drawing import picture, table
 from tuner.run.environment import environment
 from tuner.run.figure import Figure
@@ -109,6 +114,8 @@ class Run:
         self.progress("solving", len(solutions), len(self.plan.tasks))
         self._save(solutions, digests)  # a run that is interrupted at once can go on as well
         with in_background(import_report_packages), at_once(jobs) as pool:
+            for problem in of_each_program(task.problem for task in open_tasks):
+                pool.submit(differentiate, problem)
             futures = {pool.submit(_solved, task): task for task in open_tasks}
             for future in as_completed(futures):
                 task = futures[future]
@@ -153,22 +160,30 @@ class Run:
     def finish(self, solutions: Solutions, formats: tuple[str, ...], begun: float) -> Result:
         """Compare, export, check in single precision and draw; write the result."""
         artifacts = ["study.toml", "environment.json"]
-        self.progress("comparing", 0, 4)
-        comparisons = self.plan.compare(solutions, self.claims)
         exports: list[ExportRecord] = []
         codes: list[CodeRecord] = []
         singles: list[SingleRecord] = []
         found = [(problem, best(problem.name, solutions)) for problem in exported(self.plan)]
         tuned = [self.tuned(problem, solution) for problem, solution in found]
-        for (problem, solution), what in zip(found, tuned, strict=True):
-            self.progress(f"exporting {what.name}", 1, 4)
-            if solution.status.trusted:
-                texts, more, written = self._code(problem, solution, what, formats)
-                exports += [self._export(problem, solution, what, f, texts) for f in formats]
+        with at_once(2) as pool:  # beside the comparisons: compilers free the interpreter
+            made = [
+                pool.submit(self._code, *one, what, formats)
+                for one, what in zip(found, tuned, strict=True)
+            ]
+            checked = [pool.submit(_in_single_precision, *one) for one in found]
+            self.progress("comparing", 0, 4)
+            comparisons = self.plan.compare(solutions, self.claims)
+            for k, (problem, solution) in enumerate(found):
+                self.progress(f"exporting {tuned[k].name}", 1, 4)
+                texts, more, written = made[k].result()
+                if solution.status.trusted:
+                    exports += [
+                        self._export(problem, solution, tuned[k], f, texts) for f in formats
+                    ]
                 artifacts += more
                 codes += written
-            self.progress(f"single precision {what.name}", 2, 4)
-            singles += _in_single_precision(problem, solution)
+                self.progress(f"single precision {tuned[k].name}", 2, 4)
+                singles += checked[k].result()
         artifacts += [record.file for record in exports]
         if self.plan.report is not None:
             artifacts += [self._outputs(problem, solution) for problem, solution in found]
@@ -237,7 +252,7 @@ class Run:
         """The headers with code, other files that were written, and what is told of them."""
         from tuner.run.machine import in_all_variants
 
-        if "c" not in formats:
+        if "c" not in formats or not solution.status.trusted:
             return {}, [], []
         found, records = in_all_variants(tuned, problem.on_machine(solution))
         own = {name: data for name, data in found.items() if name == f"exports/{tuned.name}.h"}
