@@ -21,6 +21,7 @@ from benchmarks import (
     long_records,
     native,
     others,
+    peers_by_size,
     single,
     startup,
     tanaka,
@@ -90,6 +91,7 @@ def _measure(work: Work, limit: Baseline | None, said: Console) -> list[Row]:
         "Tanaka's regression": tanaka.rows,
         "the loop option": lambda: cliff.rows(work),
         "other libraries": lambda: others.rows(work, limit),
+        "other libraries by size": peers_by_size.rows,
     }
     rows: list[Row] = []
     for name, section in sections.items():

@@ -4,7 +4,7 @@ The worst slowdown is silent: without one option XLA interprets a time loop oper
 10 to 100 times slower, and nothing fails. Here the same code runs in two processes, with the option
 and without. Only ratios are judged, with wide margins, so a busy machine does not matter. Of larger
 filters, whose loops are the first to be lost, the compiled text is read, and their likelihoods are
-held against C by the processor's time.
+held against C by their shortest times.
 """
 
 import sys
