@@ -1,6 +1,7 @@
 """A fit behind a gate: what is refused, what is said of it, and what is no gate."""
 
 import json
+from functools import cache
 
 import numpy as np
 import pytest
@@ -28,11 +29,23 @@ def values(fit):
     return np.array([float(fit.solution.parameters[name].value) for name in ("q", "R")])
 
 
-def test_what_is_left_is_as_by_hand():
+@cache
+def behind_a_gate():
+    """The fit of the spoiled level."""
+    return fitted(spoiled()[0], options={"gate": 4})
+
+
+@cache
+def by_hand():
+    """The fit of what is left of it where all that is wrong is taken out."""
     columns, wrong = spoiled()
-    fit = fitted(columns, options={"gate": 4})
-    by_hand = fitted({"z": np.where(wrong, np.nan, columns["z"])})
-    np.testing.assert_allclose(values(fit), values(by_hand), rtol=0.1)
+    return fitted({"z": np.where(wrong, np.nan, columns["z"])})
+
+
+def test_what_is_left_is_as_by_hand():
+    _, wrong = spoiled()
+    fit = behind_a_gate()
+    np.testing.assert_allclose(values(fit), values(by_hand()), rtol=0.1)
     refused = fit.judged.refused
     assert abs(refused.refused - wrong.sum()) <= 2  # one beside the level may pass
     assert f"{refused.refused} of {refused.numbers} numbers rejected" in fit.summary()
@@ -42,19 +55,18 @@ def test_what_is_left_is_as_by_hand():
 def test_heavy_tails_move_little():
     columns, wrong = spoiled()
     fit = fitted(columns, options={"student": 4})
-    by_hand = fitted({"z": np.where(wrong, np.nan, columns["z"])})
     plain = fitted(columns)
-    factors = values(fit) / values(by_hand)
+    factors = values(fit) / values(by_hand())
     assert (factors > 1).all()
     assert (factors < 1.6).all()  # t counts what is wrong as its tails, which widens them
-    assert values(plain)[1] > 50 * values(by_hand)[1]
+    assert values(plain)[1] > 50 * values(by_hand())[1]
     assert "numbers given less than half their weight" in fit.summary()
     assert abs(fit.judged.refused.refused - wrong.sum()) <= 3
 
 
 def test_units_and_starts_do_not_matter():
     columns, _ = spoiled()
-    fit = fitted(columns, options={"gate": 4})
+    fit = behind_a_gate()
     small = fitted({"z": 1e-6 * columns["z"]}, options={"gate": 4})
     other = fitted(columns, options={"gate": 4}, start={"q": 30.0, "R": 1e3})
     np.testing.assert_allclose(values(small), 1e-12 * values(fit), rtol=1e-5)
