@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import AnyFilter
+from filters import AnyFilter, Lanes
 from filters.declared import bare, channel_facts, in_unit, parameter_facts, values_of
 from tuner.certificate.solution import Solution
 from tuner.export.tuned import Quantity
@@ -34,6 +34,21 @@ class Trial(NamedTuple):
     filter: AnyFilter
     params: Any
     inputs: Any
+
+
+def one_of(filter: Any) -> Any:
+    """The filter of one record, of those that may run side by side."""
+    return filter.filter if isinstance(filter, Lanes) else filter
+
+
+def trials_of(filter: Any, params: Any, inputs: Any) -> dict[str, Trial]:
+    """A filter as it is, and its steady form if it has a method ``steady``; nothing of None."""
+    if filter is None:
+        return {}
+    trials = {"full": Trial(filter, params, inputs)}
+    if hasattr(filter, "steady"):
+        trials["steady"] = Trial(*filter.steady(params), inputs)
+    return trials
 
 
 @dataclass(frozen=True)
