@@ -8,7 +8,7 @@ import numpy as np
 def differences(
     gradient: Callable[[np.ndarray], np.ndarray], z: np.ndarray, step: float
 ) -> np.ndarray:
-    """The Hessian at z ``(n,)`` by central differences of a gradient ``(n,)``: symmetric, ``(n, n)``.
+    """The Hessian at z ``(n,)``, ``(n, n)``, by central differences of a gradient ``(n,)``.
 
     >>> differences(lambda z: np.array([4.0, 6.0]) * z, np.ones(2), 1e-3).round(9).tolist()
     [[4.0, 0.0], [0.0, 6.0]]

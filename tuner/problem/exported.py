@@ -138,7 +138,15 @@ def _told(facts: Mapping[str, Any], values: Mapping[str, Any], unit: str) -> tup
     )
 
 
-def quantities_of(space: Space, solution: Solution) -> tuple[Quantity, ...]:
+def quantities_of(
+    space: Space, solution: Solution, filter: Any, params: Any, what: Exported
+) -> tuple[Quantity, ...]:
+    """The quantities to export: a solution's parameters, the filter's, and what follows."""
+    tuned = _tuned(space, solution)
+    return once((*tuned, *held_of(filter, params, what.unit), *what.derived(params)))
+
+
+def _tuned(space: Space, solution: Solution) -> tuple[Quantity, ...]:
     """The parameters of a solution, with the units and meanings that the space has for them."""
     meanings = {name: parameter.meaning for name, parameter in space.parameters}
     return tuple(

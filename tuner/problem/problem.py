@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import jax
@@ -20,20 +20,11 @@ from tuner.native.route import BACKWARDS, IN_PARTS, Route
 from tuner.problem.constant_gains import share_of_constant_gains
 from tuner.problem.constraint import Constraint
 from tuner.problem.differences import differences
-from tuner.problem.exported import (
-    Exported,
-    Trial,
-    exported_of,
-    held_of,
-    once,
-    one_of,
-    quantities_of,
-    trials_of,
-)
+from tuner.problem.exported import Exported, Trial, exported_of, one_of, quantities_of, trials_of
 from tuner.problem.identity import identity_of
 from tuner.problem.lines import Lines, OneRecord, lines_of
 from tuner.problem.paths import turns_round, way_of
-from tuner.problem.physics import check_leaf, check_present, check_start
+from tuner.problem.physics import check_data, check_present, check_start
 from tuner.problem.programs import (
     Assemble,
     Build,
@@ -102,11 +93,7 @@ class Problem:
     _routes: list[Route] = field(default_factory=list, init=False, repr=False)
 
     def __post_init__(self) -> None:
-        for path, leaf in jax.tree_util.tree_leaves_with_path(self.data):
-            check_leaf(f"data{jax.tree_util.keystr(path)}", np.asarray(leaf))
-        lengths = {np.shape(leaf)[0] for leaf in jax.tree.leaves(self.data) if np.ndim(leaf)}
-        if len(lengths) > 1:
-            raise ValueError(f"the data of {self.name} has unequal lengths {sorted(lengths)}")
+        check_data(self.name, self.data)
         if self.filter is not None:
             build = self.static.build
             check_shapes(self.name, self.filter, build, self.space, self.objective, self.data)
@@ -302,12 +289,8 @@ class Problem:
         one (a method ``steady``) is checked as well.
         """
         what, params = self.what_is_exported(), self.params(solution)
-        trials = (
-            trials_of(self.filter, params, self.data.inputs)
-            if what.runs is None
-            else what.runs(params)
-        )
-        return tuple(single_precision(form, *trial) for form, trial in trials.items())
+        runs = what.runs or partial(trials_of, self.filter, inputs=self.data.inputs)
+        return tuple(single_precision(form, *trial) for form, trial in runs(params).items())
 
     def on_machine(self, solution: Solution) -> Mapping[str, Trial]:
         """The forms to write as C for a solution, by name, the main one first.
@@ -335,12 +318,7 @@ class Problem:
         is called ``Q_derived``.
         """
         params = self.params(solution)
-        told = (
-            *quantities_of(self.space, solution),
-            *held_of(self.filter, params, self.what_is_exported().unit),
-            *self.what_is_exported().derived(params),
-        )
-        return once(told)
+        return quantities_of(self.space, solution, self.filter, params, self.what_is_exported())
 
     @cached_property
     def settled(self) -> float:
