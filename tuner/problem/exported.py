@@ -47,7 +47,8 @@ def trials_of(filter: Any, params: Any, inputs: Any) -> dict[str, Trial]:
         return {}
     trials = {"full": Trial(filter, params, inputs)}
     if hasattr(filter, "steady"):
-        trials["steady"] = Trial(*filter.steady(params), inputs)
+        steady, steady_params = filter.steady(params)
+        trials["steady"] = Trial(steady, steady_params, inputs)
     return trials
 
 
