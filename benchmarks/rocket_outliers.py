@@ -1,4 +1,4 @@
-"""A barometer's port errors, refused against masked: ``python -m benchmarks.rocket_outliers FILE``.
+"""A barometer's port errors, rejected or masked: ``python -m benchmarks.rocket_outliers FILE``.
 
 The file is a rocket's recording (NPZ with ``t_baro``, s, and ``press_pa``, Pa). A constant velocity
 is tuned on its heights at 25 Hz three times: on all of them; on those that a person keeps who looks
@@ -105,7 +105,7 @@ def fitted(
         solver="nelder-mead",
     )
     q, R = (float(fit.solution.parameters[name].value) for name in ("q", "R"))
-    told = [each.words for each in (fit.judged.left_out, fit.judged.refused) if each is not None]
+    told = [each.words for each in (fit.judged.left_out, fit.judged.rejected) if each is not None]
     return Row(span, way, q, R, fit.solution.status.value, "; ".join(told))
 
 

@@ -36,9 +36,9 @@ def number_type(state: Any) -> Any:
 class Gated:
     """A filter that takes a measurement as missing where it is too far from what was predicted.
 
-    A number whose innovation y of variance s has y^2 > gate^2 s is refused: the state is that of
+    A number whose innovation y of variance s has y^2 > gate^2 s is rejected: the state is that of
     the same step with this number missing (NaN). Where innovations are taken one after another,
-    each is judged after those before it were taken or refused, in the filter's own order; numbers
+    each is judged after those before it were taken or rejected, in the filter's own order; numbers
     that are one measurement (a direction of three parts) go together. Known inputs are never
     dropped. Measurements that start the filter, and do not count (variance 0), are not judged.
 
@@ -47,8 +47,8 @@ class Gated:
     one lies within the gate again. Meanwhile a filter with process noise widens its gate by itself.
 
     The outputs gain four arrays, ``(m,)``: ``offered`` and ``predicted``, the innovation and its
-    variance before anything was refused; ``refused``, 1 where it was; and ``outside``, 1 where it
-    lay outside the gate. ``innovation`` and ``variance`` are 0 where refused, as where missing.
+    variance before anything was rejected; ``rejected``, 1 where it was; and ``outside``, 1 where it
+    lay outside the gate. ``innovation`` and ``variance`` are 0 where rejected, as where missing.
     Source: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and
     Navigation, 2001, 5.4 (the gate).
 
@@ -62,7 +62,7 @@ class Gated:
     >>> level, noise = LocalLevel(dt=1.0), LocalLevelNoise(jnp.array(0.01), jnp.array(1.0))
     >>> record = LevelSample(jnp.array([5.0, 5.0, 4.9, 80.0, 5.1]))
     >>> outputs = run(Gated(level, measured_entries(level, noise, record)), noise, record)[1]
-    >>> outputs.refused[:, 0].tolist(), round(outputs.level[3].item(), 2)
+    >>> outputs.rejected[:, 0].tolist(), round(outputs.level[3].item(), 2)
     ([0.0, 0.0, 0.0, 1.0, 0.0], 4.97)
     """
 
@@ -87,7 +87,7 @@ class Gated:
             raise ValueError(f"a patience of {self.patience} refuses nothing; give 1 or more")
 
     def init(self, params: Any) -> GatedState:
-        """The filter's own start; nothing was refused."""
+        """The filter's own start; nothing was rejected."""
         inner = self.filter.init(params)
         return GatedState(inner, jnp.zeros(len(self.parts), number_type(inner)))
 
@@ -96,9 +96,9 @@ class Gated:
         holes = MeasurementMask(self.parts)
         gated = jnp.array([bool(part) for part in self.parts]) & (state.outside < self.patience)
 
-        def tried(refused: Array) -> tuple[Any, Any]:
+        def tried(rejected: Array) -> tuple[Any, Any]:
             stepped: tuple[Any, Any] = self.filter.step(
-                params, state.inner, holes.made(inputs, refused)
+                params, state.inner, holes.made(inputs, rejected)
             )
             return stepped
 
@@ -109,17 +109,17 @@ class Gated:
         none = jnp.zeros(len(self.parts), bool)
 
         def once(seen: "_Seen", _: None) -> tuple["_Seen", None]:
-            wrong = gated & ~seen.refused & self._beyond(*_judged(seen.stepped))
+            wrong = gated & ~seen.rejected & self._beyond(*_judged(seen.stepped))
             return jax.lax.cond(wrong.any(), lambda: again(seen, wrong), lambda: seen), None
 
         def again(seen: "_Seen", wrong: Array) -> "_Seen":
             one = holes.together(wrong & (jnp.cumsum(wrong) == 1))
             now_y, now_s = _judged(seen.stepped)
-            fresh = one & ~seen.refused & (now_s != 0)
-            refused = seen.refused | fresh
+            fresh = one & ~seen.rejected & (now_s != 0)
+            rejected = seen.rejected | fresh
             return _Seen(
-                tried(refused),
-                refused,
+                tried(rejected),
+                rejected,
                 jnp.where(fresh, now_y, seen.offered),
                 jnp.where(fresh, now_s, seen.predicted),
             )
@@ -130,14 +130,14 @@ class Gated:
         else:
             seen, _ = jax.lax.scan(once, begun, None, length=len(self.parts))
         inner, output = seen.stepped
-        refused = seen.refused
-        offered = jnp.where(refused, seen.offered, output.innovation)
-        predicted = jnp.where(refused, seen.predicted, output.variance)
+        rejected = seen.rejected
+        offered = jnp.where(rejected, seen.offered, output.innovation)
+        predicted = jnp.where(rejected, seen.predicted, output.variance)
         outside = self._beyond(offered, predicted)
         again_outside = jnp.where(outside, state.outside + 1, 0)
         counted = jnp.where(predicted != 0, again_outside, state.outside)
-        kind = with_fields(type(output), ("offered", "predicted", "refused", "outside"))
-        flags = (refused.astype(y.dtype), outside.astype(y.dtype))
+        kind = with_fields(type(output), ("offered", "predicted", "rejected", "outside"))
+        flags = (rejected.astype(y.dtype), outside.astype(y.dtype))
         return GatedState(inner, counted), kind(*output, offered, predicted, *flags)
 
     def _beyond(self, y: Array, s: Array) -> Array:
@@ -148,7 +148,7 @@ class _Seen(NamedTuple):
     """The result of a sample so far."""
 
     stepped: tuple[Any, Any]
-    refused: Array
+    rejected: Array
     offered: Array
     predicted: Array
 

@@ -82,8 +82,8 @@ class MeasurementMask:
                 owners.setdefault(leaf, []).append((entry, i))
         object.__setattr__(self, "_owners", {leaf: tuple(o) for leaf, o in owners.items()})
 
-    def made(self, inputs: Any, refused: Array) -> Any:
-        """The sample without the numbers of the innovations that are refused, ``(m,)`` of bool.
+    def made(self, inputs: Any, rejected: Array) -> Any:
+        """The sample without the numbers of the innovations that are rejected, ``(m,)`` of bool.
 
         Raises:
             ValueError: for a sample of another form than that of the record.
@@ -97,7 +97,7 @@ class MeasurementMask:
                 )
             mask = np.zeros((jnp.size(leaves[leaf]), len(self.parts)), bool)
             mask[tuple(np.array(owners).T)] = True
-            gone = (jnp.asarray(mask) & refused).any(axis=1).reshape(jnp.shape(leaves[leaf]))
+            gone = (jnp.asarray(mask) & rejected).any(axis=1).reshape(jnp.shape(leaves[leaf]))
             leaves[leaf] = jnp.where(gone, jnp.nan, leaves[leaf])
         return jax.tree.unflatten(tree, leaves)
 
@@ -107,11 +107,11 @@ class MeasurementMask:
         each = [[~jnp.isnan(leaves[leaf][entry]) for leaf, entry in part] for part in self.parts]
         return jnp.stack([jnp.stack(e).all() if e else jnp.array(False) for e in each])
 
-    def together(self, refused: Array) -> Array:
-        """Those refused, and those that go with them because they are made of the same number."""
+    def together(self, rejected: Array) -> Array:
+        """Those rejected, and those that go with them because they are made of the same number."""
         one = [set(part) for part in self.parts]
         share = np.array([[bool(a & b) or a is b for a in one] for b in one])
-        return (jnp.asarray(share) & refused).any(axis=1)
+        return (jnp.asarray(share) & rejected).any(axis=1)
 
 
 def check_innovations(filter: Any, outputs: Any) -> None:
@@ -124,12 +124,12 @@ def check_innovations(filter: Any, outputs: Any) -> None:
     if lacking:
         raise ValueError(
             f"{type(bare(filter)).__name__} outputs no {' and no '.join(lacking)}, so there is "
-            "nothing by which a measurement could be refused; take a Kalman filter"
+            "nothing by which a measurement could be rejected; take a Kalman filter"
         )
     if jnp.ndim(outputs.innovation) != jnp.ndim(outputs.variance):
         raise ValueError(
             f"several signals pass through one {type(bare(filter)).__name__}, whose innovations "
-            "cannot be refused one by one; run it for each signal, as in filters.Lanes"
+            "cannot be rejected one by one; run it for each signal, as in filters.Lanes"
         )
 
 

@@ -41,7 +41,7 @@ class Student:
     lags, and a likelihood makes up for that by a q half as large again.
 
     The outputs gain ``offered`` and ``predicted``, the innovations and their variances before they
-    were weighed; ``weight``, w; ``refused``, 1 where that is below a half; and ``outside``, 1 where
+    were weighed; ``weight``, w; ``rejected``, 1 where w is below a half; and ``outside``, 1 where
     it would have been (for nu = 4 beyond 4 deviations), ``(m,)`` each; ``variance`` becomes s / w.
     Source: Roth, Ozkan and Gustafsson, A Student's t filter for heavy tailed process and
     measurement noise, ICASSP 2013; Agamennoni, Nieto and Nebot, IEEE Transactions on Signal
@@ -108,9 +108,9 @@ class Student:
         said = said._replace(innovation=y, variance=s / w)
         row = jnp.where(asked < 0.5, state.outside + 1, 0)
         moved = GatedState(inner, jnp.where(counts.any(), row, state.outside))
-        kind = with_fields(type(output), ("offered", "predicted", "weight", "refused", "outside"))
-        refused, outside = ((counts & (v < 0.5)).astype(y.dtype) for v in (w, asked))
-        return moved, kind(*said, y, s, jnp.where(counts, w, 1.0), refused, outside)
+        kind = with_fields(type(output), ("offered", "predicted", "weight", "rejected", "outside"))
+        rejected, outside = ((counts & (v < 0.5)).astype(y.dtype) for v in (w, asked))
+        return moved, kind(*said, y, s, jnp.where(counts, w, 1.0), rejected, outside)
 
 
 def weight(y: Array, s: Array, nu: float) -> Array:

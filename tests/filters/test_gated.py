@@ -70,7 +70,7 @@ def test_a_huge_gate_changes_nothing(case):
         np.testing.assert_allclose(
             getattr(outputs, name), getattr(plain, name), rtol=1e-12, atol=1e-12, err_msg=name
         )
-    assert not outputs.refused.any()
+    assert not outputs.rejected.any()
     assert outputs.predicted.any()
 
 
@@ -97,17 +97,17 @@ def test_in_navigation_numbers_of_one_direction_go_together():
 
 
 def level_loop(z, q, R, gate, patience):
-    """Level after each sample, and whether it was refused, as a person would write it."""
+    """Level after each sample, and whether it was rejected, as a person would write it."""
     level, p, row, found = z[0], R, 0, [(z[0], 0)]
     for zk in z[1:]:
         p = p + q
         s, y = p + R, zk - level
         beyond = y**2 > gate**2 * s
-        refused = beyond and row < patience
+        rejected = beyond and row < patience
         row = row + 1 if beyond else 0
-        if not refused:
+        if not rejected:
             level, p = level + p / s * y, p * R / s
-        found.append((level, int(refused)))
+        found.append((level, int(rejected)))
     return np.array(found).T
 
 
@@ -131,16 +131,16 @@ def level_run(z, gate=4.0, patience=10, q=0.01, R=1.0):
 def test_a_level_equals_the_loop(patience):
     z = level_record()
     outputs = level_run(z, patience=patience)
-    level, refused = level_loop(z, 0.01, 1.0, 4.0, patience)
-    assert refused.sum() > 5
+    level, rejected = level_loop(z, 0.01, 1.0, 4.0, patience)
+    assert rejected.sum() > 5
     np.testing.assert_allclose(outputs.level, level, rtol=1e-12)
-    np.testing.assert_array_equal(outputs.refused[:, 0], refused)
+    np.testing.assert_array_equal(outputs.rejected[:, 0], rejected)
 
 
 def test_what_is_refused_is_as_if_missing():
     z = level_record()
     outputs = level_run(z)
-    gone = outputs.refused[:, 0] > 0
+    gone = outputs.rejected[:, 0] > 0
     without = run(
         LocalLevel(1.0),
         LocalLevelNoise(jnp.array(0.01), jnp.array(1.0)),
@@ -156,8 +156,8 @@ def test_a_jump_locks_it_for_its_patience_alone():
     z = np.zeros(200)
     z[100:] = 1000.0
     outputs = level_run(z, patience=10)
-    assert outputs.refused[100:110].all()
-    assert not outputs.refused[110:].any()
+    assert outputs.rejected[100:110].all()
+    assert not outputs.rejected[110:].any()
     assert abs(float(outputs.level[199]) - 1000) < 1
 
 
@@ -165,14 +165,14 @@ def test_a_wrong_first_sample_is_left_behind():
     z = 0.1 * np.random.default_rng(2).standard_normal(300)
     z[0] = 500.0
     outputs = level_run(z, q=0.01, R=0.01)
-    assert outputs.refused.sum() == 10
+    assert outputs.rejected.sum() == 10
     assert abs(float(outputs.level[-1])) < 0.2
 
 
 def test_without_patience_left_an_outlier_does_not_open_the_gate_for_the_next():
     z = np.zeros(50)
     z[[20, 22, 24]] = 100.0  # between them right numbers, which shut the gate again
-    assert level_run(z, patience=1, q=1e-4).refused.sum() == 3
+    assert level_run(z, patience=1, q=1e-4).rejected.sum() == 3
 
 
 def pair(R):
@@ -184,14 +184,14 @@ def pair(R):
 def pair_loop(z, gate):
     x, p, found = 0.0, 1.0, []
     for sample in z:
-        p, refused = p + 0.01, [0, 0]
+        p, rejected = p + 0.01, [0, 0]
         for i, zk in enumerate(sample):
             s, y = p + 0.25, zk - x
             if y**2 > gate**2 * s:
-                refused[i] = 1
+                rejected[i] = 1
                 continue
             x, p = x + p / s * y, p * 0.25 / s
-        found.append((x, *refused))
+        found.append((x, *rejected))
     return np.array(found).T
 
 
@@ -207,7 +207,7 @@ def test_two_sensors_of_one_state_are_judged_one_after_another(full):
     outputs = run(Gated(filter, measured_entries(filter, pair(R), record), 4.0), pair(R), record)[1]
     x, first, second = pair_loop(z, 4.0)
     assert (first.sum(), second.sum()) == (2, 2)
-    np.testing.assert_array_equal(outputs.refused.T, [first, second])
+    np.testing.assert_array_equal(outputs.rejected.T, [first, second])
     np.testing.assert_allclose(outputs.x[:, 0], x, rtol=1e-12)
     np.testing.assert_allclose(outputs.offered[20, 0], 40.0, atol=1.0)
 
@@ -226,7 +226,7 @@ def test_axes_are_refused_each_by_itself_at_varying_times_and_side_by_side():
     gated = Gated(one, measured_entries(one, noise, record(0)))
     both = TimedSample(jnp.stack([dt, dt], axis=1), PositionSample(jnp.asarray(x), jnp.asarray(y)))
     outputs = run(Lanes(gated, 2), noise, both)[1]
-    where = np.argwhere(np.asarray(outputs.refused) > 0).tolist()
+    where = np.argwhere(np.asarray(outputs.rejected) > 0).tolist()
     assert where == [[40, 0, 0], [50, 0, 1], [50, 1, 0], [50, 1, 1]]
     alone = run(gated, noise, record(1))[1]
     np.testing.assert_allclose(outputs.position[:, 1], alone.position, rtol=1e-12)

@@ -62,7 +62,7 @@ def test_the_update_is_that_with_larger_variances():
     np.testing.assert_allclose(outputs.x[:, 0], x, rtol=1e-10, atol=1e-12)
     np.testing.assert_allclose(outputs.P[:, 0, 0], p, rtol=1e-10)
     np.testing.assert_allclose(outputs.weight[:, 1], w, rtol=1e-12)
-    assert np.asarray(outputs.refused)[[20, 40]].all()
+    assert np.asarray(outputs.rejected)[[20, 40]].all()
     np.testing.assert_allclose(outputs.variance * outputs.weight, outputs.predicted, rtol=1e-12)
 
 

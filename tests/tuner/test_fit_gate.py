@@ -1,4 +1,4 @@
-"""A fit behind a gate: what is refused, what is said of it, and what is no gate."""
+"""A fit behind a gate: what is rejected, what is said of it, and what is no gate."""
 
 import json
 from functools import cache
@@ -46,10 +46,10 @@ def test_what_is_left_is_as_by_hand():
     _, wrong = spoiled()
     fit = behind_a_gate()
     np.testing.assert_allclose(values(fit), values(by_hand()), rtol=0.1)
-    refused = fit.judged.refused
-    assert abs(refused.refused - wrong.sum()) <= 2  # one beside the level may pass
-    assert f"{refused.refused} of {refused.numbers} numbers rejected" in fit.summary()
-    assert fit.outputs.refused.sum() == refused.refused
+    rejected = fit.judged.rejected
+    assert abs(rejected.rejected - wrong.sum()) <= 2  # one beside the level may pass
+    assert f"{rejected.rejected} of {rejected.numbers} numbers rejected" in fit.summary()
+    assert fit.outputs.rejected.sum() == rejected.rejected
 
 
 def test_heavy_tails_move_little():
@@ -61,7 +61,7 @@ def test_heavy_tails_move_little():
     assert (factors < 1.6).all()  # t counts what is wrong as its tails, which widens them
     assert values(plain)[1] > 50 * values(by_hand())[1]
     assert "numbers given less than half their weight" in fit.summary()
-    assert abs(fit.judged.refused.refused - wrong.sum()) <= 3
+    assert abs(fit.judged.rejected.rejected - wrong.sum()) <= 3
 
 
 def test_units_and_starts_do_not_matter():
@@ -79,8 +79,8 @@ def test_recordings_side_by_side_are_gated_each_by_itself():
         columns, _ = spoiled(seed)
         records.append(tuner.Record.of({"z": columns["z"]}, rate_hz=1.0))
     fit = tuner.fit("local-level", records, options={"gate": 4}, starts=1, hold_out=False)
-    assert fit.outputs.refused.shape == (400, 2, 1)
-    assert (fit.outputs.refused.sum(axis=(0, 2)) > 10).all()
+    assert fit.outputs.rejected.shape == (400, 2, 1)
+    assert (fit.outputs.rejected.sum(axis=(0, 2)) > 10).all()
 
 
 def test_the_command_line_counts_what_is_refused(cli, here):
@@ -89,11 +89,11 @@ def test_the_command_line_counts_what_is_refused(cli, here):
     words = ("--filter", "local-level", "--map", "z=z", "--set", "gate=4", "--starts", 1)
     code, out, err = cli("fit", "level.csv", *words, "--no-hold-out", "--out", "out", "--jobs", 1)
     assert code == 0, (out, err)
-    count = int(np.load(here / "out" / "outputs.npz")["refused"].sum())
+    count = int(np.load(here / "out" / "outputs.npz")["rejected"].sum())
     assert abs(count - wrong.sum()) <= 2
     found = json.loads((here / "out" / "result.json").read_text())["fit"]
     assert f"{count} of 399 numbers rejected" in found["lines"][2]
-    assert (found["refused"]["refused"], found["refused"]["numbers"]) == (count, 399)
+    assert (found["rejected"]["rejected"], found["rejected"]["numbers"]) == (count, 399)
 
 
 def test_a_gate_that_refuses_everything_is_an_error(cli, here):
@@ -188,7 +188,7 @@ def test_noise_by_a_channel_keeps_its_unit_and_a_gate_goes_around_it():
     # What a measurement's variance is on the average.
     mean = found["R"] + found["share"] * np.mean(sigma**2)
     assert mean == pytest.approx(4 + 0.5 * np.mean(sigma**2), rel=0.1)
-    assert fit.judged.refused.refused == 30
+    assert fit.judged.rejected.rejected == 30
 
 
 def test_the_command_line_takes_a_list_of_noises(cli, here):

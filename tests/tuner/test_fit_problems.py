@@ -71,7 +71,7 @@ def nis(found):
 
 
 def sonar(found):
-    refused = int(found.outputs["refused"].sum())
+    refused = int(found.outputs["rejected"].sum())
     assert f"{refused} of 1198 numbers rejected" in found.result.fit.lines[2]
     return {"sigma": found["R"] ** 0.5, "q": found["q"], "refused": refused}
 

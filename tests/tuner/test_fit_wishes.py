@@ -201,7 +201,7 @@ def test_json_holds_the_fit_section(run):
     fit = result["fit"]
     assert set(fit) == {
         *("filter", "objective", "unit", "start", "tuned", "held_out", "diagnostics", "lines"),
-        *("rescaled", "trade", "refused", "left_out", "in_doubt"),
+        *("rescaled", "trade", "rejected", "left_out", "in_doubt"),
     }
     assert (fit["filter"], fit["objective"], fit["unit"]) == ("LocalLevel", "likelihood", "m")
     assert set(fit["held_out"]) == {

@@ -22,8 +22,9 @@ from tuner.export import FORMATS
 from tuner.problem.parameters import Positive
 from tuner.problem.problem import Problem
 from tuner.problem.space import Space
+from tuner.run.exports import score_export
 from tuner.run.folder import RunFolder
-from tuner.run.pipeline import Run, score_export, trusted
+from tuner.run.pipeline import Run, trusted
 from tuner.run.progress_file import read_progress, resumed_solutions
 from tuner.run.result import read_result
 from tuner.run.study import best

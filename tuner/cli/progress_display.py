@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from tuner.run.pipeline import Progress
+from tuner.run.progress import Progress
 from tuner.terminal_text import plain, printable
 
 EVERY = 10.0

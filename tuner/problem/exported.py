@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from filters import AnyFilter
+from filters import AnyFilter, Lanes
 from filters.declared import bare, channel_facts, in_unit, parameter_facts, values_of
 from tuner.certificate.solution import Solution
 from tuner.export.tuned import Quantity
@@ -34,6 +34,22 @@ class Trial(NamedTuple):
     filter: AnyFilter
     params: Any
     inputs: Any
+
+
+def one_of(filter: Any) -> Any:
+    """The filter of one record, of those that may run side by side."""
+    return filter.filter if isinstance(filter, Lanes) else filter
+
+
+def trials_of(filter: Any, params: Any, inputs: Any) -> dict[str, Trial]:
+    """A filter as it is, and its steady form if it has a method ``steady``; nothing of None."""
+    if filter is None:
+        return {}
+    trials = {"full": Trial(filter, params, inputs)}
+    if hasattr(filter, "steady"):
+        steady, steady_params = filter.steady(params)
+        trials["steady"] = Trial(steady, steady_params, inputs)
+    return trials
 
 
 @dataclass(frozen=True)
@@ -123,7 +139,15 @@ def _told(facts: Mapping[str, Any], values: Mapping[str, Any], unit: str) -> tup
     )
 
 
-def quantities_of(space: Space, solution: Solution) -> tuple[Quantity, ...]:
+def quantities_of(
+    space: Space, solution: Solution, filter: Any, params: Any, what: Exported
+) -> tuple[Quantity, ...]:
+    """The quantities to export: a solution's parameters, the filter's, and what follows."""
+    tuned = _tuned(space, solution)
+    return once((*tuned, *held_of(filter, params, what.unit), *what.derived(params)))
+
+
+def _tuned(space: Space, solution: Solution) -> tuple[Quantity, ...]:
     """The parameters of a solution, with the units and meanings that the space has for them."""
     meanings = {name: parameter.meaning for name, parameter in space.parameters}
     return tuple(

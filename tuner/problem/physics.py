@@ -21,6 +21,23 @@ _COVARIANCES = ("R", "Q", "P0")
 _WORDS = ("variance", "covariance", "spectral density")
 
 
+def check_data(name: str, data: Any) -> None:
+    """Refuse samples that no filter can take, and those of unequal number.
+
+    Args:
+        name: of the problem.
+        data: inputs and truth, time first.
+
+    Raises:
+        ValueError: one sentence.
+    """
+    for path, leaf in jax.tree_util.tree_leaves_with_path(data):
+        check_leaf(f"data{jax.tree_util.keystr(path)}", np.asarray(leaf))
+    lengths = {np.shape(leaf)[0] for leaf in jax.tree.leaves(data) if np.ndim(leaf)}
+    if len(lengths) > 1:
+        raise ValueError(f"the data of {name} has unequal lengths {sorted(lengths)}")
+
+
 def check_leaf(where: str, leaf: np.ndarray) -> None:
     """Refuse samples that are not float64, infinite ones, and impossible outliers.
 

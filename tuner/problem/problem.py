@@ -2,14 +2,14 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import jax
 import numpy as np
 from jax import Array
 
-from filters import AnyFilter, Lanes, bare
+from filters import AnyFilter, bare
 from objectives import Data, Objective, Way, kept_bytes
 from objectives.in_numpy import Method, in_numpy
 from tuner.certificate.single_precision import SinglePrecision, single_precision
@@ -19,11 +19,12 @@ from tuner.export.tuned import Quantity
 from tuner.native.route import BACKWARDS, IN_PARTS, Route
 from tuner.problem.constant_gains import share_of_constant_gains
 from tuner.problem.constraint import Constraint
-from tuner.problem.exported import Exported, Trial, exported_of, held_of, once, quantities_of
+from tuner.problem.differences import differences
+from tuner.problem.exported import Exported, Trial, exported_of, one_of, quantities_of, trials_of
 from tuner.problem.identity import identity_of
 from tuner.problem.lines import Lines, OneRecord, lines_of
 from tuner.problem.paths import turns_round, way_of
-from tuner.problem.physics import check_leaf, check_present, check_start
+from tuner.problem.physics import check_data, check_present, check_start
 from tuner.problem.programs import (
     Assemble,
     Build,
@@ -92,11 +93,7 @@ class Problem:
     _routes: list[Route] = field(default_factory=list, init=False, repr=False)
 
     def __post_init__(self) -> None:
-        for path, leaf in jax.tree_util.tree_leaves_with_path(self.data):
-            check_leaf(f"data{jax.tree_util.keystr(path)}", np.asarray(leaf))
-        lengths = {np.shape(leaf)[0] for leaf in jax.tree.leaves(self.data) if np.ndim(leaf)}
-        if len(lengths) > 1:
-            raise ValueError(f"the data of {self.name} has unequal lengths {sorted(lengths)}")
+        check_data(self.name, self.data)
         if self.filter is not None:
             build = self.static.build
             check_shapes(self.name, self.filter, build, self.space, self.objective, self.data)
@@ -204,7 +201,7 @@ class Problem:
         A step of 1e-3 (a thousandth of a logarithm) leaves an error of about 1e-6 and keeps
         clear of the rounding noise that a step of 1e-5 meets in filters with slow gains.
         """
-        return self._differences(lambda at: self.by_xla(at)[1], z, step)
+        return differences(lambda at: self.by_xla(at)[1], z, step)
 
     def excesses(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Relative excess of each constraint at z, ``(m,)``, and its Jacobian ``(m, n)``.
@@ -225,15 +222,7 @@ class Problem:
         """
         if self.filter is None:
             step = 1e-2 * step
-        return self._differences(lambda at: weights @ self.excesses(at)[1], z, step)
-
-    def _differences(
-        self, gradient: Callable[[np.ndarray], np.ndarray], z: np.ndarray, step: float
-    ) -> np.ndarray:
-        size = self.space.size
-        rows = [(gradient(z + h) - gradient(z - h)) / (2 * step) for h in step * np.eye(size)]
-        matrix = np.reshape(rows, (size, size))
-        return (matrix + matrix.T) / 2
+        return differences(lambda at: weights @ self.excesses(at)[1], z, step)
 
     def score(self, parameters: Mapping[str, Any]) -> float:
         """The objective of parameters given by name, exactly as they are.
@@ -300,8 +289,8 @@ class Problem:
         one (a method ``steady``) is checked as well.
         """
         what, params = self.what_is_exported(), self.params(solution)
-        trials = self._own_trials(params) if what.runs is None else what.runs(params)
-        return tuple(single_precision(form, *trial) for form, trial in trials.items())
+        runs = what.runs or partial(trials_of, self.filter, inputs=self.data.inputs)
+        return tuple(single_precision(form, *trial) for form, trial in runs(params).items())
 
     def on_machine(self, solution: Solution) -> Mapping[str, Trial]:
         """The forms to write as C for a solution, by name, the main one first.
@@ -312,23 +301,10 @@ class Problem:
         made = what.machine or what.runs
         if made is not None:
             return made(params)
-        trials = self._own_trials(params)
+        trials = trials_of(self.filter, params, self.data.inputs)
         if self.filter is not None and "steady" not in trials:
-            trials |= steady_form_of(self._of_one_record(), params)
+            trials |= steady_form_of(one_of(self.filter), params)
         return trials
-
-    def _own_trials(self, params: Any) -> dict[str, Trial]:
-        if self.filter is None:
-            return {}
-        trials = {"full": Trial(self.filter, params, self.data.inputs)}
-        if hasattr(self.filter, "steady"):
-            filter, steady = self.filter.steady(params)
-            trials["steady"] = Trial(filter, steady, self.data.inputs)
-        return trials
-
-    def _of_one_record(self) -> Any:
-        """The filter, of those that may run side by side."""
-        return self.filter.filter if isinstance(self.filter, Lanes) else self.filter
 
     def what_is_exported(self) -> Exported:
         """The filter's name, its states, its sample time and what follows from its parameters."""
@@ -342,12 +318,7 @@ class Problem:
         is called ``Q_derived``.
         """
         params = self.params(solution)
-        told = (
-            *quantities_of(self.space, solution),
-            *held_of(self.filter, params, self.what_is_exported().unit),
-            *self.what_is_exported().derived(params),
-        )
-        return once(told)
+        return quantities_of(self.space, solution, self.filter, params, self.what_is_exported())
 
     @cached_property
     def settled(self) -> float:

@@ -19,7 +19,7 @@ ROLES = {
     "before": "c1",
     "tuned": "c0",
     "knee": "c1",
-    "refused": "c4",
+    "rejected": "c4",
 }
 """Lines that look the same in all pictures, by their labels."""
 PAIRED = {"whiteness": "half first", "spread": "half second"}

@@ -34,11 +34,11 @@ def innovations(result: Result, kept: Kept) -> Iterator[Block]:
     yield Words([_nis(now, before)])
     if failed:
         yield Listed([sentence(found.sentence) for found in failed])
-    if fit.refused is not None:
-        share = f"{fit.refused.refused} of {fit.refused.numbers}"
-        verb = "given little weight" if fit.refused.weighed else "rejected"
+    if fit.rejected is not None:
+        share = f"{fit.rejected.rejected} of {fit.rejected.numbers}"
+        verb = "given little weight" if fit.rejected.weighed else "rejected"
         yield Words(
-            [f"{share} measurements were {verb}; {fit.refused.outside} lie outside the gate."]
+            [f"{share} measurements were {verb}; {fit.rejected.outside} lie outside the gate."]
         )
     yield from pictures(kept, "innovations")
     yield _tests(before, now)

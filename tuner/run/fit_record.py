@@ -116,10 +116,10 @@ class DiagnosticsRecord(Recorded):
         return cls.model_validate(asdict(diagnostics))
 
 
-class RefusedRecord(Recorded):
-    """See :class:`tuner.run.gate.Refused`."""
+class RejectedRecord(Recorded):
+    """See :class:`tuner.run.gate.Rejected`."""
 
-    refused: int
+    rejected: int
     outside: int
     numbers: int
     weighed: bool
@@ -144,7 +144,7 @@ class FitRecord(Recorded):
         diagnostics: of the innovations, before and after; empty without any.
         rescaled: what became of all variances after a fit against a truth.
         trade: the front against a second objective.
-        refused: what a gate or heavy tails left out, or weighed little.
+        rejected: what a gate or heavy tails left out, or weighed little.
         left_out: stretches that contradict the rest of the record.
         lines: the five lines that a run ends with.
         in_doubt: free parameters that are not determined.
@@ -159,7 +159,7 @@ class FitRecord(Recorded):
     diagnostics: list[DiagnosticsRecord]
     rescaled: VarianceScalingRecord | None = None
     trade: TradeRecord | None = None
-    refused: RefusedRecord | None = None
+    rejected: RejectedRecord | None = None
     left_out: ExcludedStretchesRecord | None = None
     lines: list[str]
     in_doubt: list[str] = []
@@ -179,7 +179,7 @@ class FitRecord(Recorded):
             diagnostics=[DiagnosticsRecord.of(each) for each in judged.diagnostics or ()],
             rescaled=_record(VarianceScalingRecord, judged.rescaled),
             trade=_record(TradeRecord, judged.trade),
-            refused=_record(RefusedRecord, judged.refused),
+            rejected=_record(RejectedRecord, judged.rejected),
             left_out=_record(ExcludedStretchesRecord, judged.left_out),
             lines=lines,
             in_doubt=in_doubt,

@@ -63,13 +63,13 @@ def _signals(
         for when, values in (("before", begun), ("tuned", tuned))
         if (found := estimate_of(posed, values, now)) is not None
     }
-    refused = getattr(posed.run(tuned), "refused", None)
+    rejected = getattr(posed.run(tuned), "rejected", None)
     rate = posed.timeline.rate_hz
     for part, name in list(enumerate(now.names))[:MOST]:
         each = {when: estimate[:, part] for when, estimate in estimates.items()}
         channel, values = _channel(posed, now, part)
         called = name or channel
-        wrong = np.zeros(len(values), bool) if refused is None else _part(refused, now, part)
+        wrong = np.zeros(len(values), bool) if rejected is None else _part(rejected, now, part)
         yield _signal(now, part, called, each, np.where(wrong, values, np.nan))
         if rate is not None and "tuned" in each and not wrong.any():
             yield from spectra(called, now.unit, rate, measured=values, tuned=each["tuned"])
@@ -98,7 +98,7 @@ def _signal(
     part: int,
     name: str,
     estimates: Mapping[str, np.ndarray],
-    refused: np.ndarray,
+    rejected: np.ndarray,
 ) -> ReportFigure:
     """One measurement.
 
@@ -107,7 +107,7 @@ def _signal(
         part: which of its measurements.
         name: what that is called.
         estimates: of it, ``(N,)``, before and after.
-        refused: measurements that a gate refused, ``(N,)``; NaN elsewhere.
+        rejected: measurements that a gate rejected, ``(N,)``; NaN elsewhere.
     """
     assert now.levels is not None
     t, level = now.times[:, 0], now.levels[:, 0, part]
@@ -123,9 +123,9 @@ def _signal(
         lines.append(Line(when, t[there], values[there]))
     if not estimates:
         lines.append(Line("predicted", t_seen, predicted))
-    wrong = np.isfinite(refused) & np.isfinite(t)
+    wrong = np.isfinite(rejected) & np.isfinite(t)
     if wrong.any():
-        lines.append(Line("refused", t[wrong], refused[wrong], drawn="points"))
+        lines.append(Line("rejected", t[wrong], rejected[wrong], drawn="points"))
     inside = float(np.mean(np.abs(y[seen]) <= spread)) if seen.any() else 0.0
     called = name or "measurement"
     title = f"{100 * inside:.1f} % of the measurements{f' of {name}' if name else ''} lie in the "

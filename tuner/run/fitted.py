@@ -13,12 +13,12 @@ from tuner.certificate.solution import Solution
 from tuner.certificate.table import as_html
 from tuner.data.record import Record
 from tuner.problem.kept_programs import forget_old_ones
+from tuner.run.exports import tuned_of
 from tuner.run.filter_choice import Model, choose_filter
 from tuner.run.fit import Request, asked_for, concluded, plan_fit, pose_on
 from tuner.run.fit_problem import Posed
 from tuner.run.front import in_order, posed_against
 from tuner.run.judgement import Judged
-from tuner.run.pipeline import tuned_of
 from tuner.run.save import Made, save
 from tuner.run.search_space import Wishes
 from tuner.run.split import HeldOutBy

@@ -27,7 +27,7 @@ from tuner.problem.space import Space
 NAMES = ("gate", "patience", "student", "noise", "stretches")
 """Options of every fit, beside the fields of the filter's class."""
 
-SAID = ("offered", "predicted", "refused", "weight")
+SAID = ("offered", "predicted", "rejected", "weight")
 """The outputs that a gate adds to a filter's own, and that are written with them."""
 
 
@@ -40,7 +40,7 @@ class Care:
     """How a fit guards against measurements that are wrong.
 
     Attributes:
-        gate: deviations beyond which a measurement is refused; None: none is.
+        gate: deviations beyond which a measurement is rejected; None: none is.
         patience: refusals in a row after which it is taken all the same.
         student: degrees of freedom of heavy tails; None: the tails are normal.
         stretches: how many times as far out as usual a stretch of the record may be before it is
@@ -180,18 +180,18 @@ def _widths(filter: Any, params: Any, inputs: Any) -> tuple[float, ...]:
 
 
 @dataclass(frozen=True)
-class Refused:
+class Rejected:
     """The samples that a gate left out, or that counted for less than half.
 
     Attributes:
-        refused: how many numbers that were.
+        rejected: how many numbers that were.
         outside: how many lay outside the gate, those included that were taken because too many
-            had been refused in a row.
+            had been rejected in a row.
         numbers: how many numbers were judged.
-        weighed: whether they had weights, and were not refused.
+        weighed: whether they had weights, and were not rejected.
     """
 
-    refused: int
+    rejected: int
     outside: int
     numbers: int
     weighed: bool = False
@@ -200,24 +200,24 @@ class Refused:
     def words(self) -> str:
         """In a few words."""
         what = "given less than half their weight" if self.weighed else "rejected"
-        told = f"{self.refused} of {self.numbers} numbers {what}"
-        taken = self.outside - self.refused
+        told = f"{self.rejected} of {self.numbers} numbers {what}"
+        taken = self.outside - self.rejected
         return told + (
             f", {taken} more accepted to recover after rejections in a row" if taken else ""
         )
 
 
-def refused_of(outputs: Any) -> Refused | None:
-    """The samples refused in a run; None for a filter without a gate.
+def rejected_of(outputs: Any) -> Rejected | None:
+    """The samples rejected in a run; None for a filter without a gate.
 
     Raises:
-        ValueError: where more is refused than taken.
+        ValueError: where more is rejected than taken.
     """
-    if not hasattr(outputs, "refused"):
+    if not hasattr(outputs, "rejected"):
         return None
     numbers = int((np.asarray(outputs.predicted) != 0).sum())
     weighed = hasattr(outputs, "weight")
-    refused, outside = (int(np.asarray(p).sum()) for p in (outputs.refused, outputs.outside))
+    rejected, outside = (int(np.asarray(p).sum()) for p in (outputs.rejected, outputs.outside))
     if 2 * outside >= numbers:
         what = "have less than half their weight" if weighed else "lie outside the gate"
         wider = "--set student=10" if weighed else "--set gate=6"
@@ -225,4 +225,4 @@ def refused_of(outputs: Any) -> Refused | None:
             f"{outside} of {numbers} measured numbers {what}, so too few are left; "
             f"give a wider one, as in {wider}, another --start, or none"
         )
-    return Refused(refused, outside, numbers, weighed)
+    return Rejected(rejected, outside, numbers, weighed)

@@ -13,7 +13,7 @@ from tuner.problem.problem import Problem
 from tuner.run.excluded_stretches import ExcludedStretches
 from tuner.run.fit_problem import NO_TRUTH, Posed
 from tuner.run.front import Trade
-from tuner.run.gate import Refused, refused_of
+from tuner.run.gate import Rejected, rejected_of
 from tuner.run.held_out import HeldOut
 from tuner.run.innovation_diagnostics import diagnose_innovations
 from tuner.run.variance_scaling import VarianceScaling
@@ -31,7 +31,7 @@ class Judged:
         held_out: the same on data that was not used; None where there is too little.
         diagnostics: what the innovations say of the start and of the solution; None for a filter
             without any.
-        refused: what a gate left out at the solution; None without one.
+        rejected: what a gate left out at the solution; None without one.
         trade: what a second objective costs; None without one.
         left_out: stretches that contradict the rest of the record; None where none were looked for.
         rescaled: what became of all variances after a fit against a truth; None where the filter
@@ -44,7 +44,7 @@ class Judged:
     tuned: float
     held_out: HeldOut | None
     diagnostics: tuple[Diagnostics, Diagnostics] | None
-    refused: Refused | None = None
+    rejected: Rejected | None = None
     left_out: ExcludedStretches | None = None
     rescaled: VarianceScaling | None = None
     trade: Trade | None = None
@@ -62,7 +62,7 @@ def judge(posed: Posed, solution: Solution, held_out: HeldOut | None) -> Judged:
         ValueError: where a gate refuses all.
     """
     found = solution.status is not Status.FAILED
-    refused = refused_of(posed.problem.outputs(solution)) if found else None
+    rejected = rejected_of(posed.problem.outputs(solution)) if found else None
     begun = posed.problem.parameters(posed.problem.space.start())
     fitted = posed.problem.space.size if posed.objective in NO_TRUTH else 0
     before = diagnose_innovations(posed, begun)
@@ -74,7 +74,7 @@ def judge(posed: Posed, solution: Solution, held_out: HeldOut | None) -> Judged:
         shown(posed.problem, posed.problem.score(_of(solution))),
         held_out,
         None if before is None or now is None else (before, now),
-        refused,
+        rejected,
         posed.left_out,
     )
 

@@ -1,23 +1,16 @@
 """From a study to a run's folder: solve, compare, export, read back, draw, write down."""
 
-import io
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from concurrent.futures import as_completed
-from dataclasses import asdict, dataclass, field, replace
-from importlib.metadata import version
-from typing import Any, TypeAlias
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
 
-import numpy as np
-
-from objectives import kind_of
 from tuner import export
-from tuner.atomic import WriteError
-from tuner.certificate.single_precision import SinglePrecision
 from tuner.certificate.solution import Solution
-from tuner.data.source import Source
-from tuner.export.tuned import Provenance, Tuned
+from tuner.export.tuned import Tuned
 from tuner.problem.problem import Problem
 from tuner.report.report_json import Kept as ForReport
 from tuner.report.report_json import kept_pictures, nothing_kept
@@ -28,11 +21,20 @@ from tuner.run.background_work import (
     in_background,
     of_each_program,
 )
-from tuner.run.drawing import picture, table
 from tuner.run.environment import environment
+from tuner.run.exports import (
+    TunedFilter,
+    begin_exports,
+    exported,
+    tuned_of,
+    write_exports,
+    write_outputs,
+)
 from tuner.run.figure import Figure
+from tuner.run.figure_files import draw_figures
 from tuner.run.fit_record import FitRecord
 from tuner.run.folder import RunFolder
+from tuner.run.progress import Progress
 from tuner.run.progress_file import (
     SCHEMA,
     Finished,
@@ -44,21 +46,13 @@ from tuner.run.progress_file import (
 from tuner.run.recipe import Recipe
 from tuner.run.report_figure import ReportFigure
 from tuner.run.result import (
-    CodeRecord,
-    ExportRecord,
     Result,
-    SingleRecord,
     SolutionRecord,
     pretty,
 )
 from tuner.run.shared_run import Together
 from tuner.run.study import Plan, Solutions, Task, best
 from tuner.run.threads import at_once
-
-Progress: TypeAlias = Callable[[str, int, int], None]
-"""Called with what is being done, and how many of how many parts are finished."""
-
-VERSIONS = ("filter-tuner", "jax", "numpy", "scipy", "optuna")
 
 
 @dataclass(frozen=True)
@@ -159,36 +153,19 @@ class Run:
 
     def finish(self, solutions: Solutions, formats: tuple[str, ...], begun: float) -> Result:
         """Compare, export, check in single precision and draw; write the result."""
-        artifacts = ["study.toml", "environment.json"]
-        exports: list[ExportRecord] = []
-        codes: list[CodeRecord] = []
-        singles: list[SingleRecord] = []
         found = [(problem, best(problem.name, solutions)) for problem in exported(self.plan)]
-        tuned = [self.tuned(problem, solution) for problem, solution in found]
+        tuned = [TunedFilter(*each, self.tuned(*each)) for each in found]
         with at_once(2) as pool:  # beside the comparisons: compilers free the interpreter
-            made = [
-                pool.submit(self._code, *one, what, formats)
-                for one, what in zip(found, tuned, strict=True)
-            ]
-            checked = [pool.submit(_in_single_precision, *one) for one in found]
+            pending = begin_exports(pool, self.folder, tuned, formats)
             self.progress("comparing", 0, 4)
             comparisons = self.plan.compare(solutions, self.claims)
-            for k, (problem, solution) in enumerate(found):
-                self.progress(f"exporting {tuned[k].name}", 1, 4)
-                texts, more, written = made[k].result()
-                if solution.status.trusted:
-                    exports += [
-                        self._export(problem, solution, tuned[k], f, texts) for f in formats
-                    ]
-                artifacts += more
-                codes += written
-                self.progress(f"single precision {tuned[k].name}", 2, 4)
-                singles += checked[k].result()
-        artifacts += [record.file for record in exports]
+            exports = write_exports(self.folder, pending, formats, self.progress)
+        outputs: list[str] = []
         if self.plan.report is not None:
-            artifacts += [self._outputs(problem, solution) for problem, solution in found]
-        figures, drawn, not_drawn = self._draw(solutions)
-        artifacts += drawn
+            outputs = [write_outputs(self.folder, *each) for each in found]
+        figures = partial(self.plan.figures, self.plan.case, solutions)
+        drawn = draw_figures(self.folder, figures, self.progress)
+        files = (*exports.files, *outputs, *drawn.files, KEPT, PAGE)
         result = Result(
             schema="tuner.result/1",
             study=self.study,
@@ -197,44 +174,22 @@ class Run:
             settings=self.settings,
             solutions=[SolutionRecord.of(solution) for solution in solutions.values()],
             comparisons=comparisons,
-            exports=exports,
-            single_precision=singles,
-            tuned=[json.loads(export.dump(one, "json")) for one in tuned],
-            artifacts=[*artifacts, KEPT, PAGE, "result.json"],
+            exports=exports.records,
+            single_precision=exports.single_precision,
+            tuned=[json.loads(export.dump(each.tuned, "json")) for each in tuned],
+            artifacts=["study.toml", "environment.json", *files, "result.json"],
             seconds=time.perf_counter() - begun,
             fit=self._report(solutions),
             findings=list(self.plan.findings(self.plan.case, solutions)),
-            code=codes,
+            code=exports.code,
             identity=dict(self.identity),
-            not_drawn=not_drawn,
+            not_drawn=drawn.failed,
         )
         self.folder.write("result.json", result.to_json().encode())
-        self._write_report(result, solutions, figures)
+        self._write_report(result, solutions, drawn.figures)
         self.folder.remove("progress.json")
         self.progress("done", 4, 4)
         return result
-
-    def _draw(self, solutions: Solutions) -> tuple[list[Figure], list[str], list[str]]:
-        """Figures, their files, and why others are missing: one that fails ends no run."""
-        figures: list[Figure] = []
-        files: list[str] = []
-        failed: list[str] = []
-        try:
-            for figure in self.plan.figures(self.plan.case, solutions):
-                self.progress(f"drawing {figure.name}", 3, 4)
-                try:
-                    made = {"csv": table(figure), "png": picture(figure)}
-                except Exception as error:
-                    failed.append(f"{figure.name} could not be drawn: {_said(error)}")
-                    continue
-                stem = f"figures/{figure.name}"
-                files += [self.folder.write(f"{stem}.{end}", made[end]) for end in made]
-                figures.append(figure)
-        except WriteError:
-            raise
-        except Exception as error:
-            failed.append(f"a figure could not be drawn: {_said(error)}")
-        return figures, files, failed
 
     def _write_report(self, result: Result, solutions: Solutions, figures: list[Figure]) -> None:
         """The report, and what it takes to write it again."""
@@ -245,35 +200,6 @@ class Run:
         kept = self.kept.model_copy(update={"pictures": kept_pictures(shown)})
         self.folder.write(KEPT, kept.to_json())
         self.folder.write(PAGE, page_of(result, kept, self.folder.path))
-
-    def _code(
-        self, problem: Problem, solution: Solution, tuned: Tuned, formats: tuple[str, ...]
-    ) -> tuple[dict[str, bytes], list[str], list[CodeRecord]]:
-        """The headers with code, other files that were written, and what is told of them."""
-        from tuner.run.machine import in_all_variants
-
-        if "c" not in formats or not solution.status.trusted:
-            return {}, [], []
-        found, records = in_all_variants(tuned, problem.on_machine(solution))
-        own = {name: data for name, data in found.items() if name == f"exports/{tuned.name}.h"}
-        others = [name for name in found if name not in own]
-        with at_once(len(others) or 1) as pool:  # each waits for the disk
-            more = list(pool.map(lambda name: self.folder.write(name, found[name]), others))
-        return own, more, records
-
-    def _outputs(self, problem: Problem, solution: Solution) -> str:
-        """The tuned filter's outputs over the recording, in full."""
-        from filters.declared import bare, channel_facts, output
-        from tuner.run.gate import SAID
-
-        outputs = problem.outputs(solution)
-        facts = channel_facts(bare(problem.filter), "outputs")
-        found = {name: output(problem.filter, outputs, name) for name in facts}
-        found |= {name: getattr(outputs, name) for name in SAID if hasattr(outputs, name)}
-        arrays = {name: np.asarray(each) for name, each in found.items() if each is not None}
-        stream = io.BytesIO()
-        np.savez_compressed(stream, allow_pickle=False, **arrays)
-        return self.folder.write("outputs.npz", stream.getvalue())
 
     def _report(self, solutions: Solutions) -> FitRecord | None:
         """The worth of a fit; None for a published study."""
@@ -287,77 +213,12 @@ class Run:
             problem, solution, self.study, self.seed, problem.source or self.plan.source
         )
 
-    def _export(
-        self,
-        problem: Problem,
-        solution: Solution,
-        tuned: Tuned,
-        form: str,
-        headers: Mapping[str, bytes],
-    ) -> ExportRecord:
-        name = f"exports/{tuned.name}{export.suffix(form)}"
-        self.folder.write(name, headers.get(name) or export.dump(tuned, form))
-        read_back = export.read_back(tuned, self.folder.path / name, form)
-        return score_export(problem, solution.value, read_back, form, name)
-
-
-def tuned_of(problem: Problem, solution: Solution, study: str, seed: int, source: Source) -> Tuned:
-    """The exports of a solution: its parameters, what follows from them, and their origin."""
-    what = problem.what_is_exported()
-    return Tuned(
-        name=solution.problem,
-        filter=what.filter,
-        quantities=problem.quantities(solution),
-        convention="discrete" if what.dt else "continuous",
-        dt=what.dt,
-        states=what.states,
-        provenance=Provenance(
-            study=study,
-            problem=solution.problem,
-            solver=solution.solver,
-            status=solution.status.value,
-            seed=seed,
-            log_name=source.name,
-            log_sha256=source.sha256,
-            versions=tuple((name, version(name)) for name in VERSIONS),
-        ),
-    )
-
 
 def write_down(folder: RunFolder, recipe: Recipe, plan: Plan) -> None:
     """The recipe, and the environment it ran in."""
     folder.write("study.toml", recipe.to_toml())
     known = environment() | {"seed": recipe.seed, "log_sha256": plan.source.sha256}
     folder.write("environment.json", pretty(known))
-
-
-def _in_single_precision(problem: Problem, solution: Solution) -> list[SingleRecord]:
-    """The checks, or why there are none: a filter that cannot be checked ends no run."""
-    try:
-        checks = problem.single_precision(solution)
-    except TypeError as error:
-        said = f"single precision was not checked: {error}"
-        checks = (SinglePrecision("full", "", np.inf, np.inf, 0, np.inf, said),)
-    return [SingleRecord(problem=problem.name, **asdict(check)) for check in checks]
-
-
-def score_export(
-    problem: Problem, value: float, tuned: Tuned, form: str, file: str
-) -> ExportRecord:
-    """Score the parameters of an exported filter against the value of its solution."""
-    parameters = {q.name: q.value for q in tuned.quantities if q.name in problem.space.names}
-    score = problem.score(parameters)
-    least = 1.0 if kind_of(problem.objective) == "likelihood" else 0.0  # nats are no share of 0
-    change = (score - value) / (max(abs(value), least) or 1.0)
-    return ExportRecord(
-        problem=problem.name, format=form, file=file, score=score, relative_change=change
-    )
-
-
-def exported(plan: Plan) -> list[Problem]:
-    """The problems of a plan whose solutions are exported, in the order it names them."""
-    problems = {task.problem.name: task.problem for task in plan.tasks}
-    return [p for name in plan.exports if isinstance(p := problems[name], Problem)]
 
 
 def trusted(plan: Plan, solutions: Solutions) -> bool:
@@ -372,10 +233,6 @@ def _begun(problem: Any) -> None:
     """Score a problem where searches begin; convex programs have no such place."""
     if isinstance(problem, Problem) and problem.space.size:
         problem.value(problem.space.start())
-
-
-def _said(error: Exception) -> str:
-    return " ".join(f"{type(error).__name__}: {error}".split())
 
 
 def _solved(task: Task) -> tuple[Solution, str]:

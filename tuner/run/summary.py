@@ -158,8 +158,8 @@ def _trust(solution: Solution, judged: Judged) -> Iterator[str]:
         yield f"{starts.agreeing} of {starts.count} starts agree"
     if judged.left_out is not None:
         yield judged.left_out.words
-    if judged.refused is not None:
-        yield judged.refused.words
+    if judged.rejected is not None:
+        yield judged.rejected.words
     if judged.diagnostics is None:
         return
     for when, found in zip(("before", "now"), judged.diagnostics, strict=True):
