@@ -89,5 +89,5 @@ STUDY = Study(
     settings=Settings,
     plan=plan,
     needs="the folder of the flights' zips: --set folder=PATH",
-    takes="five minutes",
+    takes="five to ten minutes",
 )

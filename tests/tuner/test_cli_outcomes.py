@@ -325,10 +325,10 @@ def test_a_database_that_cannot_be_used(cli, here, toy):
         (["run", "toy", "--rate", "fast"], "--rate"),
         (["run", "toy", "--set", "=3"], "unknown setting ''"),
         (["run", "toy", "--set", "starts=many"], "setting starts"),
-        (["run"], "Missing argument"),
+        (["run"], "missing argument"),
         (["runn"], "run"),
         (["export", "out"], "--to"),
-        (["compare"], "Missing argument"),
+        (["compare"], "missing argument"),
         (["--nonsense"], "--nonsense"),
     ],
 )
@@ -354,7 +354,7 @@ def test_process_help(cache):
 def test_process_refuses_in_one_line(cache, here):
     ran = process(cache, "run", "kownacki2010", "--set", "R=-1")
     assert (ran.returncode, ran.stdout) == (2, "")
-    assert ran.stderr == "tuner: setting R: Input should be greater than 0, got -1\n"
+    assert ran.stderr == "tuner: setting R: must be above 0, got -1\n"
     assert snapshot(here) == {}
 
 

@@ -88,10 +88,10 @@ def test_pickle_in_an_npz_is_refused_and_not_run(cli, here):
 @pytest.mark.parametrize(
     ("setting", "word"),
     [
-        ("R=-1", "greater than 0"),
-        ("R=0", "greater than 0"),
-        ("Q=0", "greater than 0"),
-        ("Q=-2e-9", "greater than 0"),
+        ("R=-1", "above 0"),
+        ("R=0", "above 0"),
+        ("Q=0", "above 0"),
+        ("Q=-2e-9", "above 0"),
         ("P0=[[0, 0], [0, 0]]", "positive diagonal"),
         ("P0=[[-1, 0], [0, 1]]", "positive"),
         ("P0=[[1, 2], [2, 1]]", "eigenvalue -1"),

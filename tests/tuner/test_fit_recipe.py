@@ -76,10 +76,10 @@ def test_all_that_is_wrong_is_told_at_once(cli, folder):
     assert (code, out, err.count("\n")) == (2, "", 1)
     for words in (
         "bad.toml is not a study.toml",
-        "seed: Input should be greater than or equal to 0",
+        "seed: must be at least 0",
         "unknown entry 'rat_hz'; did you mean rate_hz?",
         "unknown setting 'strats'; did you mean",
-        "setting starts: Input should be greater than or equal to 1",
+        "setting starts: must be at least 1",
     ):
         assert words in err
     names = HAND.replace("q = 0.5", "qq = 0.5, R = 1.0").replace("gate", "gait")

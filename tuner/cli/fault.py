@@ -71,7 +71,8 @@ def _is_sentence(error: BaseException) -> bool:
 
 
 def _usage(error: BaseException) -> str:
-    return f"{error.format_message().rstrip('.')}; see tuner --help"  # type: ignore[attr-defined]
+    told = error.format_message().rstrip(".")  # type: ignore[attr-defined]
+    return f"{told[:1].lower()}{told[1:]}; see tuner --help"
 
 
 def _value(error: BaseException) -> str:

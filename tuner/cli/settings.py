@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from tuner.names import listed, unknown
+from tuner.run.settings import reason_of
 from tuner.toml import parsed
 
 Some = TypeVar("Some", bound=BaseModel)
@@ -55,7 +56,7 @@ def _fault(error: Mapping[str, Any]) -> str:
     where = ".".join(str(part) for part in error["loc"])
     if error["type"] == "missing":
         return f"setting {where} is missing; give it with --set {where}=... or in a study.toml"
-    reason = str(error["msg"]).removeprefix("Value error, ")
+    reason = reason_of(error)
     if not where:  # two settings that do not go together
         return reason
     return f"setting {where}: {reason}, got {error['input']!r}"

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from tuner.data.source import file_digest
 from tuner.files import leads_out
 from tuner.names import listed, unknown
+from tuner.run.settings import reason_of
 from tuner.toml import read_toml
 
 LARGEST_SEED = 2**31 - 1
@@ -153,7 +154,7 @@ def _fault(error: Mapping[str, Any]) -> str:
     if error["type"] == "extra_forbidden":
         known = LogEntries.model_fields if len(where) > 1 else Recipe.model_fields
         return str(unknown("entry", where[-1], known))
-    reason = error["msg"].removeprefix("Value error, ")
+    reason = reason_of(error)
     return f"{'.'.join(where)}: {reason}" if where else reason
 
 

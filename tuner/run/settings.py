@@ -1,5 +1,8 @@
 """The settings that all studies share."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from pydantic import BaseModel, ConfigDict, ValidationInfo, field_validator
 
 
@@ -29,3 +32,21 @@ def _truth(value: object) -> bool:
     if isinstance(value, list | tuple):
         return any(_truth(part) for part in value)
     return isinstance(value, bool)
+
+
+def reason_of(error: Mapping[str, Any]) -> str:
+    """What is wrong with a value, as the other messages say it."""
+    told = str(error["msg"]).removeprefix("Value error, ")
+    for words, ours in _WORDS.items():
+        told = told.replace(words, ours)
+    return told
+
+
+_WORDS = {
+    "Input should be": "must be",
+    "greater than or equal to": "at least",
+    "less than or equal to": "at most",
+    "a valid tuple": "a list",
+    "greater than": "above",
+    "less than": "below",
+}
