@@ -155,7 +155,7 @@ def test_the_picture_of_a_filter_without_innovations():
     truth = {"att": stacked.pop("att")}
     both = tuner.Record.of(stacked, rate_hz=50.0, truth=truth)
     found = tuner.fit("madgwick", [both, both], starts=1, held_out="recording")
-    titles = [axes.get_title("left") for axes in found.plot().axes]
+    titles = [" ".join(axes.get_title("left").split()) for axes in found.plot().axes]
     assert len(titles) == 2
     assert "first recording" in titles[0]
     assert titles[1].startswith("Tuned on the rest, ")

@@ -7,6 +7,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from tuner.rounding import outward
+
 Solved: TypeAlias = Any
 """A :class:`tuner.certificate.solution.Solution`, which displays itself by these functions."""
 HEAD = ("parameter", "value", "interval", "unit")
@@ -75,7 +77,7 @@ def _number(value: np.ndarray) -> str:
 
 
 def range_in_words(interval: tuple[float | None, float | None], kind: str) -> str:
-    """An interval in brackets, or its one limit, with its kind.
+    """An interval in brackets, or its one limit, with its kind; ends are rounded outward.
 
     Args:
         interval: lowest and highest value; None stands for infinite.
@@ -83,12 +85,14 @@ def range_in_words(interval: tuple[float | None, float | None], kind: str) -> st
 
     >>> range_in_words((1.0, 2.5), "95 %, likelihood ratio")
     '[1, 2.5] (95 %)'
+    >>> range_in_words((0.010525, 0.011029), "95 %, likelihood ratio")
+    '[0.0105, 0.0111] (95 %)'
     >>> range_in_words((0.0, 2e-4), "95 %, sandwich")
     '[below 0.0002] (95 %)'
     >>> range_in_words((3.0, None), "1 % of the cost")
     '[above 3] (1 % of the cost)'
     """
-    low, high = interval
+    low, high = outward(*interval)
     short = kind.partition(",")[0]
     if high is None or high == math.inf:
         told = f"[above {low:.3g}]"

@@ -3,6 +3,8 @@
 import math
 import re
 
+from tuner.rounding import outward
+
 _RAISED = str.maketrans("0123456789-+.", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺·")
 MINUS = "\N{MINUS SIGN}"
 HARD = "\N{NO-BREAK SPACE}"
@@ -93,14 +95,14 @@ def between(low: float, high: float) -> str:
 
 
 def interval(ends: tuple[float | None, float | None] | None, digits: int = 3) -> str:
-    """An interval in words; one end alone where the other is not known.
+    """An interval in words, rounded outward; one end alone where the other is not known.
 
     >>> interval((1.0, 2.5)), interval((0.0, 2e-4)), interval((3.0, None))
     ('1.00 to 2.50', 'below 2×10⁻⁴', 'above 3')
     """
     if ends is None:
         return ""
-    low, high = ends
+    low, high = outward(*ends, digits)
     if high is None or high == math.inf:
         return f"above {number(low, digits)}"
     if low in (None, 0.0, -math.inf):

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from tuner.rounding import outward
+
 _AS_WRITTEN = {"extra": "forbid"}
 """Read back from a result's JSON, it has these fields and no others."""
 
@@ -30,13 +32,14 @@ class Finding:
 
     @property
     def limits(self) -> str:
-        """The 95 % limits as text; one alone where the other is not known.
+        """The 95 % limits as text, rounded outward; one alone where the other is not known.
 
         >>> Finding("K", 0.1, "", "", high=0.3).limits
         'below 0.3'
         """
-        if self.low is not None and self.high is not None:
-            return f"{self.low:.4g} to {self.high:.4g}"
-        if self.high is not None:
-            return f"below {self.high:.4g}"
-        return "" if self.low is None else f"above {self.low:.4g}"
+        low, high = outward(self.low, self.high, 4)
+        if low is not None and high is not None:
+            return f"{low:.4g} to {high:.4g}"
+        if high is not None:
+            return f"below {high:.4g}"
+        return "" if low is None else f"above {low:.4g}"
