@@ -112,25 +112,20 @@ def _rows(folder: Path, tracker: Tracker) -> Iterator[Row]:
         ("empty cache", empty, EMPTY, counts[0]),
         ("warm cache", warm, WARM, counts[1]),
     ):
-        seconds = [whole for whole, _ in times]
-        yield Row(
-            part=PART,
-            what=f"{tracker.name}: {what}",
-            figure=float(np.median(seconds)),
-            best=min(seconds),
-            unit="s",
-            target=target,
-            note=count,
-        )
-    searches = [solve for _, solve in warm]
-    yield Row(
+        yield _row(tracker, what, [whole for whole, _ in times], target, count)
+    note = "warm cache, beside the search on a part of the data"
+    yield _row(tracker, "search and certificate", [solve for _, solve in warm], SOLVE, note)
+
+
+def _row(tracker: Tracker, what: str, seconds: list[float], target: float, note: str) -> Row:
+    return Row(
         part=PART,
-        what=f"{tracker.name}: search and certificate",
-        figure=float(np.median(searches)),
-        best=min(searches),
+        what=f"{tracker.name}: {what}",
+        figure=float(np.median(seconds)),
+        best=min(seconds),
         unit="s",
-        target=SOLVE,
-        note="warm cache, beside the search on a part of the data",
+        target=target,
+        note=note,
     )
 
 

@@ -74,16 +74,7 @@ def execute(request: Request) -> int:
     with interruptible() as check, show_progress(check) as told:
         run = Run(study.name, values, plan, seed, folder, told, request.claims, identity, kept)
         try:
-            finished = _finished(folder, recipe, run) if request.resume else {}
-            run.check(threads(request))
-            if request.storage:
-                use_database(request.storage)
-            if request.force and not request.resume:
-                folder.clear()
-            with _found_or_removed(folder, request):
-                write_down(folder, recipe, plan)
-                solutions = _solve(run, request, recipe, finished)
-                result = run.finish(solutions, FORMATS, begun)
+            solutions, result = _solve_and_write(run, request, recipe, begun)
         except KeyboardInterrupt as stopped:
             how = [*_saved(request, folder), NOTHING][0]
             print(f"tuner: {how}", file=sys.stderr)
@@ -93,6 +84,22 @@ def execute(request: Request) -> int:
     with _all_is_saved(folder):
         _show(result, folder, request)
     return 0 if trusted(plan, solutions) else 1
+
+
+def _solve_and_write(
+    run: Run, request: Request, recipe: Recipe, begun: float
+) -> tuple[Solutions, Result]:
+    """Check, solve and write a run, or go on with it."""
+    finished = _finished(run.folder, recipe, run) if request.resume else {}
+    run.check(threads(request))
+    if request.storage:
+        use_database(request.storage)
+    if request.force and not request.resume:
+        run.folder.clear()
+    with _found_or_removed(run.folder, request):
+        write_down(run.folder, recipe, run.plan)
+        solutions = _solve(run, request, recipe, finished)
+        return solutions, run.finish(solutions, FORMATS, begun)
 
 
 @contextmanager
