@@ -68,6 +68,8 @@ def main() -> None:
     from tuner.cli.process_exit import exit_process
     from tuner.stop import heed, interrupt
 
+    # XLA's word that a compilation takes long, which says nothing to a user; errors are raised.
+    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
     # Looking for cycles among a million objects of JAX takes a tenth of a fit.
     gc.set_threshold(100_000, 50, 100)
     heed(interrupt)

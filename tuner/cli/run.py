@@ -55,8 +55,6 @@ def execute(request: Request) -> int:
         return 0
     folder = open_folder(request.out, study.name, force=request.force, resume=request.resume)
     storage = request.storage or _own_database(folder)
-    if study.takes and not request.claims:
-        print(f"{study.name} takes about {study.takes} on two processors", file=sys.stderr)
     with show_planning():
         plan = _chosen(study.plan(settings, records, seed, storage), request)
         plan = shared_plan(plan, storage) if _is_shared(request) else plan
@@ -74,7 +72,7 @@ def execute(request: Request) -> int:
     with interruptible() as check, show_progress(check) as told:
         run = Run(study.name, values, plan, seed, folder, told, request.claims, identity, kept)
         try:
-            solutions, result = _solve_and_write(run, request, recipe, begun)
+            solutions, result = _solve_and_write(run, request, recipe, begun, study.takes)
         except KeyboardInterrupt as stopped:
             how = [*_saved(request, folder), NOTHING][0]
             print(f"tuner: {how}", file=sys.stderr)
@@ -87,11 +85,13 @@ def execute(request: Request) -> int:
 
 
 def _solve_and_write(
-    run: Run, request: Request, recipe: Recipe, begun: float
+    run: Run, request: Request, recipe: Recipe, begun: float, takes: str
 ) -> tuple[Solutions, Result]:
     """Check, solve and write a run, or go on with it."""
     finished = _finished(run.folder, recipe, run) if request.resume else {}
     run.check(threads(request))
+    if takes and not request.claims:
+        print(f"{run.study} takes about {takes} on two processors", file=sys.stderr)
     if request.storage:
         use_database(request.storage)
     if request.force and not request.resume:
