@@ -29,5 +29,5 @@ def unknown(kind: str, name: str, known: Iterable[str]) -> ValueError:
     names = sorted(known)
     near = difflib.get_close_matches(name, names, n=3)
     hint = f"did you mean {' or '.join(near)}? " if near else ""
-    there = f"There are: {', '.join(names)}" if names else "There are none"
-    return ValueError(f"unknown {kind} {name!r}; {hint}{there}")
+    there = f"here are: {', '.join(names)}" if names else "here are none"
+    return ValueError(f"unknown {kind} {name!r}; {hint}{'T' if hint else 't'}{there}")

@@ -171,7 +171,7 @@ def test_a_run_on_a_log_has_no_claims(cli, here, toy):
     words = ("run", "toy", "--log", "rest.csv", "--map", "x=g", "--out", "out")
     code, _, err = cli(*words, "--claim", "toy.lowest")
     assert code == 2
-    assert err.splitlines()[-1] == "tuner: unknown claim 'toy.lowest'; There are none"
+    assert err.splitlines()[-1] == "tuner: unknown claim 'toy.lowest'; there are none"
     assert not (here / "out").exists()
     code, out, _ = cli(*words)
     assert code == 0

@@ -43,7 +43,7 @@ def test_other_forms(cli, run, here):
     assert (here / "mine.md").read_bytes() == (run / "report.md").read_bytes()
     code, out, err = cli("report", "out", "--to", "doc")
     assert (code, out) == (2, "")
-    assert err == "tuner: unknown form 'doc'; There are: html, md, pdf\n"
+    assert err == "tuner: unknown form 'doc'; there are: html, md, pdf\n"
 
 
 def test_a_pdf_takes_a_browser(cli, run, monkeypatch):

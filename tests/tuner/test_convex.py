@@ -241,7 +241,7 @@ def test_what_is_no_such_program_is_refused():
         ConvexProgram("p", problem, {"a": a}, {"y": cp.Variable()})
     with pytest.raises(ValueError, match="^the constraint named 'c' is not part of p"):
         ConvexProgram("p", problem, {"a": a}, {"x": x}, {"c": x <= 1})
-    with pytest.raises(ValueError, match="^unknown variable of p 'X'; There are: x"):
+    with pytest.raises(ValueError, match="^unknown variable of p 'X'; there are: x"):
         ConvexProgram("p", problem, {"a": a}, {"x": x}, units={"X": "m"})
 
 

@@ -371,7 +371,7 @@ def test_values_for_another_filter_have_to_be_accepted(refused, here, to):
     [
         (["--map", "R_baro"], "--map R_baro has no value; write --map NAME=KEY"),
         (["--map", "R_baro=A,"], "--map R_baro=A, has no value; write --map NAME=KEY"),
-        (["--map", "R=EKF2_BARO_NOISE"], "unknown number 'R'; There are: R_baro, bias0, "),
+        (["--map", "R=EKF2_BARO_NOISE"], "unknown number 'R'; there are: R_baro, bias0, "),
         (["--map", "R_baro=EKF2_BARO_NOIS"], "did you mean EKF2_BARO_NOISE"),
         (["--map", "R_baro=EKF2_X\nEKF2_Y"], "unknown parameter 'EKF2_X\\nEKF2_Y'"),
         (["--map", "R_baro=EKF2_GYR_NOISE"],

@@ -269,7 +269,7 @@ MISTAKES = {
     "a field that is not there": (
         "        Q = params.q",
         "        Q = params.Q",
-        ("unknown field of Noise 'Q'", "There are: R, q"),
+        ("unknown field of Noise 'Q'", "there are: R, q"),
     ),
     "no dt": (
         "    dt: float\n",

@@ -231,7 +231,7 @@ def test_score_takes_a_covariance_as_it_is():
     [
         ({"a": 1.0}, "bowl has no value for b: give them all"),
         ({}, "bowl has no value for a, b: give them all"),
-        ({"a": 1.0, "b": 1.0, "c": 1.0}, "unknown parameter 'c'; There are: a, b"),
+        ({"a": 1.0, "b": 1.0, "c": 1.0}, "unknown parameter 'c'; there are: a, b"),
         ({"a": 1.0, "b": -1.0}, "b must be positive and finite, got -1"),
     ],
 )

@@ -152,9 +152,7 @@ def _no_function(name: str) -> str:
     if name in aliases:
         return f"{name!r} is not a function here; write {aliases[name]}"
     told = str(unknown("function", name, FUNCTIONS))
-    return told.replace(f"unknown function {name!r};", f"{name!r} is not a function here;").replace(
-        "There are:", "there are:"
-    )
+    return told.replace(f"unknown function {name!r};", f"{name!r} is not a function here;")
 
 
 def _shown(text: str) -> str:
