@@ -175,7 +175,7 @@ def test_a_database_that_dies_is_told_in_one_sentence(search, monkeypatch):
 
     with search(3) as trials:
         assert trials.make_one(draw)
-        monkeypatch.setattr(trials.study._storage, "set_trial_state_values", fail)
+        monkeypatch.setattr(trials.storage, "set_trial_state_values", fail)
         with pytest.raises(DatabaseError, match="cannot be used: server closed the connection$"):
             trials.work(draw)
 

@@ -116,7 +116,7 @@ class Trials:
             with contextlib.suppress(DatabaseError):  # then it is looked after as lost
                 self._give_back(trial, again=again)
             raise
-        self._tell(trial, value)
+        self._tell(trial, float(value))
         return True
 
     def look_after_the_lost(self) -> None:
@@ -151,12 +151,18 @@ class Trials:
         return sum(t.state.name != "FAIL" for t in self.known() if t.number < number)
 
     def _tell(self, trial: "optuna.Trial", value: float) -> None:
-        """Tell a value; one that comes after the trial was given to another process is left."""
+        """Tell a value; one that comes after the trial was given to another process is left.
+
+        Optuna's own ``tell`` reads the trial three times for what samplers with constraints do
+        after it: a third of the time that a trial takes the database.
+        """
         import optuna
 
         late = optuna.exceptions.UpdateFinishedTrialError
+        states, failed = optuna.trial.TrialState, math.isnan(value)
+        state, values = states.FAIL if failed else states.COMPLETE, None if failed else [value]
         with told(self.url), contextlib.suppress(late):
-            self.study.tell(trial, value, skip_if_finished=True)
+            self.storage.set_trial_state_values(trial._trial_id, state, values)
 
     def _give_back(self, trial: "optuna.Trial", *, again: bool) -> None:
         """End a trial without a value; again: another one at the same point is to be made."""
