@@ -1,6 +1,7 @@
 """The part of a step that depends on the parameters alone, evaluated once before the time loop."""
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import Any, TypeAlias
 
 import jax
@@ -18,6 +19,7 @@ MOVES = frozenset(
     ("broadcast_in_dim", "reshape", "squeeze", "slice", "convert_element_type", "iota", "transpose")
 )
 """Operations that a loop does for nothing, while their results would have to be read."""
+_ARRAYS = (jax.Array, np.ndarray, jax.ShapeDtypeStruct)
 
 
 def invariant(
@@ -37,9 +39,7 @@ def invariant(
         params: the parameters, any pytree.
         state: one state, or its shapes.
         sample: one sample's inputs, or their shapes.
-        swapped: functions that take the place of functions with a derivative of their own
-            (``jax.custom_jvp``) of these names, where the arguments have as many axes as told:
-            of filters side by side they have more.
+        swapped: as of :func:`split`.
 
     >>> import jax.numpy as jnp
     >>> step = lambda p, s, u: (s * jnp.exp(p) + u, s)
@@ -47,8 +47,34 @@ def invariant(
     >>> float(once(jnp.array(1.0), jnp.array(2.0))[0])
     3.0
     """
+    before, rest = split(step, params, state, sample, swapped)
+    return partial(rest, before(params))
+
+
+def split(
+    step: Callable[[Any, Any, Any], tuple[Any, Any]],
+    params: Any,
+    state: Any,
+    sample: Any,
+    swapped: Mapping[str, Swap] | None = None,
+) -> tuple[Callable[[Any], list[Any]], Callable[[list[Any], Any, Any], tuple[Any, Any]]]:
+    """A step in two: what follows from the parameters alone, and the rest.
+
+    Args:
+        step: a filter's, with the parameters first.
+        params: the parameters, any pytree, or their shapes.
+        state: one state, or its shapes.
+        sample: one sample's inputs, or their shapes.
+        swapped: functions that take the place of functions with a derivative of their own
+            (``jax.custom_jvp``) of these names, where the arguments have as many axes as told:
+            of filters side by side they have more.
+
+    Returns:
+        A function from parameters to arrays, and one from these, a state and a sample to the next
+        state and an output.
+    """
     leaves, tree = jax.tree.flatten(params)
-    arrays = [i for i, leaf in enumerate(leaves) if isinstance(leaf, jax.Array | np.ndarray)]
+    arrays = [i for i, leaf in enumerate(leaves) if isinstance(leaf, _ARRAYS)]
 
     def of(given: list[Any], state: Any, sample: Any) -> tuple[Any, Any]:
         filled = list(leaves)
@@ -60,16 +86,19 @@ def invariant(
     closed, shapes = jax.make_jaxpr(of, return_shape=True)(given, state, sample)
     jaxpr, answer = closed.jaxpr, jax.tree.structure(shapes)
     fixed, varying = jaxpr.invars[: len(given)], jaxpr.invars[len(given) :]
-    before, after = _parted(jaxpr, [*jaxpr.constvars, *fixed])
-    known = jax.core.eval_jaxpr(before, (), *closed.consts, *given)
-    inner = _part(jaxpr, [*before.outvars, *varying], after, jaxpr.outvars)
+    early, after = _parted(jaxpr, [*jaxpr.constvars, *fixed])
+    inner = _part(jaxpr, [*early.outvars, *varying], after, jaxpr.outvars)
 
-    def rest(state: Any, sample: Any) -> tuple[Any, Any]:
+    def before(params: Any) -> list[Any]:
+        own = jax.tree.leaves(params)
+        return list(jax.core.eval_jaxpr(early, (), *closed.consts, *(own[i] for i in arrays)))
+
+    def rest(known: list[Any], state: Any, sample: Any) -> tuple[Any, Any]:
         flat = _done(inner, [*known, *jax.tree.leaves((state, sample))], swapped or {})
         found: tuple[Any, Any] = jax.tree.unflatten(answer, flat)
         return found
 
-    return rest
+    return before, rest
 
 
 def _done(jaxpr: Jaxpr, given: list[Any], swapped: Mapping[str, Swap]) -> list[Any]:

@@ -54,6 +54,7 @@ from objectives.score import (
     score_and_gradient,
     scores_and_gradients,
     sum_and_gradient,
+    weighed,
 )
 from objectives.step_response import (
     Crossing,
@@ -132,6 +133,7 @@ __all__ = [
     "unobservable",
     "unseen_modes",
     "updated",
+    "weighed",
     "window",
     "without_undriven",
     "without_unseen",

@@ -171,9 +171,24 @@ def judged(
     Returns:
         The score ``()`` and its gradient ``(n,)``.
     """
+    value, weights = weighed(objective, data, collected)
+    return value, _chain(weights, tangents)
+
+
+def weighed(objective: Objective, data: Data, collected: tuple[Any, Any]) -> tuple[Array, Any]:
+    """The score from the results of a time loop, and its derivative by each of them.
+
+    Args:
+        objective: the objective.
+        data: inputs and truth.
+        collected: as of :func:`judged`.
+
+    Returns:
+        The score ``()``, and the derivatives in the form of ``collected``.
+    """
     value, pull = jax.vjp(lambda seen: _judge(objective, data, seen), collected)
     (weights,) = pull(jnp.ones_like(value))
-    return value, _chain(weights, tangents)
+    return value, weights
 
 
 def scores_and_gradients(

@@ -197,7 +197,7 @@ def test_a_shorter_way_back_is_xla_s(monkeypatch):
     problem = posed()
     back = route.Route(problem.static, problem.data, 3, problem.by_xla, route.BACKWARDS)
     assert back.value_and_gradient(np.zeros(3)) is None
-    assert back.told == "XLA: its way back through the loop is shorter than C's forwards"
+    assert back.told == "XLA: its way back through the loop is shorter than C's"
 
 
 def test_without_a_compiler_nothing_changes(monkeypatch):

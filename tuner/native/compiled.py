@@ -1,11 +1,8 @@
 """A problem's value and gradient with the time loop in C, and the rest in JAX."""
 
 import ctypes
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
-from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -19,13 +16,14 @@ from objectives import Data, Objective, is_fold, judged
 from tuner.code.graph import TooLargeError
 from tuner.code.refused import NoCounterpartError
 from tuner.native.compiler import library
+from tuner.native.filled import address, filled, kept_of, side_by_side
 from tuner.native.fused import fused
 from tuner.native.iteration import iteration
 from tuner.native.loop import Loop, loop
 from tuner.native.pipelining import pipelined
-from tuner.native.runner import runner_of
+from tuner.native.runner import columns, runner_of
 from tuner.native.scaled import scaled
-from tuner.native.text import source
+from tuner.native.text import source, varying
 
 LANES = 8
 """Directions or points at once: the width of today's widest vectors."""
@@ -45,10 +43,15 @@ class Native:
         data: a record, or its shapes and types.
         folder: for compiled code.
 
+    Attributes:
+        returns: whether it goes back through the record, which it does not.
+
     Raises:
         NoCounterpartError: names the operation that has no counterpart among scalars.
         TooLargeError: for an iteration of too many operations.
     """
+
+    returns = False
 
     def __init__(
         self,
@@ -68,7 +71,7 @@ class Native:
         self._folds, self._keeps = is_fold(objective), runner.keeps
         params = jax.eval_shape(build, np.zeros(size))
         self._total = jax.eval_shape(objective.init) if is_fold(objective) else None
-        self._kept = _kept(filter, objective, params, data)
+        self._kept = kept_of(filter, objective, params, data)
         self._numbers = jax.jit(self._number)
         self._slopes = jax.jit(lambda z: (self._number(z), jax.jacfwd(self._number)(z)))
         self._all_numbers = jax.jit(jax.vmap(self._number))
@@ -80,11 +83,7 @@ class Native:
 
     def rows(self, data: Data) -> np.ndarray:
         """A record in the loop's layout, ``(N, k)``."""
-        leaves = [
-            np.asarray(x, float) for x in jax.tree.leaves(data if self._folds else data.inputs)
-        ]
-        whole = np.hstack([leaf.reshape(len(leaf), prod(leaf.shape[1:])) for leaf in leaves])
-        return np.ascontiguousarray(whole)
+        return columns(data if self._folds else data.inputs)
 
     def value_and_gradient(
         self, z: np.ndarray, rows: np.ndarray, data: Data, at: Sequence[int] = ()
@@ -112,15 +111,12 @@ class Native:
         count = len(self._iteration.kept)
         kept = np.empty((blocks, len(rows) if count else 0, count, 1 + wide))
 
-        def go(rows: np.ndarray, ends: np.ndarray) -> None:
+        def go(part: tuple[np.ndarray, np.ndarray]) -> None:
+            rows, ends = part
             for directions, end, keep in zip(padded, ends, kept, strict=True):
-                run(*rows.shape, *map(_address, (numbers, directions, rows, end, keep)))
+                run(*rows.shape, *map(address, (numbers, directions, rows, end, keep)))
 
-        if at:
-            with ThreadPoolExecutor(os.cpu_count()) as pool:
-                list(pool.map(go, np.split(rows, at), ends))
-        else:
-            go(rows, ends[0])
+        side_by_side(go, list(zip(np.split(rows, at), ends, strict=True)))
         truth = None if self._folds else data.truth
         value, gradient = self._judge(ends.sum(axis=0), kept, truth)
         return float(value), np.asarray(gradient)
@@ -147,10 +143,9 @@ class Native:
 
         def group(k: int) -> None:
             given = np.ascontiguousarray(p[k]), np.ascontiguousarray(dp[k])
-            run(*rows.shape, *map(_address, (*given, rows, ends[k], none)))
+            run(*rows.shape, *map(address, (*given, rows, ends[k], none)))
 
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            list(pool.map(group, range(count)))
+        side_by_side(group, range(count))
         by_point = ends.transpose(0, 3, 1, 2).reshape(len(padded), 1, -1, 1 + self.size)
         keep = np.empty((len(padded), 1, 0, 0, 1 + self.size))
         values, gradients = self._judge_all(by_point, keep, None)
@@ -164,6 +159,13 @@ class Native:
     def operations(self) -> int:
         """Number of operations per sample; one on all lanes counts once."""
         return self._blocks * self._loop.operations
+
+    @property
+    def work(self) -> float:
+        """The same, where one on lanes counts by its vectors of 256 bits."""
+        loop = self._loop
+        wide = len(varying(loop, {"dp"}).intersection(loop.needed))
+        return self._blocks * (loop.operations + wide * (max(1.0, self._lanes / 4) - 1))
 
     @property
     def _vectors(self) -> int:
@@ -209,47 +211,11 @@ class Native:
         """The objective and its gradient, from the loop's results."""
         directions = ends.shape[0] * (ends.shape[2] - 1)
         slopes = jnp.moveaxis(ends[..., 1:], 2, 1).reshape(directions, -1)[: self.size]
-        total = _filled(self._total, ends[0, :, 0], ()), _filled(self._total, slopes, (self.size,))
+        total = filled(self._total, ends[0, :, 0], ()), filled(self._total, slopes, (self.size,))
         steps, count = kept.shape[1:3]
         slopes = jnp.moveaxis(kept[..., 1:], 3, 1).reshape(directions, steps, count)[: self.size]
         keep = [
-            _filled(self._kept, kept[0, ..., 0], (steps,), self._keeps),
-            _filled(self._kept, slopes, (self.size, steps), self._keeps),
+            filled(self._kept, kept[0, ..., 0], (steps,), self._keeps),
+            filled(self._kept, slopes, (self.size, steps), self._keeps),
         ]
         return judged(self.objective, Data(None, truth), (total[0], keep[0]), (total[1], keep[1]))
-
-
-def _kept(filter: AnyFilter, objective: Objective, params: Any, data: Data) -> Any:
-    """Shapes and types of the values kept of a sample."""
-    state = jax.eval_shape(filter.init, params)
-    one = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(leaf.shape[1:], leaf.dtype), data)
-    if not is_fold(objective):
-        return jax.eval_shape(filter.step, params, state, one.inputs)[1]
-
-    def kept(params: Any, state: Any, sample: Data) -> Any:
-        _, output = filter.step(params, state, sample.inputs)
-        return objective.update(objective.init(), output, sample.truth)[1]
-
-    return jax.eval_shape(kept, params, state, one)
-
-
-def _filled(
-    shapes: Any, numbers: Array, before: tuple[int, ...], keeps: list[bool] | None = None
-) -> Any:
-    """A tree filled with numbers; zeros in leaves that are not kept."""
-    leaves, tree = jax.tree.flatten(shapes)
-    out, at = [], 0
-    for k, leaf in enumerate(leaves):
-        if keeps is not None and not keeps[k]:
-            out.append(jnp.zeros((*before, *leaf.shape), leaf.dtype))
-            continue
-        part = numbers[..., at : at + prod(leaf.shape)]
-        out.append(part.reshape(*before, *leaf.shape).astype(leaf.dtype))
-        at += prod(leaf.shape)
-    return jax.tree.unflatten(tree, out)
-
-
-def _address(array: np.ndarray) -> int:
-    """The address of a contiguous array."""
-    assert array.flags.c_contiguous
-    return array.ctypes.data

@@ -42,11 +42,15 @@ class Loop:
     directions: int
 
     @property
+    def needed(self) -> list[int]:
+        """The operations of an iteration."""
+        roots = [cell.after for cell in self.carried] + [k for row in self.kept for k in row]
+        return [k for k in self.graph.reached(roots) if self.graph.nodes[k].args]
+
+    @property
     def operations(self) -> int:
         """Number of operations in an iteration."""
-        roots = [cell.after for cell in self.carried] + [k for row in self.kept for k in row]
-        nodes = (self.graph.nodes[k] for k in self.graph.reached(roots))
-        return sum(node.op not in ("constant", "input") for node in nodes)
+        return len(self.needed)
 
 
 def loop(iteration: Iteration, moves: Sequence[np.ndarray]) -> Loop:

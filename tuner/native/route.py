@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, cast
@@ -14,9 +14,12 @@ from jax import Array
 from filters import AnyFilter
 from objectives import Data, Objective, is_fold
 from tuner.cached import code_folder
+from tuner.code.graph import TooLargeError
+from tuner.code.refused import NoCounterpartError
 from tuner.native.compiler import NoCodeError, compiler, use
 
 if TYPE_CHECKING:
+    from tuner.native.backwards import Backwards
     from tuner.native.compiled import Native
 
 PAYS, COMPILED = 7e7, 2e4
@@ -26,8 +29,12 @@ AGREED = 1e-9
 """Tolerance of value and gradient against XLA's, over the largest of these numbers."""
 BACKWARDS, IN_PARTS = 3, 5
 """Cost of a backward gradient in passes, and of one in parts."""
-_EVEN = 6
-"""Operations of XLA, those of a step times its passes, over those of C, where both take as long."""
+_EVEN, _EVEN_BACK = 6, 3
+"""Operations of XLA, those of a step times its passes, over those of C, where both take as long: of
+C that goes forwards, and of a pass with one back."""
+_FEW, _AGAIN = 4, 1.42
+"""Parameters whose derivatives always go forwards in C; time of an operation of a pass with one
+back, of which each waits for others, over that of an operation forwards."""
 _MOST = 4000
 """Most operations of a step in C."""
 _FAILURES = (ValueError, TypeError, LookupError, AttributeError, OSError, MemoryError, NoCodeError)
@@ -74,7 +81,7 @@ class Route:
     backwards: int = 0
     at: tuple[int, ...] = ()
     told: str = ""
-    _single: "Native | None" = None
+    _single: "Native | Backwards | None" = None
     _many: bool | None = None
     _rows: np.ndarray = field(default_factory=lambda: np.empty((0, 0)))
     _lock: Lock = field(default_factory=Lock)
@@ -92,7 +99,7 @@ class Route:
     def _decided(self, z: np.ndarray) -> Both | None:
         """Both at z by C where that is possible and pays; otherwise the reason is kept."""
         try:
-            native = self._native(1)
+            native = self._shortest()
             found = native.value_and_gradient(z, self._rows, self.data, self.at)
             if not self._agrees(found, z):
                 return None
@@ -118,12 +125,29 @@ class Route:
         return values, gradients
 
     def _native(self, points: int) -> "Native":
-        """C for the loop.
+        """C for the loop with several points.
 
         Raises:
             NoCodeError: where there is none, or it does not pay.
             ValueError: where an operation has no counterpart in it.
         """
+        native = _made(self.static, self.size, *self._possible(points), code_folder())
+        if not self._rows.size:
+            self._rows = native.rows(self.data)
+        return native
+
+    def _shortest(self) -> "Native | Backwards":
+        """The same with one point."""
+        shapes = self._possible(1)
+        native = _shortest(self.static, self.size, *shapes, code_folder())
+        if use() == "auto" and self._slower_than_backward(native, shapes):
+            raise NoCodeError("its way back through the loop is shorter than C's")
+        if not self._rows.size:
+            self._rows = native.rows(self.data)
+        return native
+
+    def _possible(self, points: int) -> tuple[tuple[Any, ...], Any]:
+        """Shapes and types of the record, where C may pay."""
         wish = use()
         if wish == "off":
             raise NoCodeError("TUNER_NATIVE is off")
@@ -133,12 +157,7 @@ class Route:
         if wish == "auto" and not self._pays(shapes, points):
             raise NoCodeError("the record is too short for compiling C to pay")
         compiler()
-        native = _made(self.static, self.size, *shapes, code_folder())
-        if wish == "auto" and points == 1 and self._slower_than_backward(native, shapes):
-            raise NoCodeError("its way back through the loop is shorter than C's forwards")
-        if not self._rows.size:
-            self._rows = native.rows(self.data)
-        return native
+        return shapes
 
     def _pays(self, shapes: Any, points: int) -> bool:
         samples = len(jax.tree.leaves(self.data.inputs)[0])
@@ -148,12 +167,13 @@ class Route:
             return False
         return bool(turns * _operations(self.static, self.size, *shapes) >= PAYS)
 
-    def _slower_than_backward(self, native: "Native", shapes: Any) -> bool:
+    def _slower_than_backward(self, native: "Native | Backwards", shapes: Any) -> bool:
         """Whether derivatives in C cost more than XLA's way back, as through dense matrices."""
         if not self.backwards:
             return False
         most = self.backwards * _operations(self.static, self.size, *shapes)
-        return bool(_EVEN * native.operations > most)
+        even = _EVEN_BACK if native.returns else _EVEN
+        return bool(even * native.operations > most)
 
     def _agrees(self, found: Both, z: np.ndarray) -> bool:
         """Whether both equal XLA's; also False where XLA's are not finite.
@@ -188,6 +208,29 @@ def _made(static: Static, size: int, leaves: tuple[Any, ...], tree: Any, folder:
 
     filter = cast("AnyFilter", static.filter)
     return Native(filter, static.objective, static.built, size, _data(leaves, tree), folder)
+
+
+@lru_cache(maxsize=32)
+def _shortest(
+    static: Static, size: int, leaves: tuple[Any, ...], tree: Any, folder: Path
+) -> "Native | Backwards":
+    """C that goes forwards for few parameters, and back for more where that is less work."""
+    from tuner.native.backwards import Backwards
+    from tuner.native.compiled import LANES
+
+    forwards = partial(_made, static, size, leaves, tree, folder)
+    if size <= _FEW:
+        return forwards()
+    filter = cast("AnyFilter", static.filter)
+    try:
+        back = Backwards(filter, static.objective, static.built, size, _data(leaves, tree), folder)
+    except (NoCounterpartError, TooLargeError):
+        return forwards()
+    try:
+        one = forwards() if size <= LANES else None
+    except (NoCounterpartError, TooLargeError):
+        one = None
+    return back if one is None or _AGAIN * back.operations < one.work else one
 
 
 @lru_cache(maxsize=128)

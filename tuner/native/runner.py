@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import prod
 from typing import Any, TypeAlias
 
 import jax
@@ -47,6 +48,17 @@ class Runner:
 def is_real(leaf: Any) -> bool:
     """Whether an array has derivatives."""
     return bool(np.dtype(leaf.dtype).kind == "f")
+
+
+def columns(record: Any) -> np.ndarray:
+    """A record as rows of numbers, ``(N, k)``.
+
+    Args:
+        record: arrays with time first.
+    """
+    leaves = [np.asarray(leaf, float) for leaf in jax.tree.leaves(record)]
+    whole = np.hstack([leaf.reshape(len(leaf), prod(leaf.shape[1:])) for leaf in leaves])
+    return np.ascontiguousarray(whole)
 
 
 def with_slopes(

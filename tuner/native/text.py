@@ -3,20 +3,16 @@
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from tuner.code.expression import converted, limited, operation
 from tuner.code.graph import Graph
-from tuner.code.literal import literal, type_of
-from tuner.code.nodes import Node
-from tuner.code.operations import Kind
+from tuner.code.literal import type_of
 from tuner.native.lanes import HEAD, Lanes, function
 from tuner.native.loop import Loop
+from tuner.native.scalars import Scalars, read
 from tuner.native.sines import sines
 
 LONG = 4000
 """Operations beyond which it matters most that few numbers wait in memory; below, and where values
 are no vectors, that a processor has derivatives to work on while it waits for a value."""
-
-_OF_TURNS = {"sin": "{0}.sine", "cos": "{0}.cosine", "tan": "{0}.sine / {0}.cosine"}
 
 
 def source(loop: Loop, lanes: int, *, points: bool) -> str:
@@ -41,14 +37,12 @@ def source(loop: Loop, lanes: int, *, points: bool) -> str:
 class _Source:
     def __init__(self, loop: Loop, lanes: int, *, points: bool) -> None:
         self.loop, self.graph, self.count, self.points = loop, loop.graph, lanes, points
-        self.wide = _varying(loop, {"p", "dp"} if points else {"dp"})
-        self.names: dict[int, str] = {}
+        self.wide = varying(loop, {"p", "dp"} if points else {"dp"})
+        self.scalars = Scalars(loop.graph)
         self.steady = _of(loop.graph, {"p", "dp"})
         expected = _of(loop.graph, {"u", "p"}) - self.wide
         self.lanes = Lanes(loop.graph, self.wide, expected, self.name)
-        self.lines: list[str] = []
         self._inverse: set[int] = set()
-        self._angles: set[int] = set()
 
     def text(self) -> str:
         """The whole text."""
@@ -69,50 +63,52 @@ class _Source:
         ]
         functions = [function(name, takes, self.count) for name, takes in used]
         head = HEAD.format(bytes=8 * self.count)
-        turned = [sines()] if self._angles else []
+        turned = [sines()] if self.scalars.turns else []
         return "\n".join([head, *turned, *functions, "\n".join(main), ""])
 
     def _before(self) -> list[str]:
         """The code of parameters, of values that follow from them, and of the initial state."""
-        self.lines = []
+        self.scalars.lines = []
         for k, value in self._inputs("p", "dp"):
             self._load(k, value)
         carried = self.loop.carried
         for number, cell in enumerate(carried):
-            self.names[cell.input] = f"s{number}"
+            self.scalars.names[cell.input] = f"s{number}"
         rows = [*self.loop.kept, *self.loop.total]
         asked = [k for cell in carried for k in (cell.start, cell.after)]
         self._statements([*asked, *(k for row in rows for k in row)], steady=True)
         for n, cell in enumerate(carried):
             text = self._of_type(cell.input, cell.start)
-            self.lines.append(f"    {self._type(cell.input)} S{n} = {text};")
-        return self.lines
+            self.scalars.lines.append(f"    {self._type(cell.input)} S{n} = {text};")
+        return self.scalars.lines
 
     def _sample(self) -> list[str]:
         """The code of one sample."""
-        self.lines = []
+        self.scalars.lines = []
         carried = self.loop.carried
         for k, (_, column) in self._inputs("u"):
-            self.names[k] = f"x{column}"
-            self.lines.append(f"    {_column(self.graph.nodes[k].kind, column)}")
+            self.scalars.names[k] = f"x{column}"
+            kind = self.graph.nodes[k].kind
+            text = f"const {type_of(kind, 'double')} x{column} = {read(kind, f'u[{column}]')};"
+            self.scalars.lines.append(f"    {text}")
         for n, cell in enumerate(carried):
-            self.lines.append(f"    const {self._type(cell.input)} s{n} = S{n};")
+            self.scalars.lines.append(f"    const {self._type(cell.input)} s{n} = S{n};")
         rows = [k for row in self.loop.kept for k in row]
         self._statements([*(cell.after for cell in carried), *rows], steady=False)
         for n, cell in enumerate(carried):
-            self.lines.append(f"    S{n} = {self._of_type(cell.input, cell.after)};")
+            self.scalars.lines.append(f"    S{n} = {self._of_type(cell.input, cell.after)};")
         for row in self.loop.kept:
             self._put(row, "kept")
-        return self.lines
+        return self.scalars.lines
 
     def _after(self) -> list[str]:
         """The code after the last sample."""
-        self.lines = []
+        self.scalars.lines = []
         for n, cell in enumerate(self.loop.carried):
-            self.names[cell.input] = f"S{n}"
+            self.scalars.names[cell.input] = f"S{n}"
         for row in self.loop.total:
             self._put(row, "end")
-        return self.lines
+        return self.scalars.lines
 
     def _inputs(self, *groups: str) -> list[tuple[int, Any]]:
         nodes = enumerate(self.graph.nodes)
@@ -121,35 +117,30 @@ class _Source:
     def _load(self, k: int, value: Sequence[Any]) -> None:
         """Load a number of the parameters, or its derivatives."""
         group, number, *direction = value
-        name = self.names[k] = "_".join(map(str, value))
+        name = self.scalars.names[k] = "_".join(map(str, value))
         if k not in self.wide:
             kind = self.graph.nodes[k].kind
             cast = {"real": "", "whole": "(int)", "truth": "0.0 != "}[kind]
-            self.lines.append(f"    const {self._type(k)} {name} = {cast}{group}[{number}];")
+            self.scalars.lines.append(
+                f"    const {self._type(k)} {name} = {cast}{group}[{number}];"
+            )
             return
         block = number * self.loop.directions + direction[0] if direction else number
-        self.lines.append(f"    lanes {name};")
+        self.scalars.lines.append(f"    lanes {name};")
         each = f"for (int j = 0; j < {self.count}; j++)"
-        self.lines.append(f"    {each} {name}[j] = {group}[{block * self.count} + j];")
+        self.scalars.lines.append(f"    {each} {name}[j] = {group}[{block * self.count} + j];")
 
     def _statements(self, roots: Iterable[int], *, steady: bool) -> None:
         """Add statements for needed nodes: those that no sample changes, or the rest."""
         ordered = _depth_first if self.points or self.loop.operations > LONG else Graph.reached
         for k in ordered(self.graph, roots):
-            known = k in self.names or self.graph.nodes[k].op in ("constant", "input")
+            known = k in self.scalars.names or self.graph.nodes[k].op in ("constant", "input")
             if known or (k in self.steady) != steady:
                 continue
-            text = self._as_sum(k) or (self._wide_text(k) if k in self.wide else self._text(k))
-            self.names[k] = f"t{k}"
-            self.lines.append(f"    const {self._type(k)} t{k} = {text};")
-
-    def _as_sum(self, k: int) -> str:
-        """Twice a number as a sum, which leaves the multipliers free; "" for any other node."""
-        node = self.graph.nodes[k]
-        for at, other in (node.args, node.args[::-1]) if node.op == "mul" else ():
-            if node.kind == "real" and self.graph.is_constant(at, 2.0):
-                return f"{self.name(other)} + {self.name(other)}"
-        return ""
+            text = self.scalars.doubled(k) if k in self.wide else self.scalars.text(k)
+            text = text or self._wide_text(k)
+            self.scalars.names[k] = f"t{k}"
+            self.scalars.lines.append(f"    const {self._type(k)} t{k} = {text};")
 
     def _wide_text(self, k: int) -> str:
         """An operation on lanes; the inverse of a common divisor is computed once."""
@@ -159,40 +150,12 @@ class _Source:
         x, y = node.args
         if y not in self._inverse:
             self._inverse.add(y)
-            self.lines.append(f"    const double over{y} = 1.0 / {self.name(y)};")
+            self.scalars.lines.append(f"    const double over{y} = 1.0 / {self.name(y)};")
         return f"{self.name(x)} * over{y}"
-
-    def _text(self, k: int) -> str:
-        node = self.graph.nodes[k]
-        given = [self.name(one) for one in node.args]
-        kinds: list[Kind] = [self.graph.nodes[one].kind for one in node.args]
-        if node.op == "choose":
-            return f"{given[0]} ? {given[1]} : {given[2]}"
-        if node.op in _OF_TURNS:
-            return self._of_turn(node)
-        if node.op == "convert":
-            return converted(given[0], kinds[0], node.kind, "double")
-        if node.op in ("max", "min"):
-            for at, entry in enumerate(node.args):
-                if self.graph.is_constant(entry):
-                    return limited(node.op, given[1 - at], given[at])
-        return operation(node.op, given, kinds, "double")
-
-    def _of_turn(self, node: Node) -> str:
-        """Sine, cosine or tangent of an angle, of which the first two are computed once."""
-        (x,) = node.args
-        if x not in self._angles:
-            self._angles.add(x)
-            self.lines.append(f"    const pair turned{x} = circular({self.name(x)});")
-        return _OF_TURNS[node.op].format(f"turned{x}")
 
     def name(self, k: int) -> str:
         """A node as an operand."""
-        node = self.graph.nodes[k]
-        if node.op != "constant":
-            return self.names[k]
-        text = literal(node.value, node.kind, "double")
-        return f"({text})" if text.startswith(("-", "(")) else text
+        return self.scalars.name(k)
 
     def _type(self, k: int) -> str:
         kind = self.graph.nodes[k].kind
@@ -210,10 +173,10 @@ class _Source:
         if self.points:
             slopes = [value, *slopes]
         else:
-            self.lines.append(f"    *{where}++ = (double){self.name(value)};")
+            self.scalars.lines.append(f"    *{where}++ = (double){self.name(value)};")
         for k in slopes:
             each = f"for (int j = 0; j < {self.count}; j++)"
-            self.lines.append(f"    {each} *{where}++ = {self._lane(k)};")
+            self.scalars.lines.append(f"    {each} *{where}++ = {self._lane(k)};")
 
     def _lane(self, k: int) -> str:
         """A lane of a node as a number."""
@@ -222,15 +185,7 @@ class _Source:
         return f"{self.name(k)}[j]{' ? 1.0 : 0.0' if self.graph.nodes[k].kind == 'truth' else ''}"
 
 
-def _column(kind: Kind, column: int) -> str:
-    return {
-        "real": f"const double x{column} = u[{column}];",
-        "truth": f"const bool x{column} = u[{column}] != 0.0;",
-        "whole": f"const int x{column} = (int)u[{column}];",
-    }[kind]
-
-
-def _varying(loop: Loop, seeds: set[str]) -> set[int]:
+def varying(loop: Loop, seeds: set[str]) -> set[int]:
     """Nodes that differ between lanes: those that depend on the seeds, also over time."""
     graph, wide = loop.graph, set[int]()
     while True:

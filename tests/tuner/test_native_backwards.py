@@ -1,0 +1,116 @@
+"""Gradients by a pass over the record and one back in C, against XLA's."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from filters import LinearKalman, LinearModel, Sample, Transition
+from objectives import Data, InnovationLikelihood, score_and_gradient
+from tests.filters.battery import CASES
+from tests.tuner.code.compiled import needed
+from tests.tuner.test_native import Weighed, at_end, quickly
+from tuner import Positive, Problem, Space
+from tuner.code.refused import NoCounterpartError
+from tuner.native import backwards
+from tuner.native.backwards import Backwards
+
+N = 200
+
+
+def noises(values):
+    """A swinging body, whose place is measured; all that can be uncertain is."""
+    move = jnp.array([[0.99, 0.1], [-0.1, 0.99]])
+    q, r, P0, x0 = (values[name] for name in ("q", "r", "P0", "x0"))
+    noise = jnp.array([[q, 0.1 * q], [0.1 * q, values["q_across"]]])
+    start = P0 * jnp.array([[1.0, 0.2], [0.2, 1.0]])
+    seen = jnp.array([[1.0, values["h"]]])
+    return LinearModel(
+        Transition(move, jnp.eye(2), noise), seen, r[None], start, jnp.stack([x0, jnp.zeros(())])
+    )
+
+
+def posed(objective, length=N):
+    draw = np.random.default_rng(3)
+    z = np.cumsum(draw.normal(size=(length, 1)), 0)
+    z[draw.random(z.shape) < 0.1] = np.nan
+    names = ("q", "q_across", "r", "P0", "x0", "h")
+    space = Space.of(**{name: Positive(1.0, 1e-3, 1e3) for name in names})
+    data = Data(Sample(z), np.zeros(length))
+    return Problem("swing", space, LinearKalman(), noises, objective, data)
+
+
+@pytest.fixture(autouse=True)
+def forced(monkeypatch):
+    needed("cc")
+    monkeypatch.setenv("TUNER_NATIVE", "on")
+
+
+@pytest.mark.parametrize(
+    "name", ["linear, full R, varying dt", "extended, two rates", "Mahony, field", "a gate"]
+)
+def test_gradients_of_the_battery(name, tmp_path):
+    case = next(case for case in CASES if case.name == name)
+    z, truth = np.asarray(case.point, float), 1.0 + np.arange(len(case.measured))
+    case.build(case.point)
+    data = jax.tree.map(np.asarray, Data(case.inputs(case.measured), truth))
+    native = Backwards(case.filter, Weighed(), case.build, len(z), data, tmp_path / "code")
+    value, gradient = native.value_and_gradient(z, native.rows(data), data)
+    right = quickly(score_and_gradient, static_argnums=(0, 1, 2))
+    wanted, slopes = right(case.filter, Weighed(), case.build, jnp.asarray(z), data)
+    assert value == pytest.approx(float(wanted), rel=1e-12)
+    np.testing.assert_allclose(gradient, slopes, rtol=1e-11, atol=1e-11 * np.abs(slopes).max())
+
+
+@pytest.mark.parametrize("objective", [InnovationLikelihood(), at_end])
+def test_a_problem_of_many_parameters_goes_back(objective):
+    problem = posed(objective)
+    z = problem.space.start() + 0.1
+    value, gradient = problem.value_and_gradient(z)
+    wanted, slopes = problem.by_xla(z)
+    assert problem.gradient_by.startswith("C, compiled by"), problem.gradient_by
+    assert problem.route._single.returns
+    assert value == pytest.approx(wanted, rel=1e-12)
+    np.testing.assert_allclose(gradient, slopes, rtol=1e-11, atol=1e-11 * np.abs(slopes).max())
+    assert np.abs(slopes).min() > 0
+
+
+def test_a_long_record_is_stored_in_parts(monkeypatch):
+    whole = posed(InnovationLikelihood()).value_and_gradient(np.full(6, 0.3))
+    for samples in (1, 7, N - 1, N):
+        monkeypatch.setattr(backwards, "part_of", lambda *_, n=samples: n)
+        found = posed(InnovationLikelihood()).value_and_gradient(np.full(6, 0.3))
+        assert found[0] == whole[0]
+        np.testing.assert_array_equal(found[1], whole[1])
+
+
+def test_records_end_to_end_begin_anew(tmp_path):
+    problem = posed(InnovationLikelihood())
+    z, (static, data) = np.full(6, 0.2), (problem.static, problem.data)
+    native = Backwards(
+        static.filter, static.objective, static.built, len(z), data, tmp_path / "code"
+    )
+    rows = native.rows(data)
+    value, gradient = native.value_and_gradient(z, rows, data, at=(80, 150))
+    parts = [
+        jax.tree.map(lambda x, s=s: x[s], data) for s in map(slice, (0, 80, 150), (80, 150, N))
+    ]
+    counts = [np.isfinite(part.inputs.z).sum() for part in parts]
+    found = [
+        score_and_gradient(static.filter, static.objective, static.built, jnp.asarray(z), part)
+        for part in parts
+    ]
+    total = sum(counts)
+    assert value == pytest.approx(
+        sum(c * v for c, (v, _) in zip(counts, found, strict=True)) / total
+    )
+    slopes = sum(c * g for c, (_, g) in zip(counts, found, strict=True)) / total
+    np.testing.assert_allclose(gradient, slopes, rtol=1e-11)
+
+
+def test_an_operation_without_a_way_back_is_named(tmp_path):
+    case = next(case for case in CASES if case.name == "heavy tails")
+    z = np.asarray(case.point, float)
+    data = jax.tree.map(np.asarray, Data(case.inputs(case.measured), np.ones(len(case.measured))))
+    with pytest.raises(NoCounterpartError, match="dynamic_update_slice by an index"):
+        Backwards(case.filter, Weighed(), case.build, len(z), data, tmp_path)

@@ -1,0 +1,178 @@
+"""A problem's value and gradient by a pass over the record and one back, both in C."""
+
+import ctypes
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from filters import AnyFilter
+from objectives import Data, Objective, is_fold, weighed
+from tuner.native.compiler import library
+from tuner.native.filled import address, filled, kept_of, side_by_side
+from tuner.native.passes import Passes, passes
+from tuner.native.passes_text import text
+from tuner.native.reversal import Before, reversal
+from tuner.native.runner import columns, is_real, runner_of
+
+STORED = 64 << 20
+"""Bytes that are stored of a whole record; above it those of parts, which are run again."""
+PART = 128 << 10
+"""Bytes stored of a part."""
+
+
+class Backwards:
+    """Value and gradient of an objective, over any record of the same kind.
+
+    Args:
+        filter: the filter.
+        objective: of the filter.
+        build: the map from a point to the filter's parameters.
+        size: of a point, n.
+        data: a record, or its shapes and types.
+        folder: for compiled code.
+
+    Attributes:
+        operations: number of them for a sample.
+        returns: that it goes back.
+
+    Raises:
+        NoCounterpartError: names the operation that has no counterpart among scalars.
+        TooLargeError: for an iteration of too many operations.
+    """
+
+    returns = True
+
+    def __init__(
+        self,
+        filter: AnyFilter,
+        objective: Objective,
+        build: Callable[[Array], Any],
+        size: int,
+        data: Data,
+        folder: Path,
+    ) -> None:
+        self._objective, self._folder, self._folds = objective, folder, is_fold(objective)
+        runner = runner_of(filter, objective, build, jax.device_put(np.zeros(size)), data)
+        before = Before(runner, build, size)
+        self._count = before.count
+        traced = reversal(runner, before)
+        self._reals, self._keeps = [real for _, real in traced.kept], runner.keeps
+        self._passes = passes(traced)
+        self.operations = self._passes.operations
+        self._total = jax.eval_shape(objective.init) if is_fold(objective) else None
+        self._kept = kept_of(filter, objective, jax.eval_shape(build, np.zeros(size)), data)
+        self._numbers = jax.jit(before.numbers)
+        self._weighed = jax.jit(self._weights)
+        self._pull = jax.jit(lambda z, by: jax.vjp(before.numbers, z)[1](by)[0])
+        self._spare: list[np.ndarray] = []
+
+    def rows(self, data: Data) -> np.ndarray:
+        """A record in the loop's layout, ``(N, k)``."""
+        return columns(data if self._folds else data.inputs)
+
+    def value_and_gradient(
+        self, z: np.ndarray, rows: np.ndarray, data: Data, at: Sequence[int] = ()
+    ) -> tuple[float, np.ndarray]:
+        """The objective and its gradient at z ``(n,)``: see :class:`tuner.native.compiled.Native`.
+
+        Raises:
+            NoCodeError: where there is no compiler that works.
+        """
+        numbers, spare = np.asarray(self._numbers(z)), self._spare
+        edges = pairwise((0, *at, len(rows)))
+        runs = [_Run(self._library, self._passes, numbers, rows[a:b], spare) for a, b in edges]
+        side_by_side(_Run.forwards, runs)
+        end = np.sum([run.end for run in runs], axis=0)
+        truth = None if self._folds else data.truth
+        value, by_end, by_kept = self._weighed(end, runs[0].kept, truth)
+        weights = np.asarray(by_end), np.asarray(by_kept)
+        by_numbers = sum(side_by_side(lambda run: run.backwards(*weights, self._count), runs))
+        spare += [run.store for run in runs]
+        return float(value), np.asarray(self._pull(z, by_numbers))
+
+    @cached_property
+    def _library(self) -> ctypes.CDLL:
+        found = library(text(self._passes, self._reals), self._folder)
+        for function, count in ((found.forwards, 6), (found.backwards, 7)):
+            function.argtypes = [*[ctypes.c_size_t] * 3, *[ctypes.c_void_p] * count]
+            function.restype = None
+        return found
+
+    def _weights(self, end: Array, kept: Array, truth: Any) -> tuple[Array, Array, Array]:
+        """The objective from the loop's results, and its derivatives by them."""
+        both = filled(self._total, end, ()), filled(self._kept, kept, (len(kept),), self._keeps)
+        value, (by_total, by_kept) = weighed(self._objective, Data(None, truth), both)
+        ends = [jnp.ravel(_slope(x)) for x in jax.tree.leaves(by_total)]
+        pairs = zip(jax.tree.leaves(self._kept), jax.tree.leaves(by_kept), self._keeps, strict=True)
+        parts = [by.reshape(len(kept), -1) for leaf, by, k in pairs if k and is_real(leaf)]
+        none = jnp.zeros(0)
+        return value, jnp.concatenate([none, *ends]), jnp.hstack([kept[:, :0], *parts])
+
+
+class _Run:
+    """A run over a record, or over one of those that lie end to end.
+
+    Memory of earlier runs is used again: its pages are there already.
+    """
+
+    def __init__(
+        self,
+        library: Any,
+        passes: Passes,
+        numbers: np.ndarray,
+        rows: np.ndarray,
+        spare: list[np.ndarray],
+    ) -> None:
+        self._library, self._numbers, self._rows = library, numbers, rows
+        stored = max(1, len(passes.stored))
+        self._part = part_of(len(rows), 8 * stored)
+        self.store = _memory(self._part * stored, spare)
+        self._saved = np.empty(-(-len(rows) // self._part) * max(1, len(passes.carried)))
+        self.end = np.empty(len(passes.total))
+        self.kept = np.empty((len(rows), len(passes.kept)))
+
+    def forwards(self) -> None:
+        """The pass over the record."""
+        results = self._saved, self.store, self.kept, self.end
+        self._library.forwards(*self._given(), *map(address, results))
+
+    def backwards(self, by_end: np.ndarray, by_kept: np.ndarray, count: int) -> np.ndarray:
+        """The pass back: the derivatives by the numbers that vary with a point."""
+        out = np.zeros(count)
+        memory = by_end, by_kept, self._saved, self.store, out
+        self._library.backwards(*self._given(), *map(address, memory))
+        return out
+
+    def _given(self) -> tuple[int, ...]:
+        """Samples, those of a part, columns, numbers and record."""
+        shape = len(self._rows), self._part, self._rows.shape[1]
+        return *shape, address(self._numbers), address(self._rows)
+
+
+def part_of(samples: int, stored: int) -> int:
+    """Number of samples of a part, of which each stores some bytes."""
+    return samples if samples * stored <= STORED else max(1, PART // stored)
+
+
+def _memory(size: int, spare: list[np.ndarray]) -> np.ndarray:
+    """Spare memory of this size, or new one; other threads may take some at the same time."""
+    while spare:
+        try:
+            found = spare.pop()
+        except IndexError:
+            break
+        if len(found) == size:
+            return found
+    return np.empty(size)
+
+
+def _slope(by: Any) -> Array:
+    """A derivative; 0 by numbers that have none."""
+    return jnp.zeros(by.shape) if by.dtype == jax.dtypes.float0 else by

@@ -1,0 +1,62 @@
+"""The results of loops in C as trees of arrays."""
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from math import prod
+from typing import Any, TypeVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from filters import AnyFilter
+from objectives import Data, Objective, is_fold
+
+A = TypeVar("A")
+B = TypeVar("B")
+
+
+def kept_of(filter: AnyFilter, objective: Objective, params: Any, data: Data) -> Any:
+    """Shapes and types of the values kept of a sample."""
+    state = jax.eval_shape(filter.init, params)
+    one = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(leaf.shape[1:], leaf.dtype), data)
+    if not is_fold(objective):
+        return jax.eval_shape(filter.step, params, state, one.inputs)[1]
+
+    def kept(params: Any, state: Any, sample: Data) -> Any:
+        _, output = filter.step(params, state, sample.inputs)
+        return objective.update(objective.init(), output, sample.truth)[1]
+
+    return jax.eval_shape(kept, params, state, one)
+
+
+def filled(
+    shapes: Any, numbers: Array, before: tuple[int, ...], keeps: list[bool] | None = None
+) -> Any:
+    """A tree filled with numbers; zeros in leaves that are not kept."""
+    leaves, tree = jax.tree.flatten(shapes)
+    out, at = [], 0
+    for k, leaf in enumerate(leaves):
+        if keeps is not None and not keeps[k]:
+            out.append(jnp.zeros((*before, *leaf.shape), leaf.dtype))
+            continue
+        part = numbers[..., at : at + prod(leaf.shape)]
+        out.append(part.reshape(*before, *leaf.shape).astype(leaf.dtype))
+        at += prod(leaf.shape)
+    return jax.tree.unflatten(tree, out)
+
+
+def side_by_side(function: Callable[[A], B], given: Sequence[A]) -> list[B]:
+    """A function of each, in as many threads as there are processors."""
+    if len(given) == 1:
+        return [function(given[0])]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(function, given))
+
+
+def address(array: np.ndarray) -> int:
+    """The address of a contiguous array."""
+    assert array.flags.c_contiguous
+    return array.ctypes.data
