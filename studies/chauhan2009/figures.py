@@ -128,12 +128,14 @@ def _swept(sweep: Sweep) -> Iterator[Chart]:
             lines.append(Line(name, factors, against))
             motion = case.step.motion
             lower[motion] = lower[motion] & (against < (1 if words.ratio else 0))
-        told = [_lambdas(factors, found, motion) for motion, found in lower.items()]
+        where = [_lambdas(factors, found, motion) for motion, found in lower.items()]
+        if not any(found.any() for found in lower.values()):
+            where = ["no lambda"]
         same = np.full(2, 1.0 if words.ratio else 0.0)
         equal = Line("as with fuzzy noise", factors[[0, -1]], same, drawn="limit")
         yield Chart(
             name=f"sweep_{part}",
-            title=f"Random noise has the smaller {words.name} at {' and '.join(told)}",
+            title=f"Random noise has the smaller {words.name} at {' and '.join(where)}",
             x_label="lambda",
             y_label=f"{words.name}, {words.axis}",
             lines=(*lines, equal),
@@ -143,8 +145,8 @@ def _swept(sweep: Sweep) -> Iterator[Chart]:
 
 def _lambdas(factors: np.ndarray, found: np.ndarray, motion: Motion) -> str:
     """The lambdas that are found, after steps of a kind, in words."""
-    told = f"lambda {ranges(list(factors[found]), list(factors))}" if found.any() else "no lambda"
-    return f"{told} ({motion} steps)"
+    values = f"lambda {ranges(list(factors[found]), list(factors))}" if found.any() else "no lambda"
+    return f"{values} ({motion} steps)"
 
 
 def _mean(found: Behaviour, part: str) -> float:

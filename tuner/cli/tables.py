@@ -15,7 +15,7 @@ from rich.text import Text
 
 from tuner.certificate.solution import Status
 from tuner.certificate.table import range_in_words
-from tuner.cli.blocks import WIDE, blocks, crowded, widths
+from tuner.cli.blocks import WIDE, blocks, broken, crowded, widths
 from tuner.cli.width import piped_width, width_is_known
 from tuner.report.lines import five_lines
 from tuner.run.comparison import Verdict
@@ -107,7 +107,9 @@ def _table(title: str, lines: list[list[str]], width: int) -> Table:
         least = max(map(len, [head, *cells])) if numbers else None
         table.add_column(head, overflow="fold", no_wrap=fixed, min_width=least, width=own)
     for line in lines[1:]:
-        table.add_row(*(Text(printable(cell), style=_COLOURS.get(cell, "")) for cell in line))
+        cells = [c if w is None else broken(c, w) for c, w in zip(line, given, strict=True)]
+        styles = [_COLOURS.get(cell, "") for cell in line]
+        table.add_row(*(Text(printable(c), s) for c, s in zip(cells, styles, strict=True)))
     return table
 
 
@@ -149,7 +151,7 @@ def show_result(result: Result, folder: Path, *, whole: bool = True) -> None:
     if result.exports:
         out.print(f"{len(result.exports)} exports, each read back, compared and scored again")
     for line in _in_c(result.code):
-        out.print(line, soft_wrap=True, markup=False)
+        out.print(line, soft_wrap=not width_is_known(), markup=False, highlight=False)
     for check in result.single_precision:
         share = "without bound" if check.share is None else f"by {100 * check.share:.2g} %"
         told = f"in single precision the {check.form} form strays {share}{_of(check.output)}"

@@ -36,4 +36,6 @@ def written(asked: Asked) -> Text:
     return Text("\n".join([*lines, ""]), len(found), notes)
 
 
-TARGET = Target("kalibr", "imu.yaml", "", written)
+TARGET = Target(
+    "kalibr", "imu.yaml", "noise densities of an IMU, for Kalibr and others", "", written
+)

@@ -128,4 +128,11 @@ def _place(key: str) -> tuple[int, str]:
     return PLACES[key]
 
 
-TARGET = Target("robot_localization", "ekf.yaml", "robot_localization's EKF", written, True)
+TARGET = Target(
+    "robot_localization",
+    "ekf.yaml",
+    "noises of the EKF of ROS's robot_localization",
+    "robot_localization's EKF",
+    written,
+    True,
+)

@@ -67,7 +67,7 @@ def _ended(solution: SolutionRecord) -> str:
     starts = solution.certificate["starts"]
     agree = f"; {starts['agreeing']} of {starts['count']} starts agree"
     return sentence(
-        f"found by {solution.solver} in {counted(solution.evaluations, 'evaluation')}, which ended "
+        f"after {counted(solution.evaluations, 'evaluation')} {solution.solver} ended "
         f"{solution.status.value!r}: {solution.status.sentence}{agree * (starts['count'] > 1)}"
     )
 
