@@ -33,8 +33,8 @@ def wrapped(line: str, indent: int) -> str:
     >>> import os
     >>> os.environ["COLUMNS"] = "28"
     >>> print(wrapped("rmse  error of an output, in its unit", 6))
-    rmse  error of an output,
-          in its unit
+    rmse  error of an output, in
+          its unit
     >>> del os.environ["COLUMNS"]
     """
     if not width_is_known():
