@@ -44,8 +44,8 @@ def _steady(sweep: Sweep) -> Chart:
         error = _followed(sweep, angle)[1][at][late]
         lines.append(Line(f"{angle:g} deg", t, error))
         errors.append(_rms(error))
-    told = ", ".join(f"{e:.2g} deg at {angle:g}" for angle, e in zip(STEADY, errors, strict=True))
-    title = f"Fig. 5 in degrees: the rms of the steady error is {told} deg"
+    values = ", ".join(f"{e:.2g} deg at {angle:g}" for angle, e in zip(STEADY, errors, strict=True))
+    title = f"Fig. 5 in degrees: the rms of the steady error is {values} deg"
     return Chart("fig5_steady", title, "time, s", "pitch error, deg", tuple(lines))
 
 

@@ -87,11 +87,11 @@ def blocks(title: str, lines: list[list[str]], width: int) -> str:
     head, *rows = lines
     longest = max(map(len, head[1:]))
     room = max(width - longest - 4, 20)
-    told = [title]
+    printed = [title]
     for first, *cells in rows:
-        told.append(first)
+        printed.append(first)
         for name, cell in zip(head[1:], cells, strict=True):
             parts = [part for line in cell.split("\n") for part in wrap(line, room)]
             starts = [name] + [""] * len(parts)
-            told += [f"  {n:{longest}}  {part}" for n, part in zip(starts, parts, strict=False)]
-    return "\n".join(told)
+            printed += [f"  {n:{longest}}  {part}" for n, part in zip(starts, parts, strict=False)]
+    return "\n".join(printed)

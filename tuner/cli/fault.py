@@ -39,9 +39,9 @@ def fault_of(error: BaseException) -> Fault:
     >>> fault_of(KeyError("starts")).code
     1
     """
-    for holds, told in _KINDS:
+    for holds, sentence in _KINDS:
         if holds(error):
-            return Fault(told(error))
+            return Fault(sentence(error))
     return Fault(
         f"{type(error).__name__}: {_words(error)}{_at(error)}; that is a fault of the program: "
         f"{_WAY_OUT}, please report it",

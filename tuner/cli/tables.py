@@ -154,17 +154,17 @@ def show_result(result: Result, folder: Path, *, whole: bool = True) -> None:
         out.print(line, soft_wrap=not width_is_known(), markup=False, highlight=False)
     for check in result.single_precision:
         share = "without bound" if check.share is None else f"by {100 * check.share:.2g} %"
-        told = f"in single precision the {check.form} form strays {share}{_of(check.output)}"
+        text = f"in single precision the {check.form} form strays {share}{_of(check.output)}"
         out.print(
-            f"{check.problem}: {check.warning or told}", style="yellow" if check.warning else ""
+            f"{check.problem}: {check.warning or text}", style="yellow" if check.warning else ""
         )
     where = f"all files are in {folder}; the report is {folder / 'report.html'}"
     out.print(f"{result.seconds:.1f} s; {where}", soft_wrap=True, markup=False)
     for line in five_lines(result):
-        told = re.sub(r"\bRUN\b", lambda _: str(folder), line)
-        if width_is_known() and not told.startswith("next"):  # that one is copied
-            told = fill(told, out.width, subsequent_indent=" " * 10, break_on_hyphens=False)
-        out.print(told, soft_wrap=True, highlight=False, markup=False)  # intervals are no markup
+        text = re.sub(r"\bRUN\b", lambda _: str(folder), line)
+        if width_is_known() and not text.startswith("next"):  # that one is copied
+            text = fill(text, out.width, subsequent_indent=" " * 10, break_on_hyphens=False)
+        out.print(text, soft_wrap=True, highlight=False, markup=False)  # intervals are no markup
 
 
 _SOLUTIONS = [
@@ -185,9 +185,9 @@ def _in_c(codes: list[CodeRecord]) -> Iterator[str]:
             for c in good
             if c.code_bytes is not None
         ]
-        told = "; ".join([f"{good[0].operations} operations a sample", *sizes])
+        facts = "; ".join([f"{good[0].operations} operations a sample", *sizes])
         machine = " on this machine" if sizes else ""
-        yield f"{problem} in C ({good[0].file}): {told}{machine}"
+        yield f"{problem} in C ({good[0].file}): {facts}{machine}"
         yield from (f"{problem}: no C in {c.precision}, {c.refused}" for c in own if c.refused)
 
 
@@ -215,7 +215,7 @@ def _noises(findings: list[Finding]) -> dict[str, list[str]]:
         name, _, part = found.name.partition(".")
         own.setdefault(name, {})[part] = found
     return {
-        name: [name, *(_told(parts.get(column)) for column in COLUMNS), _sheet(parts)]
+        name: [name, *(_amount(parts.get(column)) for column in COLUMNS), _sheet(parts)]
         for name, parts in own.items()
         if {"variance", "deviation"} <= parts.keys()
     }
@@ -224,11 +224,11 @@ def _noises(findings: list[Finding]) -> dict[str, list[str]]:
 def _sheet(parts: dict[str, Finding]) -> str:
     """The findings that are not side by side, each with its name where the unit does not say it."""
     more = {part: found for part, found in parts.items() if part not in COLUMNS}
-    lines = [_told(f) if part == f.unit else f"{part} {_told(f)}" for part, f in more.items()]
+    lines = [_amount(f) if part == f.unit else f"{part} {_amount(f)}" for part, f in more.items()]
     return "\n".join(lines)
 
 
-def _told(finding: Finding | None) -> str:
+def _amount(finding: Finding | None) -> str:
     return "" if finding is None else f"{number_text(finding.value)} {finding.unit}".rstrip()
 
 
@@ -284,10 +284,10 @@ SLIGHT = 1e-6
 
 def _parameter(parameter: ParameterRecord, *, tuned: bool) -> str:
     """A parameter with its range; what was tuned and has none is not determined."""
-    told = f"{parameter.value:.5g}"
+    text = f"{parameter.value:.5g}"
     if parameter.interval:
-        told += f" {range_in_words(parameter.interval, parameter.interval_kind)}"
-    return f"{told} {parameter.unit}" + (
+        text += f" {range_in_words(parameter.interval, parameter.interval_kind)}"
+    return f"{text} {parameter.unit}" + (
         " (not determined)" if tuned and not parameter.interval else ""
     )
 

@@ -46,8 +46,8 @@ def wrapped(line: str, indent: int) -> str:
 
 
 def _columns() -> int:
-    told = os.environ.get("COLUMNS", "")
-    return int(told) if told.isascii() and told.isdigit() else 0
+    text = os.environ.get("COLUMNS", "")
+    return int(text) if text.isascii() and text.isdigit() else 0
 
 
 def _of_terminal() -> int:

@@ -7,7 +7,7 @@ from tuner.firmware.key import Key
 from tuner.firmware.target import Asked, Target, Text, commented, head, how, keyed, yaml_number
 
 KEYS = tuple(
-    Key(name, unit, "density", told=name)
+    Key(name, unit, "density", export=name)
     for name, unit in {
         "accelerometer_noise_density": "m/s^2",
         "accelerometer_random_walk": "m/s^3",

@@ -97,7 +97,7 @@ def ways_of(cls: type[Any], line: Timeline) -> Ways:
     """The ways out that a filter offers."""
     known = Ways()
     deviation = DEVIATION in channel_facts(cls, "inputs") and DEVIATION not in line.channels
-    told = f"give each measurement's own deviation (--map {DEVIATION}=COLUMN)"
+    way = f"give each measurement's own deviation (--map {DEVIATION}=COLUMN)"
     starts = [
         name
         for name, fact in parameter_facts(cls).items()
@@ -106,6 +106,6 @@ def ways_of(cls: type[Any], line: Timeline) -> Ways:
     wider = f"begin with a larger {' or '.join(starts)} (--start {starts[0]}=...)" if starts else ""
     return Ways(
         start=wider or known.start,
-        level=told if deviation else known.level,
-        time=f"{known.time}, or {told}" if deviation else known.time,
+        level=way if deviation else known.level,
+        time=f"{known.time}, or {way}" if deviation else known.time,
     )
