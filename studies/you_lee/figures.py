@@ -40,7 +40,7 @@ def _bands(bench: Bench, name: str, title: str, cases: dict[str, Case]) -> Itera
         lines, largest = [], []
         for label, case in cases.items():
             found = bench.spread(case)
-            low, median, high = np.percentile(found.shown[..., at], BANDS, axis=1)
+            low, median, high = np.percentile(found.errors[..., at], BANDS, axis=1)
             start = f" ({label.removeprefix(', ')})" if label else ""
             largest.append(f"{np.abs([low, high]).max():.2g} deg{start}")
             lines += [
@@ -69,7 +69,7 @@ def _flights(bench: Bench) -> Iterator[Chart]:
 
 def _rms(found: Spread, label: str, level: float) -> Line:
     seen = found.t > 0.9 * level
-    return Line(label, found.t[seen], np.sqrt((found.shown[seen, :, 0] ** 2).mean(axis=1)))
+    return Line(label, found.t[seen], np.sqrt((found.errors[seen, :, 0] ** 2).mean(axis=1)))
 
 
 def _by_tau(bench: Bench, solutions: Solutions) -> Chart:

@@ -199,7 +199,7 @@ def _document(used: InUse, found: Check, notes: list[str]) -> dict[str, Any]:
         },
         "objective": found.posed.objective,
         "unit": found.posed.unit,
-        "value": found.shown,
+        "value": found.error,
         "nats": found.value if kind_of(found.posed.problem.objective) == "likelihood" else None,
         "diagnostics": None if record is None else json_.loads(record.model_dump_json()),
         "notes": notes,
@@ -214,7 +214,7 @@ def _print(used: InUse, found: Check) -> None:
     )
     unit = f" {found.posed.unit}" if found.posed.unit else ""
     words = WORDS.get(found.posed.objective, found.posed.objective)
-    out.print(f"{words} {found.shown:.5g}{unit}", highlight=False)
+    out.print(f"{words} {found.error:.5g}{unit}", highlight=False)
     judged = found.diagnostics
     if judged is None:
         return

@@ -26,14 +26,14 @@ class Check:
         posed: the problem and its data.
         values: all parameters, by name.
         value: the objective; of a likelihood in nats a number.
-        shown: the same as people read it: of a likelihood the equivalent deviation.
+        error: the same as people read it: of a likelihood the equivalent deviation.
         diagnostics: what the innovations say; None for a filter without any.
     """
 
     posed: Posed
     values: Mapping[str, np.ndarray]
     value: float
-    shown: float
+    error: float
     diagnostics: Diagnostics | None
 
 

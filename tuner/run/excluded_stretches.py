@@ -76,7 +76,7 @@ def without_stretches(
         )
     filter, data = problem.filter, problem.data
     params = assembled(bare(filter), problem.parameters(problem.space.start()))
-    without = jax.vmap(MeasurementMask(parts_of(filter, params, data.inputs)).made)
+    without = jax.vmap(MeasurementMask(parts_of(filter, params, data.inputs)).masked)
     wrong = [each.wrong for each in found]
     if isinstance(filter, Lanes):
         inputs = jax.vmap(without)(data.inputs, jnp.asarray(np.stack(wrong, axis=1)))

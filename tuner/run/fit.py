@@ -149,7 +149,7 @@ def plan_fit(posed: Posed, request: Request, other: Posed | None = None) -> Plan
         report=report,
         notes=posed.notes,
         findings=findings,
-        shown=_shown,
+        report_figures=_report_figures,
         share=_share,
         last=_last,
     )
@@ -186,7 +186,7 @@ def _figures(case: Fitting, solutions: Solutions) -> Iterator[Figure]:
         yield from picture_of(case.posed, trade(case.against))
 
 
-def _shown(case: Fitting, solutions: Solutions) -> Iterator[ReportFigure]:
+def _report_figures(case: Fitting, solutions: Solutions) -> Iterator[ReportFigure]:
     yield from report_figures(case.posed, solutions, case.against)
 
 
