@@ -228,12 +228,16 @@ def _print(used: InUse, found: Check) -> None:
             highlight=False,
         )
     lines = [
-        [f.test, f.verdict, number_text(_known(f.statistic)), number_text(_known(f.p)), f.what]
+        [f.test, f.verdict, number_text(_known(f.statistic)), _two_digits(_known(f.p)), f.what]
         for f in judged.findings
     ]
     show_grid("Diagnostics", [["test", "verdict", "statistic", "p", "what it means"], *lines])
     for each in judged.failed:
         out.print(each.sentence, style="yellow", soft_wrap=True, highlight=False, markup=False)
+
+
+def _two_digits(p: float | None) -> str:
+    return "-" if p is None else f"{p:.2g}"
 
 
 def _known(number: float) -> float | None:

@@ -28,12 +28,14 @@ def five_lines(result: Result) -> list[str]:
 
 def _good(result: Result) -> str:
     """How many claims are met; without any, how many numbers were found."""
-    if result.comparisons or not result.findings:
+    if result.comparisons:
         words = verdict(result).sentence.rstrip(".")
         return f"{words[:1].lower()}{words[1:]}"
+    none = "there is no reference to compare with"
+    if not result.findings:
+        return none
     limited = sum(bool(finding.limits) for finding in result.findings)
-    count = counted(len(result.findings), "number")
-    return f"{count} found, {limited} with 95 % limits; there is no reference to compare with"
+    return f"{counted(len(result.findings), 'number')} found, {limited} with 95 % limits; {none}"
 
 
 def _next(result: Result) -> str:
@@ -42,7 +44,7 @@ def _next(result: Result) -> str:
         return "tuner compare RUN --md"
     if len(result.tuned) == 1:
         return "tuner export RUN --to c"
-    return "tuner report RUN --force"
+    return "tuner report RUN"
 
 
 def _some(parts: list[str], between: str) -> str:

@@ -118,7 +118,9 @@ def _held_out(held: HeldOut, unit: str) -> Iterator[str]:
         words = "" if verdict == "better" else f": the filter is {verdict} than that"
         yield f"{_start(held.unfiltered)}{unit} without filter ({held.nothing}{words})"
     if held.gap is not None:
-        yield f"{percent(held.gap)} above what tuning on it would reach"
+        none = abs(held.gap) < 1e-6
+        more = "no more than" if none else f"{percent(held.gap)} above what"
+        yield f"{more} tuning on it would reach"
 
 
 def _gain(held: HeldOut) -> str:
