@@ -125,7 +125,7 @@ KINDS: tuple[Callable[[random.Random], str], ...] = (
     lambda draw: draw.choice(["", "nan", "NaN", "+1.5"]),
     lambda draw: draw.choice(["", "a", "a b", "on", "1"]),
 )
-"""Ways to write plain numbers, many of which are hard to round."""
+"""Remedies to write plain numbers, many of which are hard to round."""
 
 
 def block(draw: random.Random) -> Block:

@@ -86,13 +86,13 @@ class _Coloured(WithParameters):
         estimate: Any = jax.tree.map(
             lambda moved, still: jnp.where(state.begun, moved, still), ahead, state.estimate
         )
-        told = []
+        innovations = []
         for i in range(len(z)):
             row = jnp.concatenate([model.H[i, :n], model.H[i, n:] * jnp.where(sigma > 0, sigma, 1)])
             estimate, innovation = take(estimate, row, model.R[i], z[i])
-            told.append((innovation.value, innovation.variance))
+            innovations.append((innovation.value, innovation.variance))
         begun = state.begun | ~jnp.isnan(z).all()
-        value, variance = (jnp.stack(part) for part in zip(*told, strict=True))
+        value, variance = (jnp.stack(part) for part in zip(*innovations, strict=True))
         return ColouredState(estimate, begun), self._outputs(estimate.x[:n], value, variance)
 
     def _model(self, params: Any) -> LinearModel:

@@ -80,7 +80,7 @@ class Gated:
             )
         if not self.gate >= 1:
             raise ValueError(
-                f"a gate of {self.gate:g} deviations refuses more than a third of what is right; "
+                f"a gate of {self.gate:g} deviations rejects more than a third of what is right; "
                 "give one from 3 to 6"
             )
         if self.patience < 1:
@@ -93,12 +93,12 @@ class Gated:
 
     def step(self, params: Any, state: GatedState, inputs: Any) -> tuple[GatedState, Any]:
         """Take one sample, and take it again without its first wrong number while there is one."""
-        holes = MeasurementMask(self.parts)
+        mask = MeasurementMask(self.parts)
         gated = jnp.array([bool(part) for part in self.parts]) & (state.outside < self.patience)
 
         def tried(rejected: Array) -> tuple[Any, Any]:
             stepped: tuple[Any, Any] = self.filter.step(
-                params, state.inner, holes.made(inputs, rejected)
+                params, state.inner, mask.masked(inputs, rejected)
             )
             return stepped
 
@@ -113,7 +113,7 @@ class Gated:
             return jax.lax.cond(wrong.any(), lambda: again(seen, wrong), lambda: seen), None
 
         def again(seen: "_Seen", wrong: Array) -> "_Seen":
-            one = holes.together(wrong & (jnp.cumsum(wrong) == 1))
+            one = mask.together(wrong & (jnp.cumsum(wrong) == 1))
             now_y, now_s = _judged(seen.stepped)
             fresh = one & ~seen.rejected & (now_s != 0)
             rejected = seen.rejected | fresh

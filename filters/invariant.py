@@ -155,9 +155,9 @@ def _parted(jaxpr: Jaxpr, known: list[Var]) -> tuple[Jaxpr, list[JaxprEqn]]:
 
 
 def _part(jaxpr: Jaxpr, invars: Any, eqns: list[JaxprEqn], outvars: Any) -> Jaxpr:
-    told = jaxpr.debug_info.with_unknown_names()
+    info = jaxpr.debug_info.with_unknown_names()
     part: Jaxpr = jaxpr.replace(
-        constvars=[], invars=list(invars), eqns=eqns, outvars=list(outvars), debug_info=told
+        constvars=[], invars=list(invars), eqns=eqns, outvars=list(outvars), debug_info=info
     )
     return part
 

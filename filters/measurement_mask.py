@@ -82,7 +82,7 @@ class MeasurementMask:
                 owners.setdefault(leaf, []).append((entry, i))
         object.__setattr__(self, "_owners", {leaf: tuple(o) for leaf, o in owners.items()})
 
-    def made(self, inputs: Any, rejected: Array) -> Any:
+    def masked(self, inputs: Any, rejected: Array) -> Any:
         """The sample without the numbers of the innovations that are rejected, ``(m,)`` of bool.
 
         Raises:

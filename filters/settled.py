@@ -99,10 +99,10 @@ def parts_of(filter: AnyFilter, params: Any, sample: Any, wanted: Wanted) -> Par
             break
         moved = more
     used = needed(jax.make_jaxpr(wanted)(output))
-    told = list(zip(used, kinds[len(moved) :], strict=True))
-    if len(set(moved)) < 2 or NONLINEAR in kinds[: len(moved)] or (True, NONLINEAR) in told:
+    leaves = list(zip(used, kinds[len(moved) :], strict=True))
+    if len(set(moved)) < 2 or NONLINEAR in kinds[: len(moved)] or (True, NONLINEAR) in leaves:
         return None
-    outputs = tuple(kind if own else NONLINEAR for own, kind in told)
+    outputs = tuple(kind if own else NONLINEAR for own, kind in leaves)
     return Parts(step, tuple(map(bool, moved)), outputs, state, sample, output)
 
 
@@ -135,9 +135,9 @@ def settled(parts: Parts, params: Any, still: list[Any]) -> tuple[Settled, list[
     def once(both: Array) -> tuple[Array, list[Any]]:
         sample = jax.tree.unflatten(tree, _cut(both[n:], shapes))
         after, output = parts.step(params, parts.joined(both[:n], still), sample)
-        told = list(zip(jax.tree.leaves(output), parts.outputs, strict=True))
-        follows = parts.split(after)[0] + [leaf for leaf, kind in told if kind == AFFINE]
-        fixed = [leaf for leaf, kind in told if kind == KNOWN]
+        leaves = list(zip(jax.tree.leaves(output), parts.outputs, strict=True))
+        follows = parts.split(after)[0] + [leaf for leaf, kind in leaves if kind == AFFINE]
+        fixed = [leaf for leaf, kind in leaves if kind == KNOWN]
         return jnp.concatenate([jnp.ravel(leaf) for leaf in follows]), fixed
 
     nothing = jnp.zeros(n + p)

@@ -90,14 +90,14 @@ class Student:
 
     def step(self, params: Any, state: GatedState, inputs: Any) -> tuple[GatedState, Any]:
         """Take one sample with its weight."""
-        holes = MeasurementMask(self.parts)
-        without = holes.made(inputs, jnp.ones(len(self.parts), bool))
+        mask = MeasurementMask(self.parts)
+        without = mask.masked(inputs, jnp.ones(len(self.parts), bool))
         taken, output = self.filter.step(params, state.inner, inputs)
         check_innovations(self.filter, output)
         passed, other = self.filter.step(params, state.inner, without)
         y, s = output.innovation, output.variance
         counts = s > 0
-        begins = (holes.seen(inputs) & ~counts).any()
+        begins = (mask.seen(inputs) & ~counts).any()
         asked = jnp.where(begins, 1.0, weight(y, s, self.nu))
         w = jnp.where(state.outside < self.patience, asked, 1.0)
 

@@ -62,9 +62,9 @@ class _ChannelNoise(WithParameters):
                 "the noise is to follow the channel sigma, and there is none; map it, as in --map "
                 "sigma=COLUMN"
             )
-        told = inputs.sigma > 0
-        square = jnp.where(told, inputs.sigma, 1.0) ** 2
-        sigma = jnp.where(told, jnp.sqrt(1 + params.share * square / params.R), inputs.sigma)
+        given = inputs.sigma > 0
+        square = jnp.where(given, inputs.sigma, 1.0) ** 2
+        sigma = jnp.where(given, jnp.sqrt(1 + params.share * square / params.R), inputs.sigma)
         return self.inner().step(self.within(params), state, inputs._replace(sigma=sigma))  # type: ignore[no-any-return]
 
 

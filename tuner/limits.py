@@ -54,8 +54,8 @@ def memory() -> int:
     Raises:
         ValueError: where the environment's text is not a size.
     """
-    told = os.environ.get(VARIABLE)
-    return parse_size(VARIABLE, told) if told else _of_machine() // 2
+    text = os.environ.get(VARIABLE)
+    return parse_size(VARIABLE, text) if text else _of_machine() // 2
 
 
 def _of_machine() -> int:
@@ -87,8 +87,8 @@ def check_amount(what: str, size: int | float, way_out: str) -> None:
     """
     if size > largest():
         raise ValueError(
-            f"{what} would take {told(size)}, where {told(largest())} is the most that "
-            f"{told(memory())} of memory allow; {way_out}, or set another limit by --memory"
+            f"{what} would take {size_text(size)}, where {size_text(largest())} is the most that "
+            f"{size_text(memory())} of memory allow; {way_out}, or set another limit by --memory"
         )
 
 
@@ -101,10 +101,10 @@ def unpacked(held: int) -> int:
     return max(UNPACKED, RATIO * held)
 
 
-def told(size: int | float) -> str:
+def size_text(size: int | float) -> str:
     """A size in words.
 
-    >>> told(3 << 30), told(5000)
+    >>> size_text(3 << 30), size_text(5000)
     ('3 GB', '0.00477 MB')
     """
     return f"{size / 2**30:.3g} GB" if size >= 1 << 29 else f"{size / 2**20:.3g} MB"

@@ -189,16 +189,16 @@ def _scan(
 ) -> list[np.ndarray]:
     begin = num_consts + num_carry
     consts, state, samples = given[:num_consts], list(given[num_consts:begin]), given[begin:]
-    told: list[list[np.ndarray]] = []
+    collected: list[list[np.ndarray]] = []
     for at in reversed(range(length)) if reverse else range(length):
         found = _closed(jaxpr, *consts, *state, *(each[at] for each in samples))
         state = found[:num_carry]
-        told.append(found[num_carry:])
+        collected.append(found[num_carry:])
     if reverse:
-        told.reverse()
+        collected.reverse()
     shapes = [v.aval for v in jaxpr.jaxpr.outvars[num_carry:]]
     stacked = [
-        np.stack([each[k] for each in told]) if told else np.zeros((0, *shape.shape))
+        np.stack([each[k] for each in collected]) if collected else np.zeros((0, *shape.shape))
         for k, shape in enumerate(shapes)
     ]
     return [*state, *stacked]

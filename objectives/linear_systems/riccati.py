@@ -175,13 +175,13 @@ def _regularised(A: Array, G: Array, H: Array, most: float) -> tuple[Array, Arra
     It subtracts, so digits are lost where G H is large: G is made smaller there. And from zero it
     stays in the solution that leaves an unstable, undriven mode alone: H gains a trace of 1/G.
     """
-    told, driven, power = G, H, A
+    seen, driven, power = G, H, A
     for _ in range(A.shape[0]):
-        told, driven = told + congruence(power, G), driven + congruence(power.T, H)
+        seen, driven = seen + congruence(power, G), driven + congruence(power.T, H)
         power = product(power, A)
-    told, driven = jnp.diagonal(told), jnp.diagonal(driven)
-    share = 1 / jnp.maximum(1.0, (told * driven).max() / most)
-    trace = jnp.where(told > 0, _TRACE / (share * told), 0.0)
+    seen, driven = jnp.diagonal(seen), jnp.diagonal(driven)
+    share = 1 / jnp.maximum(1.0, (seen * driven).max() / most)
+    trace = jnp.where(seen > 0, _TRACE / (share * seen), 0.0)
     return share * G, H + jnp.diag(trace)
 
 

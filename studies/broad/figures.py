@@ -63,8 +63,8 @@ def _words(name: str) -> str:
 def _ranked(errors: dict[str, float]) -> str:
     """The best filter and the next one, with their errors."""
     best, *others = sorted(errors, key=errors.__getitem__)
-    told = f"{_words(best)} {errors[best]:.2f} deg"
-    return f"{told}, next {_words(others[0])} {errors[others[0]]:.2f} deg" if others else told
+    first = f"{_words(best)} {errors[best]:.2f} deg"
+    return f"{first}, next {_words(others[0])} {errors[others[0]]:.2f} deg" if others else first
 
 
 def _numbers(contest: Contest) -> tuple[np.ndarray, str]:

@@ -44,8 +44,8 @@ def _steady(sweep: Sweep) -> Chart:
         error = _followed(sweep, angle)[1][at][late]
         lines.append(Line(f"{angle:g} deg", t, error))
         errors.append(_rms(error))
-    told = ", ".join(f"{e:.2g} deg at {angle:g}" for angle, e in zip(STEADY, errors, strict=True))
-    title = f"Fig. 5 in degrees: the rms of the steady error is {told} deg"
+    values = ", ".join(f"{e:.2g} deg at {angle:g}" for angle, e in zip(STEADY, errors, strict=True))
+    title = f"Fig. 5 in degrees: the rms of the steady error is {values} deg"
     return Chart("fig5_steady", title, "time, s", "pitch error, deg", tuple(lines))
 
 
@@ -128,12 +128,14 @@ def _swept(sweep: Sweep) -> Iterator[Chart]:
             lines.append(Line(name, factors, against))
             motion = case.step.motion
             lower[motion] = lower[motion] & (against < (1 if words.ratio else 0))
-        told = [_lambdas(factors, found, motion) for motion, found in lower.items()]
+        where = [_lambdas(factors, found, motion) for motion, found in lower.items()]
+        if not any(found.any() for found in lower.values()):
+            where = ["no lambda"]
         same = np.full(2, 1.0 if words.ratio else 0.0)
         equal = Line("as with fuzzy noise", factors[[0, -1]], same, drawn="limit")
         yield Chart(
             name=f"sweep_{part}",
-            title=f"Random noise has the smaller {words.name} at {' and '.join(told)}",
+            title=f"Random noise has the smaller {words.name} at {' and '.join(where)}",
             x_label="lambda",
             y_label=f"{words.name}, {words.axis}",
             lines=(*lines, equal),
@@ -143,8 +145,8 @@ def _swept(sweep: Sweep) -> Iterator[Chart]:
 
 def _lambdas(factors: np.ndarray, found: np.ndarray, motion: Motion) -> str:
     """The lambdas that are found, after steps of a kind, in words."""
-    told = f"lambda {ranges(list(factors[found]), list(factors))}" if found.any() else "no lambda"
-    return f"{told} ({motion} steps)"
+    values = f"lambda {ranges(list(factors[found]), list(factors))}" if found.any() else "no lambda"
+    return f"{values} ({motion} steps)"
 
 
 def _mean(found: Behaviour, part: str) -> float:

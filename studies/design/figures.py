@@ -35,12 +35,14 @@ def _poles(poles: np.ndarray, *, discrete: bool) -> Chart:
     )
     inside = bool(np.all(np.abs(poles) < 1) if discrete else np.all(poles.real < 0))
     slowest = poles[np.argmax(np.abs(poles) if discrete else poles.real)]
-    told = f"{slowest:.3g}" if slowest.imag else f"{slowest.real:.3g}"
+    value = f"{slowest.real:.3g}"
+    if slowest.imag:
+        value += f" ± {abs(slowest.imag):.3g}j"
     per = "" if discrete else ", 1/s"
     return Chart(
         name="poles",
         title=f"Poles of the observer's error: {'stable' if inside else 'unstable'}, the slowest "
-        f"at {told}{per.removeprefix(',')}",
+        f"at {value}{per.removeprefix(',')}",
         x_label=f"real part{per}",
         y_label=f"imaginary part{per}",
         lines=(edge, Line("poles", poles.real, poles.imag, drawn="points")),

@@ -54,9 +54,9 @@ def _loops(channel: Channel, settings: Settings, designed: Gains) -> Chart:
         Line(name, at, loop_history(channel, gains, FINE, span))
         for name, gains in _designs(channel, designed).items()
     ]
-    told = ", ".join(f"{line.label} {_within(line, channel.bound)}" for line in lines)
+    when = ", ".join(f"{line.label} {_within(line, channel.bound)}" for line in lines)
     lines.append(Line("bound", at[[0, -1]], np.full(2, channel.bound), drawn="limit"))
-    title = f"Conventional loop, at most {100 * NEAR:g} % above the bound: {told}"
+    title = f"Conventional loop, at most {100 * NEAR:g} % above the bound: {when}"
     return _over_time(channel, "fig3_conventional", title, lines)
 
 
@@ -149,8 +149,8 @@ def _both(channel: Channel, settings: Settings, designed: Gains) -> Chart:
         Line("q_a / t", at[1:], channel.q_a / at[1:]),
         Line("bound", at[[1, -1]], np.full(2, channel.bound), drawn="limit"),
     ]
-    told = f"the loop {_within(lines[0], channel.bound)}, the Kalman scheme "
-    title = f"At most {100 * NEAR:g} % above the bound: {told}{_within(lines[1], channel.bound)}"
+    when = f"the loop {_within(lines[0], channel.bound)}, the Kalman scheme "
+    title = f"At most {100 * NEAR:g} % above the bound: {when}{_within(lines[1], channel.bound)}"
     return replace(_over_time(channel, "both_schemes", title, lines), log="xy")
 
 

@@ -53,9 +53,9 @@ def _sweeps(bench: Bench) -> Figure:
     figure = "fig5_acc" if bench.sensor is ACC else "fig6_gyro"
     chart = _chart(bench, figure, "", sweeps)
     *answers, step = chart.lines
-    told = merged(answers)
-    title = f"{len(answers)} settings of R, Q and P0, {len(told)} different answers"
-    return replace(chart, title=f"{title} ({bench.sensor.name})", lines=(*told, step))
+    distinct = merged(answers)
+    title = f"{len(answers)} settings of R, Q and P0, {len(distinct)} different answers"
+    return replace(chart, title=f"{title} ({bench.sensor.name})", lines=(*distinct, step))
 
 
 def _responses(bench: Bench, ratio: float, *, published: bool = True) -> Figure:
@@ -66,8 +66,8 @@ def _responses(bench: Bench, ratio: float, *, published: bool = True) -> Figure:
     name = f"{'fig9' if published else 'step'}_{bench.sensor.name}"
     chart = _chart(bench, name, "", chosen, window=(0.48, 0.65))
     *answers, step = chart.lines
-    told = ", ".join(_rise(line, step, line.label.partition(",")[0]) for line in answers)
-    return replace(chart, title=f"90 % of the step is reached {told} ({bench.sensor.name})")
+    times = ", ".join(_rise(line, step, line.label.partition(",")[0]) for line in answers)
+    return replace(chart, title=f"90 % of the step is reached {times} ({bench.sensor.name})")
 
 
 def _rise(answer: Line, step: Line, name: str) -> str:

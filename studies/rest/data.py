@@ -82,22 +82,22 @@ def _labels(signal: Signal) -> list[str]:
 
 
 def _axis(record: Record, name: str, signal: Signal, values: Floats) -> Axis:
-    told = f"{record.name} ({name})"
-    _check_whole(told, signal, values)
+    label = f"{record.name} ({name})"
+    _check_whole(label, signal, values)
     rate = signal.running.rate_hz
     if len(values) < LEAST:
-        raise LogError(f"{told} has {len(values)} samples; its noise takes {LEAST} or more")
+        raise LogError(f"{label} has {len(values)} samples; its noise takes {LEAST} or more")
     if np.ptp(values) == 0:
         raise LogError(
-            f"{told} is constant, {values[0]:g} in every sample; map a column that changes"
+            f"{label} is constant, {values[0]:g} in every sample; map a column that changes"
         )
-    check_at_rest(told, values, rate, float(signal.times[0]))
+    check_at_rest(label, values, rate, float(signal.times[0]))
     source = replace(record.sources[0], samples=len(values), rate_hz=rate)
     centred = values - values.mean()
     return Axis(name, centred, rate, signal.unit, signal.written or signal.unit, source)
 
 
-def _check_whole(told: str, signal: Signal, values: Floats) -> None:
+def _check_whole(label: str, signal: Signal, values: Floats) -> None:
     """Refuse gaps and missing samples, and name the longest part without any."""
     missing = int(np.isnan(values).sum())
     if signal.running.even and not missing:
@@ -111,8 +111,8 @@ def _check_whole(told: str, signal: Signal, values: Floats) -> None:
     first, last = int(np.floor(cuts[at])) + 1, int(np.ceil(cuts[at + 1])) - 1
     what = f"misses {missing} samples" if missing else "has gaps or an uneven clock"
     if last - first < LEAST:
-        raise LogError(f"{told} {what}, and no part of {LEAST} samples has none; record it again")
+        raise LogError(f"{label} {what}, and no part of {LEAST} samples has none; record it again")
     raise LogError(
-        f"{told} {what}, and an Allan deviation takes even samples; the longest part without: "
+        f"{label} {what}, and an Allan deviation takes even samples; the longest part without: "
         f"--from {times[first]:.9g} --to {times[last]:.9g}"
     )

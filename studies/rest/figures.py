@@ -59,19 +59,19 @@ def _latency(rest: Rest, K: float | None) -> Chart:
 
     lines = [Line("noise of the output", delays, noise(delays))]
     at, unit = asked.knee(rest.R, rest.Q, dt), axis.written or "1"
-    told = f"{noise(delays[:1])[0]:.2g} {unit} at a lag of {delays[0]:.2g} s"
-    told += f", {noise(delays[-1:])[0]:.2g} at {delays[-1]:.2g} s"
+    words = f"{noise(delays[:1])[0]:.2g} {unit} at a lag of {delays[0]:.2g} s"
+    words += f", {noise(delays[-1:])[0]:.2g} at {delays[-1]:.2g} s"
     if np.isfinite(at):
         there = np.array([at])
         least = float(noise(delays).min())
-        told = f"{noise(there)[0]:.2g} {unit} at the knee, {at:.2g} s; never below {least:.2g}"
+        words = f"{noise(there)[0]:.2g} {unit} at the knee, {at:.2g} s; never below {least:.2g}"
         lines.append(Line(f"knee, {at:.3g} s", there, noise(there)))
     if K is not None and rest.requirement is not None:
         there = np.atleast_1d(asked.latency(K, dt))
         lines.append(Line(rest.requirement.words, there, noise(there)))
     return Chart(
         name=f"latency_{axis.name}",
-        title=f"Noise of {axis.name} after x = x + K1 (z - x): {told}",
+        title=f"Noise of {axis.name} after x = x + K1 (z - x): {words}",
         x_label="lag behind a steady change, s",
         y_label=f"deviation of the output at rest, {unit}",
         lines=tuple(lines),

@@ -8,7 +8,7 @@ from filters.declared import Sensor
 from studies.rest import requirement as asked
 from studies.rest.curve import Limited
 from studies.rest.problems import Rest
-from tuner.data.sensor_units import Told, told_as
+from tuner.data.sensor_units import SheetUnit, sheet_units
 from tuner.run.finding import Finding
 from tuner.run.study import Solutions, best
 
@@ -52,9 +52,9 @@ def _noise(rest: Rest) -> Iterator[Finding]:
         for how, white, walk in _ways(rest):
             yield _of(axis.name, f"{N}.{how}", white.times(scale[0]), unit[0], _MEANS[how])
             yield _of(axis.name, f"{K}.{how}", walk.times(scale[1]), unit[1], _MEANS[how])
-    told = f"0.664 of it is the curve's floor, at {noise.floor_s:.4g} s"
+    note = f"0.664 of it is the curve's floor, at {noise.floor_s:.4g} s"
     own = axis.scale
-    yield _of(axis.name, "B", noise.instability.times(own), axis.written, told)
+    yield _of(axis.name, "B", noise.instability.times(own), axis.written, note)
     if axis.unit == "rad/s":
         hourly = noise.instability.times(_DEGREES * _HOUR)
         yield _of(axis.name, "bias_instability", hourly, "deg/h", "B")
@@ -86,9 +86,9 @@ def _units(rest: Rest) -> Iterator[tuple[tuple[float, float], tuple[str, str], s
         yield (white.factor, walk.factor), (white.unit, walk.unit), white.name, walk.name
 
 
-def _named(sensor: Sensor) -> list[Told]:
+def _named(sensor: Sensor) -> list[SheetUnit]:
     """The customary forms of a sensor's noise; else the record's own unit."""
-    return [told for told in told_as(sensor) if told.name]
+    return [form for form in sheet_units(sensor) if form.name]
 
 
 def _sampled(rest: Rest) -> Iterator[Finding]:
@@ -139,15 +139,15 @@ def _trade(rest: Rest) -> Iterator[Finding]:
     """The latency beyond which a slower filter does not pay."""
     at = asked.knee(rest.R, rest.Q, rest.dt)
     if np.isfinite(at):
-        told = "from here on twice the latency lowers the noise by less than a tenth"
+        text = "from here on twice the latency lowers the noise by less than a tenth"
         least = float(np.sqrt(rest.R / rest.Q)) * rest.dt
-        yield Finding(f"{rest.axis.name}.knee_s", at, "s", f"{told}; the least is at {least:.4g} s")
+        yield Finding(f"{rest.axis.name}.knee_s", at, "s", f"{text}; the least is at {least:.4g} s")
         return
-    told = "no walk was seen, so a slower filter is always quieter, as far as the record says"
-    yield Finding(f"{rest.axis.name}.knee_s", None, "s", told)
+    text = "no walk was seen, so a slower filter is always quieter, as far as the record says"
+    yield Finding(f"{rest.axis.name}.knee_s", None, "s", text)
 
 
 def _of(axis: str, name: str, number: Limited, unit: str, meaning: str) -> Finding:
     low = number.low if number.known else None
-    told = meaning if number.known else f"{meaning}; not distinguished from 0"
-    return Finding(f"{axis}.{name}", number.value, unit, told, low, number.high)
+    text = meaning if number.known else f"{meaning}; not distinguished from 0"
+    return Finding(f"{axis}.{name}", number.value, unit, text, low, number.high)

@@ -40,10 +40,10 @@ def _predictions(flight: Flight, found: Predicted) -> Chart:
     if found.reference is not None:
         errors["autopilot's attitude"] = found.reference
     means = {name: values[believed].mean(axis=0) for name, values in errors.items()}
-    told = ", ".join(f"{mean[-1]:.2g} m ({name})" for name, mean in means.items())
+    text = ", ".join(f"{mean[-1]:.2g} m ({name})" for name, mean in means.items())
     return Chart(
         name=f"prediction_{flight.name}",
-        title=f"Error of positions {AHEAD} s ahead on {flight.name}: {told}",
+        title=f"Error of positions {AHEAD} s ahead on {flight.name}: {text}",
         x_label="time ahead, s",
         y_label="mean horizontal error, m",
         lines=tuple(Line(name, ahead, mean) for name, mean in means.items()),
@@ -106,8 +106,8 @@ def _apart(flight: Flight, apart: np.ndarray, i: int) -> str:
     if not len(at):
         return f"{spread(apart, np.ones(len(apart), bool))[i]:.2g} deg from the autopilot's"
     near = np.abs(flight.t[:, None] - at).min(axis=1) <= flight.every * flight.dt
-    told = f"{spread(apart, near)[i]:.2g} deg from the autopilot's while GPS measures it"
-    return told if near.all() else f"{told}, {spread(apart, ~near)[i]:.2g} deg without"
+    text = f"{spread(apart, near)[i]:.2g} deg from the autopilot's while GPS measures it"
+    return text if near.all() else f"{text}, {spread(apart, ~near)[i]:.2g} deg without"
 
 
 def _degrees(angle: np.ndarray) -> np.ndarray:
@@ -122,7 +122,7 @@ def _without_wraps(degrees: np.ndarray) -> np.ndarray:
 
 
 def _glitch(field: Field, flight: Flight, solutions: Solutions) -> Chart:
-    lines, told = [], []
+    lines, parts = [], []
     for law in LAWS:
         nis = field.tuned_outcome(flight, law, solutions).nis
         seen = ~np.isnan(nis).all(axis=1)
@@ -130,7 +130,7 @@ def _glitch(field: Field, flight: Flight, solutions: Solutions) -> Chart:
         x, y = _with_gaps(t, flight.every * flight.dt, mean)
         lines.append(Line(law, x, y))
         if bad.any() and not bad.all():
-            told.append(f"{mean[bad].mean():.2g} within it and {mean[~bad].mean():.2g} outside")
+            parts.append(f"{mean[bad].mean():.2g} within it and {mean[~bad].mean():.2g} outside")
     at = flight.t[flight.glitch]
     known = np.concatenate([line.y[np.isfinite(line.y)] for line in lines])
     if len(at):
@@ -139,11 +139,11 @@ def _glitch(field: Field, flight: Flight, solutions: Solutions) -> Chart:
         lines.append(Line(name, at[[0, -1]], low, drawn="band", upper=high))
     ends = flight.t[[0, -1]]
     lines.append(Line("consistent: 1", ends, np.ones(2), drawn="limit"))
-    means = " and ".join(f"{part} ({law})" for part, law in zip(told, LAWS, strict=False))
+    means = " and ".join(f"{part} ({law})" for part, law in zip(parts, LAWS, strict=False))
     return Chart(
         name=f"glitch_{flight.name}",
         title=f"The NIS shows the glitch of {flight.name}: {means}"
-        if told
+        if parts
         else f"NIS on {flight.name}, whose GPS speed jumps",
         x_label="time, s",
         y_label="NIS, mean of an update",

@@ -155,12 +155,12 @@ def flight(recording: Recording, dt: float, slowest: float, gravity: float) -> F
         )
     kept = slice(int(seen[0]) + 1, None)
     t = edges[1:]
-    told = speed.times - late.speed
-    jumps = _jumps(told, speed.values[:, 0])
+    measured_at = speed.times - late.speed
+    jumps = _jumps(measured_at, speed.values[:, 0])
     ground = np.hypot(*speed.values.T)[:, None]
     near = [np.abs(t - at) <= AROUND for at in jumps]
     reference = _reference(recording.record, edges)
-    rate, along = over_ticks(gyr.times, gyr.values, edges), _interpolated(told, ground, t)
+    rate, along = over_ticks(gyr.times, gyr.values, edges), _interpolated(measured_at, ground, t)
     found = Flight(
         dt=dt,
         t=t[kept],

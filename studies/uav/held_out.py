@@ -54,7 +54,7 @@ HOWS = {"one": "tuned on {tuned}", "others": "tuned on all other flights without
 
 def helps(field: Field, solutions: Solutions, *, how: str) -> Iterator[Comparison]:
     """Whether tuning predicts the measurements of a flight better that it has not seen."""
-    told = HOWS[how].format(tuned=field.tuned.name)
+    words = HOWS[how].format(tuned=field.tuned.name)
     for flight in _flights(field, how):
         before = untuned(field, flight)
         after = field.outcome(flight, LAW, _values(field, flight, solutions, how))
@@ -62,7 +62,7 @@ def helps(field: Field, solutions: Solutions, *, how: str) -> Iterator[Compariso
         nis = [by_update(each.nis, keep).mean() for each in (before, after)]
         yield _gain(
             f"uav.tuning_gain.{how}.{flight.name}",
-            f"{NATS}, {told} over untuned",
+            f"{NATS}, {words} over untuned",
             interval(by_update(before.surprise - after.surprise, keep)),
             f"NIS {nis[0]:.3g} untuned, {nis[1]:.3g} tuned",
             NO_HELP,
@@ -71,7 +71,7 @@ def helps(field: Field, solutions: Solutions, *, how: str) -> Iterator[Compariso
 
 def predicts(field: Field, solutions: Solutions, *, how: str) -> Iterator[Comparison]:
     """Whether tuning predicts positions better, and whether a filter does."""
-    told = HOWS[how].format(tuned=field.tuned.name)
+    words = HOWS[how].format(tuned=field.tuned.name)
     for flight in _flights(field, how):
         tuned = field.outcome(flight, LAW, _values(field, flight, solutions, how))
         after = predicted(flight, tuned)
@@ -82,7 +82,7 @@ def predicts(field: Field, solutions: Solutions, *, how: str) -> Iterator[Compar
             quantity = "tuning" if name == "untuned" else "filter"
             yield _nearer(
                 f"uav.{quantity}_gain_m.{how}.{flight.name}",
-                f"horizontal error {AHEAD} s ahead, {name} less {told}",
+                f"horizontal error {AHEAD} s ahead, {name} less {words}",
                 predicted(flight, rival),
                 after,
                 name,

@@ -88,10 +88,10 @@ class Field:
     @property
     def source(self) -> Source:
         """The source of all flights."""
-        told = f"flight {self.tuned.name}"
+        text = f"flight {self.tuned.name}"
         if self.judged:
-            told += f", judged on {', '.join(each.name for each in self.judged)}"
-        return Source.joined(told, [each.source for each in self.flights])
+            text += f", judged on {', '.join(each.name for each in self.judged)}"
+        return Source.joined(text, [each.source for each in self.flights])
 
     def tuned_outcome(self, flight: Flight, law: Tuned, solutions: Solutions) -> Outcome:
         """The outcome of a law on a flight, tuned on the first flight."""

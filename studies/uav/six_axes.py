@@ -78,11 +78,11 @@ def motion_noises(flight: Flight) -> dict[str, float]:
 def uses(flight: Flight) -> dict[str, Use]:
     """The filters compared with the autopilot; one with two noises by the motion of a flight."""
     bounded, found = BoundedMotionKalman(flight.dt), motion_noises(flight)
-    told = ", ".join(f"{name} {value:.3g}" for name, value in found.items())
+    values = ", ".join(f"{name} {value:.3g}" for name, value in found.items())
     return {
         "mahony": Use("Mahony, published gains", Mahony(flight.dt), {}),
         "bounded_room": Use("bounded motion, a room's noises", bounded, {}),
-        "bounded_flown": Use(f"bounded motion, {told} by {flight.name}'s GPS", bounded, found),
+        "bounded_flown": Use(f"bounded motion, {values} by {flight.name}'s GPS", bounded, found),
     }
 
 

@@ -85,7 +85,7 @@ class Spread:
         level_peak: largest absolute errors in level flight, ``(k, 2)``.
         turn_peak: in the turn.
         t: times of the figures, s, ``(n,)``.
-        shown: errors there, ``(n, k, 2)``.
+        errors: at these times, ``(n, k, 2)``.
     """
 
     level: np.ndarray
@@ -94,7 +94,7 @@ class Spread:
     level_peak: np.ndarray
     turn_peak: np.ndarray
     t: np.ndarray
-    shown: np.ndarray
+    errors: np.ndarray
 
     @property
     def level_rms(self) -> np.ndarray:
@@ -203,7 +203,7 @@ def judged(settings: Settings, errors: np.ndarray) -> Spread:
         level_peak=np.abs(errors[level]).max(axis=0),
         turn_peak=np.abs(errors[~level]).max(axis=0),
         t=t[kept],
-        shown=errors[kept],
+        errors=errors[kept],
     )
 
 
@@ -221,6 +221,6 @@ def _concatenated(parts: list[Spread]) -> Spread:
     def along(name: str) -> np.ndarray:
         if name == "t":
             return parts[0].t
-        return np.concatenate([getattr(part, name) for part in parts], 1 if name == "shown" else 0)
+        return np.concatenate([getattr(part, name) for part in parts], 1 if name == "errors" else 0)
 
     return Spread(**{field.name: along(field.name) for field in fields(Spread)})

@@ -25,7 +25,7 @@ def figures(bench: Bench, solutions: Solutions) -> Iterator[Figure]:
     zero, true = Case(name, "velocity"), Case(name, "velocity", "true")
     bench.spreads([gyro, plain, zero, true])
     yield from _bands(bench, "fig3", "Fig. 3: gyroscopes alone", {"": gyro})
-    yield from _bands(bench, "fig4", "Fig. 4: with (10)", {"": plain})
+    yield from _bands(bench, "fig4", "Fig. 4: aided by (10)", {"": plain})
     starts = {", v = w = 0": zero, ", true v, w": true}
     yield from _bands(bench, "fig5", "Fig. 5: with the velocity filter", starts)
     yield from _flights(bench)
@@ -37,15 +37,18 @@ def figures(bench: Bench, solutions: Solutions) -> Iterator[Figure]:
 
 def _bands(bench: Bench, name: str, title: str, cases: dict[str, Case]) -> Iterator[Chart]:
     for at, angle in enumerate(ANGLES):
-        lines = []
+        lines, largest = [], []
         for label, case in cases.items():
             found = bench.spread(case)
-            low, median, high = np.percentile(found.shown[..., at], BANDS, axis=1)
+            low, median, high = np.percentile(found.errors[..., at], BANDS, axis=1)
+            start = f" ({label.removeprefix(', ')})" if label else ""
+            largest.append(f"{np.abs([low, high]).max():.2g} deg{start}")
             lines += [
                 Line(f"5 to 95 % of runs{label}", found.t, low, drawn="band", upper=high),
                 Line(f"median{label}", found.t, median),
             ]
-        words = f"{title}: {angle} error of {bench.settings.runs} runs, {case.trajectory}"
+        words = f"{title}: at any time 90 % of {bench.settings.runs} runs have a {angle} error "
+        words += f"below {' or '.join(largest)}"
         yield Chart(f"{name}_{angle}", words, "time, s", f"{angle} error, deg", tuple(lines))
 
 
@@ -58,14 +61,15 @@ def _flights(bench: Bench) -> Iterator[Chart]:
             cases["velocity filter, true v, w"] = Case(name, "velocity", "true")
         lines = tuple(_rms(bench.spread(case), label, level) for label, case in cases.items())
         plain, filtered = (float(line.y.max()) for line in lines[:2])
-        title = f"{name}: {filtered:.2g} deg at most with the velocity filter, {plain:.2g} without"
+        title = f"{name}: a roll error of at most {filtered:.2g} deg with the velocity filter, "
+        title += f"{plain:.2g} deg without"
         label = f"root mean square roll error of {runs} runs, deg"
         yield Chart(f"flight_{name}", title, "time, s", label, lines)
 
 
 def _rms(found: Spread, label: str, level: float) -> Line:
     seen = found.t > 0.9 * level
-    return Line(label, found.t[seen], np.sqrt((found.shown[seen, :, 0] ** 2).mean(axis=1)))
+    return Line(label, found.t[seen], np.sqrt((found.errors[seen, :, 0] ** 2).mean(axis=1)))
 
 
 def _by_tau(bench: Bench, solutions: Solutions) -> Chart:

@@ -173,7 +173,7 @@ def test_monte_carlo_is_the_textbooks(monkeypatch):
     # the start, where the error is 0, counts there and not here
     every = oracle.whole_rms(roll, pitch) * np.sqrt((N + 1) / N)
     assert found.whole_rms == pytest.approx(every, rel=1e-9)
-    np.testing.assert_allclose(found.shown[-1], both[-1], rtol=1e-9)
+    np.testing.assert_allclose(found.errors[-1], both[-1], rtol=1e-9)
 
 
 def test_chunks_do_not_matter(monkeypatch):

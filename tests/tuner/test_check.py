@@ -181,7 +181,7 @@ def test_from_python():
     record = tuner.Record.of({"z": level["z"]}, rate_hz=1.0)
     found = tuner.check("local-level", record, {"q": 0.09, "R": 1.0})
     y, s = cases.level_loop(level["z"], 0.09, 1.0, 1.0)
-    assert found.shown == pytest.approx(cases.deviation(y, s), rel=1e-9)
+    assert found.error == pytest.approx(cases.deviation(y, s), rel=1e-9)
     assert found.value == pytest.approx(cases.nats(y, s), rel=1e-9)
     assert not found.diagnostics.failed
     still = tuner.check("local-level", record, {"q": 0.0, "R": 1.0})  # a level that never moves

@@ -83,7 +83,7 @@ def test_recordings_side_by_side_are_gated_each_by_itself():
     assert (fit.outputs.rejected.sum(axis=(0, 2)) > 10).all()
 
 
-def test_the_command_line_counts_what_is_refused(cli, here):
+def test_the_command_line_counts_what_is_rejected(cli, here):
     columns, wrong = spoiled()
     write(here / "level.csv", columns)
     words = ("--filter", "local-level", "--map", "z=z", "--set", "gate=4", "--starts", 1)
@@ -96,7 +96,7 @@ def test_the_command_line_counts_what_is_refused(cli, here):
     assert (found["rejected"]["rejected"], found["rejected"]["numbers"]) == (count, 399)
 
 
-def test_a_gate_that_refuses_everything_is_an_error(cli, here):
+def test_a_gate_that_rejects_everything_is_an_error(cli, here):
     draw = np.random.default_rng(1)
     z = np.cumsum(draw.standard_normal(300))
     write(here / "level.csv", {"t": np.arange(300.0), "z": z})
@@ -111,7 +111,7 @@ def test_a_gate_that_refuses_everything_is_an_error(cli, here):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"gate": 0.5}, "refuses more than a third of what is right"),
+        ({"gate": 0.5}, "rejects more than a third of what is right"),
         ({"gate": "wide"}, "gate is 'wide'; give a number of deviations"),
         ({"gate": True}, "gate is True"),
         ({"gate": 4, "patience": 0}, "give 1 or more"),

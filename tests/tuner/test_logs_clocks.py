@@ -152,9 +152,9 @@ def test_repeats_by_the_command_line(cli, here):
 
 
 def test_repeats_in_a_recipe():
-    entries = LogEntries.told({"drop_repeats": True, "from_s": 0.0})
+    entries = LogEntries.of_options({"drop_repeats": True, "from_s": 0.0})
     assert entries.options == ["--drop-repeats", "--from"]
-    assert LogEntries.told({"drop_repeats": None}).drop_repeats is None
+    assert LogEntries.of_options({"drop_repeats": None}).drop_repeats is None
 
 
 @pytest.mark.parametrize("samples", [100_001, 100_002])

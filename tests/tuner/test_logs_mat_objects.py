@@ -8,7 +8,7 @@ import pytest
 from tests.tuner.recordings import refusal
 from tuner.data import mat
 from tuner.data.logs.formats import open_table
-from tuner.data.logs.mat import told
+from tuner.data.logs.mat import not_read
 from tuner.data.mat_objects import Objects, columns_of
 from tuner.data.reading import read_record
 
@@ -75,8 +75,8 @@ def test_tables_dates_and_what_is_left_out(log):
 
 
 def test_lines_for_what_is_not_read():
-    assert "timetable2table(TT, 'ConvertRowTimes', false)" in told("TT", "timetable")
-    assert "save('log.mat', '-struct', 'S')" in told("T", "table")
+    assert "timetable2table(TT, 'ConvertRowTimes', false)" in not_read("TT", "timetable")
+    assert "save('log.mat', '-struct', 'S')" in not_read("T", "table")
 
 
 def regular(rows, rate, step_ms):

@@ -13,16 +13,16 @@ from filters import (
     Vertical,
 )
 from filters.declared import parameter_facts
-from tuner.data.sensor_units import told_as
+from tuner.data.sensor_units import sheet_units
 from tuner.data.unit_text import powers_of, raised, written
 from tuner.data.units import Unit
 from tuner.run.noise_parameters import noise_parameters
-from tuner.run.noise_table import noise_told
+from tuner.run.noise_table import noise_findings
 
 
 def told(cls, values, dt, units=None):
     units = units or {name: fact.unit for name, fact in parameter_facts(cls).items()}
-    return {f.name: (f.value, f.unit) for f in noise_told(cls(dt), values, units)}
+    return {f.name: (f.value, f.unit) for f in noise_findings(cls(dt), values, units)}
 
 
 def close(value):
@@ -99,11 +99,11 @@ def test_factors_are_those_of_the_units(sensor):
         head, _, root = unit.partition("/sqrt(")
         return Unit.of(head).factor * {"Hz)": 1.0, "h)": 1 / 60}[root]
 
-    first, *others = told_as(sensor)
+    first, *others = sheet_units(sensor)
     assert first.factor == 1
     for other in others:
         assert other.factor * si(other.unit) == close(si(first.unit))
-    assert told_as("") == ()
+    assert sheet_units("") == ()
 
 
 @pytest.mark.parametrize(

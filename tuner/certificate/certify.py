@@ -60,8 +60,8 @@ def flat(problem: Problem, yard: Yardstick, z: np.ndarray, curved: Spectrum) -> 
     for direction in curved.directions.T[np.isfinite(curved.curvatures)]:
         step = direction / direction[np.argmax(np.abs(direction))]
         alone = np.where(np.abs(step) < HARDLY, 0.0, step)
-        untold = next((each for each in (alone, step) if not _distinguishable(best, each)), None)
-        found += [] if untold is None else [untold]
+        alike = next((each for each in (alone, step) if not _distinguishable(best, each)), None)
+        found += [] if alike is None else [alike]
     return found
 
 
@@ -74,7 +74,7 @@ def _distinguishable(best: Best, direction: np.ndarray) -> bool:
         point = best.z + side * TENFOLD * direction
         return np.where(limited, np.clip(point, low, high), point)
 
-    return any(best.is_told_from(moved(side)) for side in (1, -1))
+    return any(best.differs_from(moved(side)) for side in (1, -1))
 
 
 def predicted_fall(problem: Problem, z: np.ndarray, held: Held, curved: Spectrum) -> float:

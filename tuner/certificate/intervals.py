@@ -78,8 +78,8 @@ def _deviation(
     slopes = [
         (problem.parameters(z + h)[name] - problem.parameters(z - h)[name]) / 2e-5 for h in steps
     ]
-    told = np.stack(slopes, axis=-1)
-    variance = np.einsum("...i,ij,...j->...", told, covariance, told)
+    gradient = np.stack(slopes, axis=-1)
+    variance = np.einsum("...i,ij,...j->...", gradient, covariance, gradient)
     return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 

@@ -29,8 +29,8 @@ def as_html(solution: Solved) -> str:
     body = "".join(
         f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in _rows(solution)
     )
-    told = "".join(f"<br>{line}" for line in more)
-    return f"<p><b>{first}</b>{told}</p><table><tr>{head}</tr>{body}</table>"
+    rest = "".join(f"<br>{line}" for line in more)
+    return f"<p><b>{first}</b>{rest}</p><table><tr>{head}</tr>{body}</table>"
 
 
 def _ended(solution: Solved) -> Iterator[str]:
@@ -95,9 +95,9 @@ def range_in_words(interval: tuple[float | None, float | None], kind: str) -> st
     low, high = outward(*interval)
     short = kind.partition(",")[0]
     if high is None or high == math.inf:
-        told = f"[above {low:.3g}]"
+        text = f"[above {low:.3g}]"
     elif low is None or low in (0.0, -math.inf):
-        told = f"[below {high:.3g}]"
+        text = f"[below {high:.3g}]"
     else:
-        told = f"[{low:.3g}, {high:.3g}]"
-    return f"{told} ({short})" if short else told
+        text = f"[{low:.3g}, {high:.3g}]"
+    return f"{text} ({short})" if short else text

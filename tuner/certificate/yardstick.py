@@ -89,11 +89,11 @@ class Best:
     def _added(self) -> Added:
         return added(self.problem, self.z)
 
-    def is_told_from(self, other: np.ndarray) -> bool:
+    def differs_from(self, other: np.ndarray) -> bool:
         """Whether the data distinguish another point ``(n,)`` from this one.
 
         Of a likelihood the ratio decides, of a plain cost a share. Two mean squares are compared
-        sample by sample: their difference is told where it exceeds twice its standard error, which
+        sample by sample: they differ where it exceeds twice its standard error, which
         blocks of samples give that are longer than the errors are correlated.
         """
         rise = self.yard.of(self.problem.value(other) - self.value)

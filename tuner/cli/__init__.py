@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from tuner.cli.commands import resources, results, tuning
+from tuner.cli.help_of_arguments import with_plain_arguments
 from tuner.cli.help_of_study import add_settings
 
 app = typer.Typer(
@@ -97,7 +98,7 @@ def invoke(arguments: list[str], *, alone: bool = False) -> int:
 
 def _commanded(arguments: list[str]) -> int:
     """Run a command by hand: typer's own way ends the process in its own words."""
-    command = typer.main.get_command(app)
+    command = with_plain_arguments(typer.main.get_command(app))
     try:
         with command.make_context("tuner", arguments) as context:
             return int(command.invoke(context) or 0)

@@ -1,5 +1,6 @@
 """A table whose columns do not fit side by side: a block of lines for each of its lines."""
 
+import re
 from collections.abc import Iterable, Sequence
 from textwrap import wrap
 
@@ -56,6 +57,25 @@ def widths(lines: list[list[str]], width: int) -> list[int]:
     return [word + int(share * extra) for word, extra in zip(least, more, strict=True)]
 
 
+def broken(text: str, width: int) -> str:
+    """A text whose longer words go on in the next line behind a _ or a dot, if they have any.
+
+    >>> print(broken("conventional.time_varying_gains  2", 28))
+    conventional.time_varying_
+    gains  2
+    """
+    return re.sub(r"\S+", lambda found: _in_parts(found[0], width), text)
+
+
+def _in_parts(word: str, width: int) -> str:
+    parts = []
+    while len(word) > width:
+        end = max(word.rfind(mark, 0, width) for mark in "_.") + 1 or width
+        parts.append(word[:end])
+        word = word[end:]
+    return "\n".join([*parts, word])
+
+
 def blocks(title: str, lines: list[list[str]], width: int) -> str:
     """The table as text: each line's first cell, and below it the others with their heads.
 
@@ -67,11 +87,11 @@ def blocks(title: str, lines: list[list[str]], width: int) -> str:
     head, *rows = lines
     longest = max(map(len, head[1:]))
     room = max(width - longest - 4, 20)
-    told = [title]
+    printed = [title]
     for first, *cells in rows:
-        told.append(first)
+        printed.append(first)
         for name, cell in zip(head[1:], cells, strict=True):
             parts = [part for line in cell.split("\n") for part in wrap(line, room)]
             starts = [name] + [""] * len(parts)
-            told += [f"  {n:{longest}}  {part}" for n, part in zip(starts, parts, strict=False)]
-    return "\n".join(told)
+            printed += [f"  {n:{longest}}  {part}" for n, part in zip(starts, parts, strict=False)]
+    return "\n".join(printed)

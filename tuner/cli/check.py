@@ -63,7 +63,7 @@ def show(run: Path | None, request: Request, objective: str | None) -> int:
     from tuner.run.check import check
 
     use_cache()
-    used = _told(request) if run is None else _of_run(run, request)
+    used = _given(request) if run is None else _of_run(run, request)
     used = replace(used, objective=objective or used.objective)
     request = _filled(request, used)
     if not request.logs:
@@ -81,7 +81,7 @@ def show(run: Path | None, request: Request, objective: str | None) -> int:
     return 0
 
 
-def _told(request: Request) -> InUse:
+def _given(request: Request) -> InUse:
     """A filter with the values of the command line; --set names parameters and options alike."""
     from filters.declared import parameter_facts
 
@@ -128,7 +128,7 @@ def _of_run(run: Path, request: Request) -> InUse:
     """
     result = read_result(run)
     asked, own = request.filter_option, own_file(str(result.settings.get("filter")))
-    same = own is not None and asked.file is not None and asked.file.told == own.told
+    same = own is not None and asked.file is not None and asked.file.reference == own.reference
     if request.sets or (asked.named and not same):
         raise ValueError(f"{run} contains its filter and values; leave out --filter and --set")
     if result.study != STUDY.name:
@@ -199,7 +199,7 @@ def _document(used: InUse, found: Check, notes: list[str]) -> dict[str, Any]:
         },
         "objective": found.posed.objective,
         "unit": found.posed.unit,
-        "value": found.shown,
+        "value": found.error,
         "nats": found.value if kind_of(found.posed.problem.objective) == "likelihood" else None,
         "diagnostics": None if record is None else json_.loads(record.model_dump_json()),
         "notes": notes,
@@ -208,13 +208,13 @@ def _document(used: InUse, found: Check, notes: list[str]) -> dict[str, Any]:
 
 def _print(used: InUse, found: Check) -> None:
     out, space = console(), found.posed.problem.space
-    told = [f"{n} = {_text(found.values[n])} {k.unit}".rstrip() for n, k in space.parameters]
+    texts = [f"{n} = {_text(found.values[n])} {k.unit}".rstrip() for n, k in space.parameters]
     out.print(
-        f"{used.choice.name} with {', '.join(told)}", soft_wrap=True, highlight=False, markup=False
+        f"{used.choice.name} with {', '.join(texts)}", soft_wrap=True, highlight=False, markup=False
     )
     unit = f" {found.posed.unit}" if found.posed.unit else ""
     words = WORDS.get(found.posed.objective, found.posed.objective)
-    out.print(f"{words} {found.shown:.5g}{unit}", highlight=False)
+    out.print(f"{words} {found.error:.5g}{unit}", highlight=False)
     judged = found.diagnostics
     if judged is None:
         return
@@ -228,12 +228,16 @@ def _print(used: InUse, found: Check) -> None:
             highlight=False,
         )
     lines = [
-        [f.test, f.verdict, number_text(_known(f.statistic)), number_text(_known(f.p)), f.what]
+        [f.test, f.verdict, number_text(_known(f.statistic)), _two_digits(_known(f.p)), f.what]
         for f in judged.findings
     ]
     show_grid("Diagnostics", [["test", "verdict", "statistic", "p", "what it means"], *lines])
     for each in judged.failed:
         out.print(each.sentence, style="yellow", soft_wrap=True, highlight=False, markup=False)
+
+
+def _two_digits(p: float | None) -> str:
+    return "-" if p is None else f"{p:.2g}"
 
 
 def _known(number: float) -> float | None:

@@ -63,15 +63,15 @@ def show(path: Path, *, json: bool) -> None:
 def _clocks(table: Table) -> list[ClockFound]:
     """The columns of a group, by their length."""
     numbers = [name for name in table.names if name not in table.texts]
-    raw, unread, told = _loaded(table, numbers)
+    raw, unread, notes = _loaded(table, numbers)
     lengths: dict[int, list[str]] = {}
     for name in numbers:
         if name in raw:
             lengths.setdefault(len(raw[name]) if raw[name].ndim else 0, []).append(name)
     known = replace(table, names=tuple(raw), time=table.time if _has_time(table, raw) else None)
     found = [_clock(known, raw, names, length) for length, names in lengths.items()]
-    if found and told:
-        found[0] = replace(found[0], notes=[*told, *found[0].notes])
+    if found and notes:
+        found[0] = replace(found[0], notes=[*notes, *found[0].notes])
     others = [*table.texts, *unread]
     texts = [ColumnFound(name, [], "text", "") for name in table.names if name in others]
     return found if not texts else [*found, ClockFound(texts, 0, "", None, None, [])]
@@ -141,8 +141,8 @@ def _print(table: Table, notes: list[str], found: list[ClockFound]) -> None:
 def _headline(clock: ClockFound) -> str:
     if clock.rate_hz is None or clock.seconds is None:
         return counted(clock.rows, "row") if clock.rows else "single values and texts"
-    told = f"{counted(clock.rows, 'row')}, {clock.rate_hz:.6g} Hz, {clock.seconds:.6g} s"
-    return f"{told}, time: {clock.time}"
+    text = f"{counted(clock.rows, 'row')}, {clock.rate_hz:.6g} Hz, {clock.seconds:.6g} s"
+    return f"{text}, time: {clock.time}"
 
 
 def _written(column: ColumnFound) -> str:

@@ -39,9 +39,9 @@ def fault_of(error: BaseException) -> Fault:
     >>> fault_of(KeyError("starts")).code
     1
     """
-    for holds, told in _KINDS:
+    for holds, sentence in _KINDS:
         if holds(error):
-            return Fault(told(error))
+            return Fault(sentence(error))
     return Fault(
         f"{type(error).__name__}: {_words(error)}{_at(error)}; that is a fault of the program: "
         f"{_WAY_OUT}, please report it",
@@ -71,8 +71,10 @@ def _is_sentence(error: BaseException) -> bool:
 
 
 def _usage(error: BaseException) -> str:
-    told = error.format_message().rstrip(".")  # type: ignore[attr-defined]
-    return f"{told[:1].lower()}{told[1:]}; see tuner --help"
+    words = error.format_message().rstrip(".")  # type: ignore[attr-defined]
+    command = getattr(getattr(error, "ctx", None), "command_path", "tuner")
+    see = f" See {command} --help" if words.endswith("?") else f"; see {command} --help"
+    return f"{words[:1].lower()}{words[1:]}{see}"
 
 
 def _value(error: BaseException) -> str:

@@ -61,15 +61,15 @@ def refuse_code(
     file = own_file(filter) if isinstance(filter, str) else None
     if file is not None and not option.named:
         raise ValueError(
-            f"{where} names the class {file.told} of a Python file, and no input file runs code; "
-            f"if it is yours, name it: {command} --filter {file.told}"
+            f"{where} names the class {file.reference} of a Python file, and no input file runs "
+            f"code; if it is yours, name it: {command} --filter {file.reference}"
         )
 
 
 def file_changes(settings: Mapping[str, Any], option: FilterOption) -> list[str]:
     """A sentence where the file that is named is not what it was when settings were written."""
     file, before = option.file, settings.get("filter_sha256")
-    if file is None or before is None or settings.get("filter") != file.told:
+    if file is None or before is None or settings.get("filter") != file.reference:
         return []
     if file.sha256 == before:
         return []

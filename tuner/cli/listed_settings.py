@@ -23,8 +23,8 @@ def show_settings(name: str | None, *, json: bool = False, md: bool = False) -> 
     study = find_study(name)
     head, *rows = lines = [["setting", "values", "default", "meaning"], *_rows(study)]
     if json:
-        told = {row[0]: dict(zip(head[1:], row[1:], strict=True)) for row in rows}
-        print(json_.dumps({"schema": "tuner.list/1", "settings": {study.name: told}}, indent=1))
+        entries = {row[0]: dict(zip(head[1:], row[1:], strict=True)) for row in rows}
+        print(json_.dumps({"schema": "tuner.list/1", "settings": {study.name: entries}}, indent=1))
     elif md:
         body = [[cell.replace("|", "\\|") for cell in row] for row in lines]
         body.insert(1, ["---"] * len(head))

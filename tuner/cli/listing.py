@@ -43,9 +43,11 @@ def _show_list(what: str, json: bool) -> None:
     if json:
         _print_json({what: entries})
         return
+    from tuner.cli.width import wrapped
+
     width = max(map(len, entries), default=0)
     for name, line in entries.items():
-        print(f"{name:{width}}  {line}")
+        print(wrapped(f"{name:{width}}  {line}", width + 2))
 
 
 def _show_facts(names_: list[str], *, json: bool, md: bool) -> None:
@@ -106,11 +108,12 @@ def _solvers() -> dict[str, str]:
 
 
 def _formats() -> dict[str, str]:
-    from tuner.export import FORMATS, suffix
+    from tuner.export import FORMATS
+    from tuner.export.formats import about, suffix
     from tuner.firmware import TARGETS
 
-    files = {name: f"*{suffix(name)}" for name in FORMATS}
-    return files | {target.name: target.file for target in TARGETS.values()}
+    files = {name: f"*{suffix(name)}: {about(name)}" for name in FORMATS}
+    return files | {t.name: f"{t.file}: {t.about}" for t in TARGETS.values()}
 
 
 _LISTS = {

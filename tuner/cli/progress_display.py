@@ -60,8 +60,8 @@ def _every(now: list[str]) -> Iterator[None]:
 
     def tell() -> None:
         while not done.wait(every):
-            told = f"{time.monotonic() - begun:.0f} s: {printable(now[0])}"
-            print(told, file=sys.stderr, flush=True)
+            line = f"{time.monotonic() - begun:.0f} s: {printable(now[0])}"
+            print(line, file=sys.stderr, flush=True)
 
     teller = threading.Thread(target=tell, daemon=True)
     teller.start()
@@ -78,13 +78,15 @@ def _seconds() -> float:
     Raises:
         ValueError: where TUNER_PROGRESS is no number of seconds.
     """
-    told = os.environ.get("TUNER_PROGRESS", "")
+    setting = os.environ.get("TUNER_PROGRESS", "")
     try:
-        seconds = float(told) if told else EVERY
+        seconds = float(setting) if setting else EVERY
     except ValueError:
         seconds = -1.0
     if not 0 <= seconds < float("inf"):
-        raise ValueError(f"TUNER_PROGRESS is {told!r}; give seconds between two lines, 0 for none")
+        raise ValueError(
+            f"TUNER_PROGRESS is {setting!r}; give seconds between two lines, 0 for none"
+        )
     return seconds
 
 

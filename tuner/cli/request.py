@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from tuner.cli.filter_option import FilterOption, refuse_code
-from tuner.cli.settings import told
+from tuner.cli.settings import settings_of
 from tuner.cli.study_file import read_study_file
 from tuner.run.recipe import LogEntries, logs_beside, read_document
 
@@ -63,7 +63,7 @@ def asked(
     return Request(
         study=study,
         logs=tuple(options.get("logs") or ()),
-        reading=LogEntries.told(options),
+        reading=LogEntries.of_options(options),
         filter_option=FilterOption(options.get("filter"), options.get("model")),
         sets=tuple(options.get("sets") or ()),
         values=values,
@@ -85,7 +85,7 @@ def from_toml(request: Request) -> tuple[Request, dict[str, Any]]:
         return request, {}
     document = read_document(path)
     refuse_code(document, request.filter_option, path, f"tuner run {path}")
-    more = {**request.values, **request.filter_option.settings(), **told(request.sets)}
+    more = {**request.values, **request.filter_option.settings(), **settings_of(request.sets)}
     recipe = read_study_file(path, document, more)
     filled = replace(
         request,

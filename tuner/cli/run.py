@@ -69,8 +69,8 @@ def execute(request: Request) -> int:
     )
     identity = identity_of_run(study, recipe, plan)
     kept = kept_facts(study.title, study.paper, plan.notes, records)
-    with interruptible() as check, show_progress(check) as told:
-        run = Run(study.name, values, plan, seed, folder, told, request.claims, identity, kept)
+    with interruptible() as check, show_progress(check) as progress:
+        run = Run(study.name, values, plan, seed, folder, progress, request.claims, identity, kept)
         try:
             solutions, result = _solve_and_write(run, request, recipe, begun, study.takes)
         except KeyboardInterrupt as stopped:

@@ -21,13 +21,13 @@ def parse_settings(model: type[Some], pairs: Sequence[str], base: dict[str, Any]
     Raises:
         ValueError: for an unknown key, with the near ones, or a value that does not fit.
     """
-    values = {**base, **told(pairs)}
+    values = {**base, **settings_of(pairs)}
     if faults := listed(settings_faults(model, values)):
         raise ValueError(faults)
     return model.model_validate(values)
 
 
-def told(pairs: Sequence[str]) -> dict[str, Any]:
+def settings_of(pairs: Sequence[str]) -> dict[str, Any]:
     """The settings that KEY=VALUE pairs say.
 
     Raises:

@@ -51,6 +51,8 @@ def _of_settings(document: Mapping[str, Any], more: Mapping[str, Any]) -> Iterat
     if study.faults is None or not formed:
         return
     log = document.get("log")
-    told: list[Any] = [log.get(part) if isinstance(log, dict) else [] for part in ("map", "truth")]
-    maps, truths = (part if isinstance(part, list) else [] for part in told)
+    entries: list[Any] = [
+        log.get(part) if isinstance(log, dict) else [] for part in ("map", "truth")
+    ]
+    maps, truths = (part if isinstance(part, list) else [] for part in entries)
     yield from study.faults(study.settings.model_validate(merged), maps, truths)

@@ -15,7 +15,7 @@ from rich.text import Text
 
 from tuner.certificate.solution import Status
 from tuner.certificate.table import range_in_words
-from tuner.cli.blocks import WIDE, blocks, crowded, widths
+from tuner.cli.blocks import WIDE, blocks, broken, crowded, widths
 from tuner.cli.width import piped_width, width_is_known
 from tuner.report.lines import five_lines
 from tuner.run.comparison import Verdict
@@ -107,7 +107,9 @@ def _table(title: str, lines: list[list[str]], width: int) -> Table:
         least = max(map(len, [head, *cells])) if numbers else None
         table.add_column(head, overflow="fold", no_wrap=fixed, min_width=least, width=own)
     for line in lines[1:]:
-        table.add_row(*(Text(printable(cell), style=_COLOURS.get(cell, "")) for cell in line))
+        cells = [c if w is None else broken(c, w) for c, w in zip(line, given, strict=True)]
+        styles = [_COLOURS.get(cell, "") for cell in line]
+        table.add_row(*(Text(printable(c), s) for c, s in zip(cells, styles, strict=True)))
     return table
 
 
@@ -149,20 +151,20 @@ def show_result(result: Result, folder: Path, *, whole: bool = True) -> None:
     if result.exports:
         out.print(f"{len(result.exports)} exports, each read back, compared and scored again")
     for line in _in_c(result.code):
-        out.print(line, soft_wrap=True, markup=False)
+        out.print(line, soft_wrap=not width_is_known(), markup=False, highlight=False)
     for check in result.single_precision:
         share = "without bound" if check.share is None else f"by {100 * check.share:.2g} %"
-        told = f"in single precision the {check.form} form strays {share}{_of(check.output)}"
+        text = f"in single precision the {check.form} form strays {share}{_of(check.output)}"
         out.print(
-            f"{check.problem}: {check.warning or told}", style="yellow" if check.warning else ""
+            f"{check.problem}: {check.warning or text}", style="yellow" if check.warning else ""
         )
     where = f"all files are in {folder}; the report is {folder / 'report.html'}"
     out.print(f"{result.seconds:.1f} s; {where}", soft_wrap=True, markup=False)
     for line in five_lines(result):
-        told = re.sub(r"\bRUN\b", lambda _: str(folder), line)
-        if width_is_known() and not told.startswith("next"):  # that one is copied
-            told = fill(told, out.width, subsequent_indent=" " * 10, break_on_hyphens=False)
-        out.print(told, soft_wrap=True, highlight=False, markup=False)  # intervals are no markup
+        text = re.sub(r"\bRUN\b", lambda _: str(folder), line)
+        if width_is_known() and not text.startswith("next"):  # that one is copied
+            text = fill(text, out.width, subsequent_indent=" " * 10, break_on_hyphens=False)
+        out.print(text, soft_wrap=True, highlight=False, markup=False)  # intervals are no markup
 
 
 _SOLUTIONS = [
@@ -183,9 +185,9 @@ def _in_c(codes: list[CodeRecord]) -> Iterator[str]:
             for c in good
             if c.code_bytes is not None
         ]
-        told = "; ".join([f"{good[0].operations} operations a sample", *sizes])
+        facts = "; ".join([f"{good[0].operations} operations a sample", *sizes])
         machine = " on this machine" if sizes else ""
-        yield f"{problem} in C ({good[0].file}): {told}{machine}"
+        yield f"{problem} in C ({good[0].file}): {facts}{machine}"
         yield from (f"{problem}: no C in {c.precision}, {c.refused}" for c in own if c.refused)
 
 
@@ -213,7 +215,7 @@ def _noises(findings: list[Finding]) -> dict[str, list[str]]:
         name, _, part = found.name.partition(".")
         own.setdefault(name, {})[part] = found
     return {
-        name: [name, *(_told(parts.get(column)) for column in COLUMNS), _sheet(parts)]
+        name: [name, *(_amount(parts.get(column)) for column in COLUMNS), _sheet(parts)]
         for name, parts in own.items()
         if {"variance", "deviation"} <= parts.keys()
     }
@@ -222,11 +224,11 @@ def _noises(findings: list[Finding]) -> dict[str, list[str]]:
 def _sheet(parts: dict[str, Finding]) -> str:
     """The findings that are not side by side, each with its name where the unit does not say it."""
     more = {part: found for part, found in parts.items() if part not in COLUMNS}
-    lines = [_told(f) if part == f.unit else f"{part} {_told(f)}" for part, f in more.items()]
+    lines = [_amount(f) if part == f.unit else f"{part} {_amount(f)}" for part, f in more.items()]
     return "\n".join(lines)
 
 
-def _told(finding: Finding | None) -> str:
+def _amount(finding: Finding | None) -> str:
     return "" if finding is None else f"{number_text(finding.value)} {finding.unit}".rstrip()
 
 
@@ -282,10 +284,10 @@ SLIGHT = 1e-6
 
 def _parameter(parameter: ParameterRecord, *, tuned: bool) -> str:
     """A parameter with its range; what was tuned and has none is not determined."""
-    told = f"{parameter.value:.5g}"
+    text = f"{parameter.value:.5g}"
     if parameter.interval:
-        told += f" {range_in_words(parameter.interval, parameter.interval_kind)}"
-    return f"{told} {parameter.unit}" + (
+        text += f" {range_in_words(parameter.interval, parameter.interval_kind)}"
+    return f"{text} {parameter.unit}" + (
         " (not determined)" if tuned and not parameter.interval else ""
     )
 

@@ -3,6 +3,8 @@
 import os
 import sys
 from contextlib import suppress
+from shutil import get_terminal_size
+from textwrap import fill
 
 PLAIN = 150
 """Columns where nobody tells."""
@@ -25,9 +27,27 @@ def width_is_known() -> bool:
     return sys.stdout.isatty() or bool(_columns() or _of_terminal())
 
 
+def wrapped(line: str, indent: int) -> str:
+    """A line in as many as it takes, the others indented; the same where nobody knows the width.
+
+    >>> import os
+    >>> os.environ["COLUMNS"] = "28"
+    >>> print(wrapped("rmse  error of an output, in its unit", 6))
+    rmse  error of an output, in
+          its unit
+    >>> del os.environ["COLUMNS"]
+    """
+    if not width_is_known():
+        return line
+    terminal = sys.stdout.isatty()
+    width = get_terminal_size().columns if terminal else piped_width()
+    gap = " " * indent
+    return fill(line, max(width, indent + 20), subsequent_indent=gap, break_on_hyphens=False)
+
+
 def _columns() -> int:
-    told = os.environ.get("COLUMNS", "")
-    return int(told) if told.isascii() and told.isdigit() else 0
+    text = os.environ.get("COLUMNS", "")
+    return int(text) if text.isascii() and text.isdigit() else 0
 
 
 def _of_terminal() -> int:

@@ -58,8 +58,8 @@ def read_channels(
     for one, raw in zip(wanted, picked, strict=True):
         values, unit, notes = _in_si(columns, one, raw, zero)
         notes = (*(rounded(column) for column in raw[:1]), *notes)
-        told = tuple(f"{one.mapped.channel}: {note}" for note in notes if note)
-        found.append(Reading(one, values, unit, clocks[len(raw[0])], told))
+        named = tuple(f"{one.mapped.channel}: {note}" for note in notes if note)
+        found.append(Reading(one, values, unit, clocks[len(raw[0])], named))
     return found
 
 
@@ -85,8 +85,8 @@ def _picked(columns: Columns, one: MappedChannel) -> list[Raw]:
             f"{columns.table.file}: {source!r} has {rows} rows; map columns of one length"
         )
     if len(raw[0]) < 2:
-        told = counted(len(raw[0]), "row")
-        raise columns.error(one.parts[0], f"has {told}; a log needs at least 2")
+        count = counted(len(raw[0]), "row")
+        raise columns.error(one.parts[0], f"has {count}; a log needs at least 2")
     return raw
 
 
@@ -149,12 +149,12 @@ def _changed(
         return _metres(columns, mapping, values, declared, zero)
     if unit is None and declared and (unit := unit_in_name(mapping)):
         note = f"{unit}, as the column's name says"
-    if unit is None and declared and (unit := _unit_told(columns, mapping)):
+    if unit is None and declared and (unit := _unit_of_file(columns, mapping)):
         note = f"{unit}, as the file says"
     try:
         if declared == "m" and unit is not None and Unit.of(unit).si == "Pa":
-            told = "height in the standard atmosphere, from a pressure"
-            return height(change(unit, "Pa")(values)), "m", told
+            meaning = "height in the standard atmosphere, from a pressure"
+            return height(change(unit, "Pa")(values)), "m", meaning
         into = change(unit, declared)
     except ValueError as error:
         reason = str(error) if str(error).startswith("is ") else f"is in an {error}"
@@ -162,7 +162,7 @@ def _changed(
     return into(values), into.unit, note or into.note
 
 
-def _unit_told(columns: Columns, mapping: Column) -> str | None:
+def _unit_of_file(columns: Columns, mapping: Column) -> str | None:
     """The unit that the file gives for a column, where it is a known one."""
     unit = columns.table.units.get(mapping.column)
     if unit is None or mapping.factor is not None:

@@ -40,7 +40,7 @@ def cut(record: Record, from_s: float | None = None, to_s: float | None = None) 
     truth = {n: _part(record, n, s, low, high, clocks) for n, s in record.truth.items()}
     longest = _most_samples({**channels, **truth})
     sources = tuple(replace(source, samples=longest) for source in record.sources)
-    told = " ".join(
+    text = " ".join(
         f"{word} {at:g} s" for word, at in (("from", from_s), ("to", to_s)) if at is not None
     )
     return replace(
@@ -48,7 +48,7 @@ def cut(record: Record, from_s: float | None = None, to_s: float | None = None) 
         channels=channels,
         truth=truth,
         sources=sources,
-        notes=(*record.notes, f"only the part {told}"),
+        notes=(*record.notes, f"only the part {text}"),
     )
 
 

@@ -11,7 +11,7 @@ from tuner.data.logs.error import counted
 from tuner.data.signal import Floats, Signal
 from tuner.data.source import Source
 
-_GAPS_TOLD = 5
+_GAPS_SHOWN = 5
 _HEADER = ("channel", "column", "unit", "Hz", "missing", "mean", "std", "min", "max", "step")
 _TRUTH = "truth "
 _AXES = {2: "xy", 3: "xyz", 4: "wxyz"}
@@ -72,14 +72,17 @@ def _clocks(signals: Mapping[str, Signal]) -> list[str]:
 
 def _clock(name: str, signal: Signal, clock: Clock) -> Iterator[str]:
     """Lines on a clock: its steps, and where its first gaps are."""
-    told = [clock.source] if clock.source else []
+    facts = [clock.source] if clock.source else []
     if clock.origin is not None or not clock.even:
-        told += [_evenness(clock.jitter) if clock.steady else _spread(signal), _told(clock.gaps)]
-    if told:
-        yield f"time of {name}: {', '.join(told)}"
-    yield from (f"  {seconds:.4g} s after row {row}" for row, seconds in clock.gaps[:_GAPS_TOLD])
-    if len(clock.gaps) > _GAPS_TOLD:
-        yield f"  and {len(clock.gaps) - _GAPS_TOLD} more"
+        facts += [
+            _evenness(clock.jitter) if clock.steady else _spread(signal),
+            _of_gaps(clock.gaps),
+        ]
+    if facts:
+        yield f"time of {name}: {', '.join(facts)}"
+    yield from (f"  {seconds:.4g} s after row {row}" for row, seconds in clock.gaps[:_GAPS_SHOWN])
+    if len(clock.gaps) > _GAPS_SHOWN:
+        yield f"  and {len(clock.gaps) - _GAPS_SHOWN} more"
 
 
 def _evenness(jitter: float) -> str:
@@ -91,7 +94,7 @@ def _spread(signal: Signal) -> str:
     return f"uneven, steps of {low:.3g} to {high:.3g} s"
 
 
-def _told(gaps: Sequence[tuple[int, float]]) -> str:
+def _of_gaps(gaps: Sequence[tuple[int, float]]) -> str:
     """The number of gaps of a clock, and the longest."""
     if not gaps:
         return "no gaps"

@@ -92,8 +92,8 @@ def _turned(q: Floats, f: Floats, miss: float) -> str:
     axis = np.linalg.eigh(turn + turn.T)[1][:, -1]
     sense = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
     axis = -axis if axis @ sense < 0.0 else axis
-    told = ", ".join(f"{part + 0.0:.2f}" for part in np.round(axis, 2))
-    return f"that of axes turned by {angle:.0f} deg about ({told}) of the sensor's"
+    text = ", ".join(f"{part + 0.0:.2f}" for part in np.round(axis, 2))
+    return f"that of axes turned by {angle:.0f} deg about ({text}) of the sensor's"
 
 
 def _readings() -> Iterator[tuple[str, list[int], Floats]]:

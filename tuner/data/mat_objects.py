@@ -161,17 +161,17 @@ def _record(region: Words, number: int) -> Words:
 
 def _columns(objects: Objects, data: Value, names: list[str], units: list[str]) -> Columns:
     values = data.values if isinstance(data, Cells) else []
-    columns, told, left = {}, {}, []
+    columns, units_of, left = {}, {}, []
     for place, (name, value) in enumerate(zip(names, values, strict=True)):
         if objects.kind(value) in ("datetime", "duration"):
-            columns[name], told[name] = _times(objects, value)
+            columns[name], units_of[name] = _times(objects, value)
         elif isinstance(value, np.ndarray) and _words(value) is None:
             columns[name] = value
         else:
             left.append(name)
-        if place < len(units) and units[place] and name in columns and name not in told:
-            told[name] = units[place]
-    return Columns(columns, told, left=tuple(left))
+        if place < len(units) and units[place] and name in columns and name not in units_of:
+            units_of[name] = units[place]
+    return Columns(columns, units_of, left=tuple(left))
 
 
 def _units(held: dict[str, Value]) -> list[str]:

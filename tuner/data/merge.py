@@ -209,10 +209,10 @@ def _snapped(signal: Signal, instants: Floats, step: float) -> tuple[Floats, str
     values = np.full((len(instants), *signal.values.shape[1:]), np.nan)
     values[rows[near][order]] = signal.values[kept[near][order]]
     placed = len(np.unique(rows[near]))
-    return values, _told(len(kept), placed, int((~near).sum()))
+    return values, _note(len(kept), placed, int((~near).sum()))
 
 
-def _told(count: int, placed: int, far: int) -> str:
+def _note(count: int, placed: int, far: int) -> str:
     lost = []
     if far:
         lost.append(f"{far} of {counted(count, 'sample')} have no instant within half a step")

@@ -125,12 +125,12 @@ def read_records(
     Raises:
         LogError: for a file, a column, a unit or values that cannot be used, in one sentence.
     """
-    told = {"map": [*mappings], "truth": [*truth], "rate_hz": rate_hz, "time": time}
-    told |= {"by": by, "drop_repeats": drop_repeats or None, "from_s": from_s, "to_s": to_s}
+    options = {"map": [*mappings], "truth": [*truth], "rate_hz": rate_hz, "time": time}
+    options |= {"by": by, "drop_repeats": drop_repeats or None, "from_s": from_s, "to_s": to_s}
 
     def done(record: Record) -> Record:
         part = cut(record, from_s, to_s)
-        return replace(part, reading=HowRead(told, part.channels, part.truth))
+        return replace(part, reading=HowRead(options, part.channels, part.truth))
 
     files = [Path(paths)] if isinstance(paths, str | PathLike) else [Path(path) for path in paths]
     if not files:
@@ -229,8 +229,8 @@ def _parted(file: File, timed: Timed, by: str) -> list[Record]:
     _check_present([(own, readings) for _, own, readings in found])
     records = [_record(f"{own.path.name}: {by} {label}", [(own, r)]) for label, own, r in found]
     if left := len(parts) - len(long):
-        told = f"{by}: {counted(left, 'value')} with one row alone left out"
-        records[0] = replace(records[0], notes=(*records[0].notes, told))
+        note = f"{by}: {counted(left, 'value')} with one row alone left out"
+        records[0] = replace(records[0], notes=(*records[0].notes, note))
     return records
 
 

@@ -130,14 +130,14 @@ class Record:
         return f"<b>{escape(self.name)}</b><pre>{escape(chr(10).join(self.describe()))}</pre>"
 
     def __repr__(self) -> str:
-        def told(signals: Mapping[str, Signal]) -> str:
+        def listed(signals: Mapping[str, Signal]) -> str:
             return ", ".join(
                 f"{key} {s.values.shape} {s.unit or '-'} at {s.rate_hz:.4g} Hz"
                 for key, s in signals.items()
             )
 
-        truth = f"; truth {told(self.truth)}" if self.truth else ""
-        return f"<Record {self.name!r}: {told(self.channels)}{truth}>"
+        truth = f"; truth {listed(self.truth)}" if self.truth else ""
+        return f"<Record {self.name!r}: {listed(self.channels)}{truth}>"
 
 
 def _signals(

@@ -9,7 +9,7 @@ from filters.declared import Sensor
 _DEGREES, _HOUR, _GRAVITY = 180 / np.pi, 3600.0, 9.80665
 
 
-class Told(NamedTuple):
+class SheetUnit(NamedTuple):
     """A unit in which the root of a density is given.
 
     Attributes:
@@ -23,35 +23,35 @@ class Told(NamedTuple):
     unit: str
 
 
-def told_as(sensor: Sensor) -> tuple[Told, ...]:
+def sheet_units(sensor: Sensor) -> tuple[SheetUnit, ...]:
     """The units for the root of a sensor's noise density, kalibr's first.
 
     Args:
         sensor: the kind of sensor; none for "".
 
-    >>> [(told.name, told.unit) for told in told_as("gyroscope")][::2]
+    >>> [(unit.name, unit.unit) for unit in sheet_units("gyroscope")][::2]
     [('gyroscope_noise_density', 'rad/s/sqrt(Hz)'), ('ARW', 'deg/sqrt(h)')]
     """
-    return _TOLD.get(sensor, ())
+    return _UNITS.get(sensor, ())
 
 
-_TOLD: dict[Sensor, tuple[Told, ...]] = {
+_UNITS: dict[Sensor, tuple[SheetUnit, ...]] = {
     "gyroscope": (
-        Told("gyroscope_noise_density", 1.0, "rad/s/sqrt(Hz)"),
-        Told("", _DEGREES, "deg/s/sqrt(Hz)"),
-        Told("ARW", _DEGREES * 60, "deg/sqrt(h)"),
+        SheetUnit("gyroscope_noise_density", 1.0, "rad/s/sqrt(Hz)"),
+        SheetUnit("", _DEGREES, "deg/s/sqrt(Hz)"),
+        SheetUnit("ARW", _DEGREES * 60, "deg/sqrt(h)"),
     ),
     "gyroscope bias": (
-        Told("gyroscope_random_walk", 1.0, "rad/s^2/sqrt(Hz)"),
-        Told("RRW", _DEGREES * _HOUR * 60, "deg/h/sqrt(h)"),
+        SheetUnit("gyroscope_random_walk", 1.0, "rad/s^2/sqrt(Hz)"),
+        SheetUnit("RRW", _DEGREES * _HOUR * 60, "deg/h/sqrt(h)"),
     ),
     "accelerometer": (
-        Told("accelerometer_noise_density", 1.0, "m/s^2/sqrt(Hz)"),
-        Told("", 1e6 / _GRAVITY, "ug/sqrt(Hz)"),
-        Told("VRW", 60.0, "m/s/sqrt(h)"),
+        SheetUnit("accelerometer_noise_density", 1.0, "m/s^2/sqrt(Hz)"),
+        SheetUnit("", 1e6 / _GRAVITY, "ug/sqrt(Hz)"),
+        SheetUnit("VRW", 60.0, "m/s/sqrt(h)"),
     ),
     "accelerometer bias": (
-        Told("accelerometer_random_walk", 1.0, "m/s^3/sqrt(Hz)"),
-        Told("RRW", 60.0, "m/s^2/sqrt(h)"),
+        SheetUnit("accelerometer_random_walk", 1.0, "m/s^3/sqrt(Hz)"),
+        SheetUnit("RRW", 60.0, "m/s^2/sqrt(h)"),
     ),
 }

@@ -92,8 +92,8 @@ def file_digest(path: Path) -> str:
     """The SHA-256 of a file's bytes; of a folder that of the names and digests of its files."""
     if path.is_dir():
         files = sorted(file for file in path.rglob("*") if file.is_file())
-        told = [f"{file.relative_to(path).as_posix()} {file_digest(file)}\n" for file in files]
-        return hashlib.sha256("".join(told).encode()).hexdigest()
+        entries = [f"{file.relative_to(path).as_posix()} {file_digest(file)}\n" for file in files]
+        return hashlib.sha256("".join(entries).encode()).hexdigest()
     with opened(path) as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 

@@ -84,12 +84,12 @@ def check_at_rest(name: str, record: Floats, rate_hz: float, start_s: float = 0.
     found = find_motion(record, rate_hz)
     if found is None:
         return
-    told = f"{name} is not at rest (slow parts are {found.ratio:.3g} times the noise)"
+    sentence = f"{name} is not at rest (slow parts are {found.ratio:.3g} times the noise)"
     if found.rest is None:
-        raise LogError(f"{told}; record at rest, or use a fit that models the motion")
+        raise LogError(f"{sentence}; record at rest, or use a fit that models the motion")
     begin, end = (start_s + at for at in found.rest)
     raise LogError(
-        f"{told}; it rests from {begin:.9g} s to {end:.9g} s: --from {begin:.9g} --to {end:.9g}"
+        f"{sentence}; it rests from {begin:.9g} s to {end:.9g} s: --from {begin:.9g} --to {end:.9g}"
     )
 
 

@@ -14,7 +14,7 @@ from tuner.diagnostics.whiteness import lag_one, of_whiteness
 
 
 @dataclass(frozen=True)
-class Ways:
+class Remedies:
     """The remedy for each failure, in words that end a sentence.
 
     Attributes:
@@ -77,7 +77,9 @@ class Diagnostics:
         return f"noise variances {words} by a factor {max(self.nis, 1 / self.nis):.3g}"
 
 
-def diagnose(innovations: Innovations, ways: Ways | None = None, *, fitted: int = 0) -> Diagnostics:
+def diagnose(
+    innovations: Innovations, remedies: Remedies | None = None, *, fitted: int = 0
+) -> Diagnostics:
     """Test the innovations of a run.
 
     Where the noise changes with time or level, the other tests are made on what is left without
@@ -85,7 +87,7 @@ def diagnose(innovations: Innovations, ways: Ways | None = None, *, fitted: int 
 
     Args:
         innovations: of the run.
-        ways: the remedy for each failure, in words.
+        remedies: the remedy for each failure, in words.
         fitted: how many parameters were tuned on these innovations.
 
     >>> import numpy as np
@@ -96,38 +98,38 @@ def diagnose(innovations: Innovations, ways: Ways | None = None, *, fitted: int 
     >>> [each.test for each in found.failed], round(found.factor)
     (['size'], 9)
     """
-    ways, lag = Ways() if ways is None else ways, lag_one(innovations.normalised)
-    level, time, varying = _changes(innovations, ways)
+    remedies, lag = Remedies() if remedies is None else remedies, lag_one(innovations.normalised)
+    level, time, varying = _changes(innovations, remedies)
     columns = tuple(column.evened(varying) for column in innovations.columns)
-    turns = of_turns(innovations, columns, ways.turns)
-    refused = ways.turns if turns.verdict == "failed" else ways.outliers
+    turns = of_turns(innovations, columns, remedies.turns)
+    refused = remedies.turns if turns.verdict == "failed" else remedies.outliers
     findings = (
         turns,
         of_outliers(innovations, columns, PARTS if varying else 1, refused),
-        of_start(columns, ways.start),
+        of_start(columns, remedies.start),
         level,
         time,
-        of_whiteness(columns, lag, fitted, ways.whiteness),
+        of_whiteness(columns, lag, fitted, remedies.whiteness),
         of_size(innovations),
     )
     whole = size(innovations.columns) if innovations.predicted else NOTHING
     return Diagnostics(*whole, lag, sum(map(len, columns)), findings)
 
 
-def _changes(innovations: Innovations, ways: Ways) -> tuple[Finding, Finding, Varying]:
+def _changes(innovations: Innovations, remedies: Remedies) -> tuple[Finding, Finding, Varying]:
     """Whether the noise changes with the level and with time, and which of them explains it better.
 
     Where one change explains the other, and not the other way round, it is told alone.
     """
     calm = tuple(column.only(column.calm) for column in innovations.columns)
-    level, time = over_level(calm, innovations.unit, ways.level), over_time(calm, ways.time)
+    level, time = over_level(calm, innovations.unit, remedies.level), over_time(calm, remedies.time)
     if level.verdict != "failed" or time.verdict != "failed":
         failed: Varying = "time" if time.verdict == "failed" else ""
         return level, time, "level" if level.verdict == "failed" else failed
     by_level = tuple(column.evened("level") for column in calm)
     by_time = tuple(column.evened("time") for column in calm)
-    time_left = over_time(by_level, ways.time)
-    level_left = over_level(by_time, innovations.unit, ways.level)
+    time_left = over_time(by_level, remedies.time)
+    level_left = over_level(by_time, innovations.unit, remedies.level)
     if time_left.verdict != level_left.verdict:
         if time_left.verdict == "failed":
             return level_left, time, "time"

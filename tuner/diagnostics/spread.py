@@ -121,10 +121,10 @@ def over_level(columns: tuple[Column, ...], unit: str, way: str) -> Finding:
     order = np.argsort(at, kind="stable")
     thirds = [order[: len(order) // 3], order[-(len(order) // 3) :]]
     sizes = [float(np.mean(column.e[rows] ** 2)) for rows in thirds]
-    told = [f"{at[rows].min():.3g} to {at[rows].max():.3g} {unit}".rstrip() for rows in thirds]
+    ranges = [f"{at[rows].min():.3g} to {at[rows].max():.3g} {unit}".rstrip() for rows in thirds]
     sentence = (
         f"the noise{_of(column)} {'grows' if statistics[worst] > 0 else 'falls'} with the level "
-        f"(NIS {sizes[0]:.3g} at {told[0]}, {sizes[1]:.3g} at {told[1]}); {way}"
+        f"(NIS {sizes[0]:.3g} at {ranges[0]}, {sizes[1]:.3g} at {ranges[1]}); {way}"
     )
     p = 2 * len(looks) * float(normal_above(abs(statistics[worst])))
     details = {"lower_third": sizes[0], "upper_third": sizes[1]}

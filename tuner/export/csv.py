@@ -55,8 +55,8 @@ def load(data: bytes) -> Tuned:
 def _rows(quantity: Quantity) -> Iterator[list[str | int | float]]:
     for index, value in np.ndenumerate(quantity.value):
         row, column = (*index, "", "")[:2]
-        told = inert(quantity.unit), inert(quantity.meaning)
-        yield [quantity.name, row, column, float(value), *told]
+        texts = inert(quantity.unit), inert(quantity.meaning)
+        yield [quantity.name, row, column, float(value), *texts]
 
 
 def _above(value: object) -> str:

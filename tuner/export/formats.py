@@ -21,6 +21,7 @@ class Format:
         suffix: of its files, with the dot.
         dump: writes it.
         load: reads it.
+        about: it in a phrase.
         text: whether its files are text.
     """
 
@@ -28,19 +29,20 @@ class Format:
     suffix: str
     dump: Callable[[Tuned], bytes]
     load: Callable[[bytes], Tuned]
+    about: str
     text: bool = True
 
 
 _FORMATS = {
     format.name: format
     for format in (
-        Format("json", ".json", json.dump, json.load),
-        Format("toml", ".toml", toml.dump, toml.load),
-        Format("npz", ".npz", npz.dump, npz.load, text=False),
-        Format("csv", ".csv", csv.dump, csv.load),
-        Format("mat", ".mat", mat.dump, mat.load, text=False),
-        Format("matlab", ".m", matlab.dump, matlab.load),
-        Format("c", ".h", header.dump, header.load),
+        Format("json", ".json", json.dump, json.load, "values and units as JSON"),
+        Format("toml", ".toml", toml.dump, toml.load, "values and units as TOML"),
+        Format("npz", ".npz", npz.dump, npz.load, "NumPy arrays, by numpy.load", text=False),
+        Format("csv", ".csv", csv.dump, csv.load, "one number a row, for spreadsheets"),
+        Format("mat", ".mat", mat.dump, mat.load, "MATLAB and Octave, by load", text=False),
+        Format("matlab", ".m", matlab.dump, matlab.load, "a script of MATLAB and Octave"),
+        Format("c", ".h", header.dump, header.load, "the filter in C, with a self-test"),
     )
 }
 
@@ -58,6 +60,19 @@ def suffix(format: str) -> str:
         '.h'
     """
     return _known(format).suffix
+
+
+def about(format: str) -> str:
+    """The format in a phrase.
+
+    Raises:
+        ExportError: where there is no such format.
+
+    Example:
+        >>> about("csv")
+        'one number a row, for spreadsheets'
+    """
+    return _known(format).about
 
 
 def is_text(format: str) -> bool:

@@ -54,7 +54,9 @@ def _lines(tuned: Tuned) -> Iterator[str]:
 def _loop(tuned: Tuned, own: str) -> Iterator[str]:
     """The filter with its steady gain, where the model is among the numbers."""
     named = {q.name: q for q in tuned.quantities}
-    move = next((m for m, (name, told) in _MODEL.items() if told in _meaning(named, name)), "")
+    move = next(
+        (m for m, (name, meaning) in _MODEL.items() if meaning in _meaning(named, name)), ""
+    )
     F, C, K = ((*named[n].value.shape, 1, 1)[:2] if n in named else () for n in (move, "C", "K"))
     if not (F and K and C == K[::-1] == (C[0], F[0]) and tuned.dt > 0):
         return

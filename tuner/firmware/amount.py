@@ -7,18 +7,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tuner.data.sensor_units import told_as
+from tuner.data.sensor_units import sheet_units
 from tuner.data.unit_text import powers_of
 from tuner.data.units import Unit
 from tuner.export.tuned import Quantity, Tuned
 from tuner.run.finding import Finding
 
 _SECOND = np.array(Unit.of("s").powers, float)
-_TOLD = {
-    told_as(sensor)[0].name
+_EXPORTS = {
+    sheet_units(sensor)[0].name
     for sensor in ("gyroscope", "gyroscope bias", "accelerometer", "accelerometer bias")
 }
-_AT_REST = {told: told.partition("_")[2] for told in _TOLD}
+_AT_REST = {export: export.partition("_")[2] for export in _EXPORTS}
 """Names of the exports of a record at rest: noise_density, random_walk."""
 
 
@@ -31,7 +31,7 @@ class Amount(NamedTuple):
         unit: of the number.
         meaning: of the quantity.
         dt: the sample time at which it is a number a sample, s; 0: none.
-        told: its known meaning: ``gyroscope_noise_density`` and so on; "" where it is not known.
+        export: its known meaning: ``gyroscope_noise_density`` and so on; "" where it is not known.
         below: its upper limit, where only that is known; else None.
         again: whether it repeats other numbers of its filter.
     """
@@ -41,7 +41,7 @@ class Amount(NamedTuple):
     unit: str
     meaning: str
     dt: float
-    told: str = ""
+    export: str = ""
     below: float | None = None
     again: bool = False
 
@@ -50,11 +50,11 @@ class Known(NamedTuple):
     """A run's result for an amount.
 
     Attributes:
-        told: its meaning.
+        export: its meaning.
         below: as of an amount.
     """
 
-    told: str
+    export: str
     below: float | None = None
 
 
@@ -89,12 +89,12 @@ def amounts(
         prefix = f"{filter.name}." if len(tuned) > 1 else ""
         for quantity in filter.quantities:
             place = filter.name, quantity.name
-            told, below = known.get(place) or known.get(("", quantity.name)) or Known("")
+            export, below = known.get(place) or known.get(("", quantity.name)) or Known("")
             below = limits.get(place) if below is None else below
             for end, value, unit in _entries(quantity):
                 name, dt = f"{prefix}{quantity.name}{end}", 0.0 if at_rest else filter.dt
-                again = at_rest and not told
-                found.append(Amount(name, value, unit, quantity.meaning, dt, told, below, again))
+                again = at_rest and not export
+                found.append(Amount(name, value, unit, quantity.meaning, dt, export, below, again))
     return found
 
 
@@ -105,14 +105,14 @@ def _known(tuned: Collection[Tuned], findings: list[Finding]) -> dict[tuple[str,
     found = {}
     for finding in findings:
         subject, _, rest = finding.name.partition(".")
-        told = rest.removesuffix(".likelihood")
-        if told not in _TOLD:
+        export = rest.removesuffix(".likelihood")
+        if export not in _EXPORTS:
             continue
-        if rest == told:
-            found["", subject] = Known(told)
+        if rest == export:
+            found["", subject] = Known(export)
         elif subject in names:
             below = finding.high if finding.low is None else None
-            found[subject, _AT_REST[told]] = Known(told, below)
+            found[subject, _AT_REST[export]] = Known(export, below)
     return found
 
 

@@ -39,4 +39,6 @@ def written(asked: Asked) -> Text:
     return Text("\n".join([*lines, ""]), len(found), notes)
 
 
-TARGET = Target("ardupilot", "ardupilot.param", "ArduPilot's EKF3", written)
+TARGET = Target(
+    "ardupilot", "ardupilot.param", "noises of ArduPilot's EKF3", "ArduPilot's EKF3", written
+)

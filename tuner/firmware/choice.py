@@ -74,7 +74,9 @@ def settings(
         if key.name in by_key:
             found.append(_of_one(key, by_key[key.name], T))
             continue
-        alike = [a for a in amounts if a.told and a.told == key.told and a.name not in wish.maps]
+        alike = [
+            a for a in amounts if a.export and a.export == key.export and a.name not in wish.maps
+        ]
         notes += [_unseen(amount, key) for amount in alike if not _is_seen(amount)]
         seen = [amount for amount in alike if _is_seen(amount)]
         if seen:
@@ -88,11 +90,11 @@ def candidates(
     """Suggestions for amounts of unknown meaning, by their units."""
     for amount in amounts:
         fit = [key.name for key in keys if key.of(amount, T) is not None]
-        open_ = not (amount.told or amount.again or amount.name in wish.maps)
+        open_ = not (amount.export or amount.again or amount.name in wish.maps)
         if fit and open_ and amount.value > 0:
-            told = f"{amount.unit}, {amount.meaning}" if amount.meaning else amount.unit
+            text = f"{amount.unit}, {amount.meaning}" if amount.meaning else amount.unit
             yield (
-                f"{amount.name} ({told}) may be {_or(fit)}: --map {amount.name}={fit[0]} if it is"
+                f"{amount.name} ({text}) may be {_or(fit)}: --map {amount.name}={fit[0]} if it is"
             )
 
 

@@ -7,7 +7,7 @@ from tuner.firmware.key import Key
 from tuner.firmware.target import Asked, Target, Text, commented, head, how, keyed, yaml_number
 
 KEYS = tuple(
-    Key(name, unit, "density", told=name)
+    Key(name, unit, "density", export=name)
     for name, unit in {
         "accelerometer_noise_density": "m/s^2",
         "accelerometer_random_walk": "m/s^3",
@@ -36,4 +36,6 @@ def written(asked: Asked) -> Text:
     return Text("\n".join([*lines, ""]), len(found), notes)
 
 
-TARGET = Target("kalibr", "imu.yaml", "", written)
+TARGET = Target(
+    "kalibr", "imu.yaml", "noise densities of an IMU, for Kalibr and others", "", written
+)

@@ -20,7 +20,7 @@ class Key:
             measurement.
         low: least number that the firmware takes.
         high: greatest one.
-        told: its meaning, as findings call it; "" where no filter declares it.
+        export: its meaning, as findings call it; "" where no filter declares it.
         note: the firmware's further use of it.
     """
 
@@ -29,7 +29,7 @@ class Key:
     kind: Kind
     low: float = 0.0
     high: float = float("inf")
-    told: str = ""
+    export: str = ""
     note: str = ""
 
     def of(self, amount: Amount, T: float) -> Read | None:

@@ -39,4 +39,4 @@ def written(asked: Asked) -> Text:
     return Text("\n".join([*lines, ""]), len(found), notes)
 
 
-TARGET = Target("px4", "px4.params", "PX4's EKF2", written)
+TARGET = Target("px4", "px4.params", "noises of PX4's EKF2", "PX4's EKF2", written)

@@ -26,18 +26,18 @@ PLACES = {name: (i, _UNITS[i]) for i, name in enumerate(_DEFAULTS)}
 
 def written(asked: Asked) -> Text:
     """The file: the whole matrix, with its own defaults where nothing was tuned."""
-    matrix, told = np.diag(list(_DEFAULTS.values())), list[str]()
+    matrix, comments = np.diag(list(_DEFAULTS.values())), list[str]()
     (tuned,) = asked.tuned
     mapped = {key: _place(key) for keys in asked.wish.maps.values() for key in keys}
     if not mapped:
         raise ValueError(_ask(tuned))
     states = {state: keys for state, keys in asked.wish.maps.items() if state in tuned.states}
-    told += _of_states(asked, states, matrix)
+    comments += _of_states(asked, states, matrix)
     for name, keys in asked.wish.maps.items():
-        told += [] if name in states else _of_density(asked, name, keys, matrix)
+        comments += [] if name in states else _of_density(asked, name, keys, matrix)
     rest = [name for name in PLACES if name not in mapped]
     notes = (f"{', '.join(rest)} have robot_localization's own defaults",) if rest else ()
-    lines = commented([*head(asked, "robot_localization", TARGET.filter, notes), *told])
+    lines = commented([*head(asked, "robot_localization", TARGET.filter, notes), *comments])
     lines += ["ekf_filter_node:", "  ros__parameters:"]
     if states:
         lines += [f"    frequency: {yaml_number(1 / tuned.dt)}"]
@@ -128,4 +128,11 @@ def _place(key: str) -> tuple[int, str]:
     return PLACES[key]
 
 
-TARGET = Target("robot_localization", "ekf.yaml", "robot_localization's EKF", written, True)
+TARGET = Target(
+    "robot_localization",
+    "ekf.yaml",
+    "noises of the EKF of ROS's robot_localization",
+    "robot_localization's EKF",
+    written,
+    True,
+)

@@ -60,6 +60,7 @@ class Target:
     Attributes:
         name: for users.
         file: its file's usual name.
+        about: it in a phrase.
         filter: the other filter that runs there; "" where numbers mean the same.
         written: the file.
         of_model: whether it takes the matrices of one filter, which change with the rate.
@@ -67,6 +68,7 @@ class Target:
 
     name: str
     file: str
+    about: str
     filter: str
     written: Callable[[Asked], Text]
     of_model: bool = False

@@ -56,8 +56,8 @@ def _worked_out(function: str, numbers: list[float]) -> Number:
         pass
     shown = [f"{number:g}" for number in numbers]
     infix = function in ("+", "-", "*", "/", "**")
-    told = f" {function} ".join(shown) if infix else f"{function}({', '.join(shown)})"
-    raise ExpressionError(f"{told} is not a finite number")
+    text = f" {function} ".join(shown) if infix else f"{function}({', '.join(shown)})"
+    raise ExpressionError(f"{text} is not a finite number")
 
 
 def _simpler(function: str, arguments: tuple[Node, ...]) -> Node | None:

@@ -21,9 +21,9 @@ def moves(
     findings = entries.findings
     given = [key for key in ("A", "F", "f") if key in model]
     if len(given) != 1:
-        told = "has " + " and ".join(given) if given else "does not say how the states move"
+        fault = "has " + " and ".join(given) if given else "does not say how the states move"
         findings.add(
-            ("model",), f"{told}; give one of A (continuous), F (discrete) or f (expressions)"
+            ("model",), f"{fault}; give one of A (continuous), F (discrete) or f (expressions)"
         )
         return "discrete", None
     (key,) = given
@@ -48,16 +48,16 @@ def moves(
 
 
 def _time(entries: Entries, model: Mapping[str, Any], key: str) -> Time:
-    told = model.get("time", _OWN.get(key))
+    time = model.get("time", _OWN.get(key))
     add = entries.findings.add
-    if told is None:
+    if time is None:
         way = "say time = 'continuous' or time = 'discrete'"
         add(("model", "f"), f"is the rate of the states, or their next values; {way}")
-    elif told not in ("continuous", "discrete"):
-        add(("model", "time"), f"is {brief(told)}; give 'continuous' or 'discrete'")
-    elif _OWN.get(key, told) != told:
-        add(("model", "time"), f"is {told!r}, and {key} is {_OWN[key]}")
-    return "discrete" if told == "discrete" else "continuous"
+    elif time not in ("continuous", "discrete"):
+        add(("model", "time"), f"is {brief(time)}; give 'continuous' or 'discrete'")
+    elif _OWN.get(key, time) != time:
+        add(("model", "time"), f"is {time!r}, and {key} is {_OWN[key]}")
+    return "discrete" if time == "discrete" else "continuous"
 
 
 def steps(time: Time) -> tuple[str, ...]:

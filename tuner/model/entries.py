@@ -158,8 +158,8 @@ class Entries:
             found = Covariance.of(rows)
             for i, j in np.ndindex(len(rows), len(rows)):
                 if j < i and rows[i][j] != rows[j][i]:
-                    told = "differs from its mirror image; a covariance is symmetric"
-                    self.findings.add((*path, i, j), told)
+                    fault = "differs from its mirror image; a covariance is symmetric"
+                    self.findings.add((*path, i, j), fault)
         elif isinstance(value, list | Mapping):
             found = Covariance.diagonal(self.vector(path, value, names, scope, rest=rest))
         else:

@@ -151,8 +151,8 @@ def _no_function(name: str) -> str:
     aliases |= {"arccos": "acos", "pow": "**", "power": "**", "fabs": "abs"}
     if name in aliases:
         return f"{name!r} is not a function here; write {aliases[name]}"
-    told = str(unknown("function", name, FUNCTIONS))
-    return told.replace(f"unknown function {name!r};", f"{name!r} is not a function here;")
+    sentence = str(unknown("function", name, FUNCTIONS))
+    return sentence.replace(f"unknown function {name!r};", f"{name!r} is not a function here;")
 
 
 def _shown(text: str) -> str:

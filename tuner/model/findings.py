@@ -6,7 +6,7 @@ from typing import Any
 from tuner.model.lines import Lines, Path, shown
 from tuner.names import unknown
 
-MOST_TOLD = 8
+MOST_SHOWN = 8
 
 
 class Findings:
@@ -27,9 +27,9 @@ class Findings:
         """Add an error of an entry."""
         line = self.lines.line(path)
         where = f"line {line}, {shown(path)}" if line else shown(path)
-        told = (line or 0, f"{where}: {sentence}" if path else sentence)
-        if told not in self.found:
-            self.found.append(told)
+        error = (line or 0, f"{where}: {sentence}" if path else sentence)
+        if error not in self.found:
+            self.found.append(error)
 
     def keys(self, path: Path, table: Mapping[str, Any], known: Iterable[str]) -> None:
         """Add an error for each unknown key of a table."""
@@ -55,12 +55,14 @@ class Findings:
         """
         if not self.found:
             return
-        told = [sentence for _, sentence in sorted(self.found, key=lambda each: each[0])]
-        if len(told) == 1:
-            raise ValueError(f"{name}: {told[0]}")
-        more = len(told) - MOST_TOLD
+        sentences = [sentence for _, sentence in sorted(self.found, key=lambda each: each[0])]
+        if len(sentences) == 1:
+            raise ValueError(f"{name}: {sentences[0]}")
+        more = len(sentences) - MOST_SHOWN
         rest = f"; and {more} more" if more > 0 else ""
-        raise ValueError(f"{len(told)} errors in {name}: {'; '.join(told[:MOST_TOLD])}{rest}")
+        raise ValueError(
+            f"{len(sentences)} errors in {name}: {'; '.join(sentences[:MOST_SHOWN])}{rest}"
+        )
 
 
 def brief(value: Any) -> str:

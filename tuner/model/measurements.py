@@ -66,8 +66,8 @@ def _shown(
 ) -> tuple[Node, ...] | None:
     given = [key for key in _SHOWN if key in table]
     if len(given) != 1:
-        told = "has " + " and ".join(given) if given else "does not say what it shows"
-        entries.findings.add(path, f"{told}; give one of h (expressions), or H or C (a matrix)")
+        fault = "has " + " and ".join(given) if given else "does not say what it shows"
+        entries.findings.add(path, f"{fault}; give one of h (expressions), or H or C (a matrix)")
         return None
     (key,) = given
     if key == "h":

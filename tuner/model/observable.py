@@ -32,13 +32,13 @@ def check_observable(model: Model, findings: Findings) -> None:
 
 def _tell(names: Sequence[str], count: int, findings: Findings) -> None:
     if count == len(names):
-        told = f"{_and(names)} {'shows' if count == 1 else 'show'} in no measurement"
+        fault = f"{_and(names)} {'shows' if count == 1 else 'show'} in no measurement"
     else:
-        told = f"{_and(names)} cannot be told apart by what is measured"
+        fault = f"{_and(names)} cannot be told apart by what is measured"
     shown = ", ".join(f'"{name}"' for name in names)
     findings.add(
         ("states", names[0]),
-        f"{told}; measure more, leave out what is not needed, or, where their start is all that "
+        f"{fault}; measure more, leave out what is not needed, or, where their start is all that "
         f"there is to know, say unobserved = [{shown}]",
     )
 

@@ -83,8 +83,8 @@ def _read(document: Mapping[str, Any], findings: Findings) -> tuple[Model | None
     iterations, unobserved = _iterations(findings, document), _unobserved(findings, document, names)
     name, title = (quantities.text(findings, (), document, key) for key in ("name", "title"))
     if name and not quantities.NAME.fullmatch(name):
-        told = "is not a name for a model; take letters, digits, - and _, beginning with a letter"
-        findings.add(("name",), f"{brief(name)} {told}")
+        fault = "is not a name for a model; take letters, digits, - and _, beginning with a letter"
+        findings.add(("name",), f"{brief(name)} {fault}")
     method = document.get("method")
     if method is not None and method not in METHODS:
         findings.add(("method",), _no_method(method))
@@ -129,8 +129,8 @@ def _method(findings: Findings, model: Model, given: Method | None, begun: bool)
             ("method",), f"kalman needs a linear model, and {_nonlinearity(model)}; take extended"
         )
     if chosen == "unscented" and model.diffuse:
-        told = "is missing or inf, and sigma points need a known start"
-        findings.add(("model", "P0"), told)
+        fault = "is missing or inf, and sigma points need a known start"
+        findings.add(("model", "P0"), fault)
     elif not model.linear and not begun:
         findings.add(
             ("model",),

@@ -48,7 +48,7 @@ class _Check:
     def _dimension(self, path: Path, node: Node) -> Dimension | None:
         if isinstance(node, Number):
             return None
-        return Dimensions(self.known, lambda told: self.findings.add(path, told)).of(node)
+        return Dimensions(self.known, lambda fault: self.findings.add(path, fault)).of(node)
 
     def _rates(self) -> list[Dimension | None]:
         return [

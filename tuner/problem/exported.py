@@ -118,7 +118,7 @@ def derived_of(filter: Any, params: Any, unit: str = "") -> tuple[Quantity, ...]
     """Numbers that follow from a filter's parameters, by its ``derive`` and its ``linear``."""
     found = a_sample(filter, params)
     facts = {name: fact for name, (_, fact) in found.items()}
-    return _told(facts, {name: value for name, (value, _) in found.items()}, unit)
+    return _quantities(facts, {name: value for name, (value, _) in found.items()}, unit)
 
 
 def held_of(filter: Any, params: Any, unit: str = "") -> tuple[Quantity, ...]:
@@ -126,10 +126,12 @@ def held_of(filter: Any, params: Any, unit: str = "") -> tuple[Quantity, ...]:
     filter = bare(filter)
     if not hasattr(filter, "params"):
         return ()
-    return _told(parameter_facts(filter), values_of(filter, params), unit)
+    return _quantities(parameter_facts(filter), values_of(filter, params), unit)
 
 
-def _told(facts: Mapping[str, Any], values: Mapping[str, Any], unit: str) -> tuple[Quantity, ...]:
+def _quantities(
+    facts: Mapping[str, Any], values: Mapping[str, Any], unit: str
+) -> tuple[Quantity, ...]:
     """Numbers with their facts; one that is not finite does not exist and is left out."""
     arrays = {name: np.asarray(value, float) for name, value in values.items()}
     return tuple(
@@ -156,10 +158,10 @@ def _tuned(space: Space, solution: Solution) -> tuple[Quantity, ...]:
     )
 
 
-def once(told: Iterable[Quantity]) -> tuple[Quantity, ...]:
+def once(quantities: Iterable[Quantity]) -> tuple[Quantity, ...]:
     """Every name once; where names differ in case only, the later one is renamed."""
     found: dict[str, Quantity] = {}
-    for quantity in told:
+    for quantity in quantities:
         first = found.get(quantity.name.lower())
         if first is None:
             found[quantity.name.lower()] = quantity

@@ -22,7 +22,7 @@ _OURS = tuple(
 )
 
 
-def told(what: str, error: Exception) -> ValueError:
+def refusal(what: str, error: Exception) -> ValueError:
     """The error for code that cannot be evaluated, as one sentence.
 
     Args:

@@ -158,9 +158,9 @@ class Problem:
     @property
     def gradient_by(self) -> str:
         """The way its gradients were computed, and why; empty before the first one."""
-        told = self.route.told or ("XLA: forced" if self.way is not None else "")
+        route = self.route.told or ("XLA: forced" if self.way is not None else "")
         share = f", constant gains for {self.settled:.1%}" if self.settled else ""
-        return told.replace("XLA:", f"XLA, {self.gradient_way}{share}:", 1)
+        return route.replace("XLA:", f"XLA, {self.gradient_way}{share}:", 1)
 
     def by_xla(self, z: np.ndarray) -> tuple[float, np.ndarray]:
         """The objective, which may not be a number, and its gradient in z, by XLA."""

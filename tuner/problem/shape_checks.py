@@ -15,7 +15,7 @@ import numpy as np
 from filters import Lanes, bare
 from objectives import Data, is_fold
 from tuner.problem.facts import check_frozen
-from tuner.problem.mistakes import described, told
+from tuner.problem.mistakes import described, refusal
 from tuner.problem.model_shapes import check_model
 from tuner.problem.step_checks import check_operations, check_outputs, check_state
 
@@ -57,7 +57,7 @@ def _params(name: str, build: Any, space: Any) -> Any:
         z = jax.ShapeDtypeStruct((space.size,), jnp.float64)
         return jax.eval_shape(lambda at: build(space.constrain(at)), z)
     except Exception as error:
-        raise told(f"the parameters of {name}", error) from error
+        raise refusal(f"the parameters of {name}", error) from error
 
 
 def check_class(filter: Any) -> None:
@@ -154,7 +154,7 @@ def _judged(
     except Exception as error:
         shapes = {str(leaf.shape) for leaf in jax.tree.leaves(truth)}
         held = f", with outputs {described(outputs)} a sample and a truth of {', '.join(shapes)}"
-        raise told(f"{what} on {name}{held if shapes else ''}", error) from error
+        raise refusal(f"{what} on {name}{held if shapes else ''}", error) from error
     if getattr(value, "shape", None) != ():
         raise ValueError(
             f"{what} returns {described(value)}, and one number is needed; take its mean"
@@ -169,11 +169,11 @@ def _tried(filter: Any, leaves: tuple[Any, ...], kind: Any) -> Any:
     try:
         state = jax.eval_shape(filter.init, params)
     except Exception as error:
-        raise told(f"{name}.init", error) from error
+        raise refusal(f"{name}.init", error) from error
     try:
         jaxpr, after = jax.make_jaxpr(filter.step, return_shape=True)(params, state, sample)
     except Exception as error:
-        raise told(f"{name}.step", error) from error
+        raise refusal(f"{name}.step", error) from error
     if not isinstance(after, tuple) or hasattr(after, "_fields") or len(after) != 2:
         raise ValueError(
             f"{name}.step returns {described(after)}; return the two (state, outputs) as a tuple"

@@ -149,10 +149,10 @@ def _decided(name: str, fact: Param, own: Any) -> Parameter:
         value = own if isinstance(own, tuple) else float(own)
         return Fixed(value, fact.unit, meaning=fact.meaning)
     known: Any = own  # every kind of parameter is a frozen dataclass
-    told: Parameter = replace(
+    kept: Parameter = replace(
         known, unit=known.unit or fact.unit, meaning=known.meaning or fact.meaning
     )
-    return told
+    return kept
 
 
 def _suggested(name: str, fact: Param) -> Parameter:

@@ -37,7 +37,7 @@ def a_sample(filter: Any, params: Any) -> Derived:
         more = _of_model(in_numpy(Method(filter, "linear"), params), float(filter.dt), found)
     except ValueError:  # no steady state, and so no gain
         more = {}
-    return found | {name: told for name, told in more.items() if name not in found}
+    return found | {name: gain for name, gain in more.items() if name not in found}
 
 
 def system_of(form: LinearForm, dt: float) -> LinearSystem:
@@ -61,9 +61,9 @@ def _of_model(form: LinearForm, dt: float, known: Derived) -> Derived:
         K, system, shape, unit = steady_kalman(whole).gain, whole, whole.C.T.shape, ""
         found["K"] = K, Channel("", "steady gain on a measurement: x+ = x + K (z - C x)")
     else:
-        told, fact = known["K"]
-        shape, unit = np.shape(told), fact.unit
-        K = np.asarray(told, float).reshape(-1, shape[1] if len(shape) == 2 else 1)
+        gains, fact = known["K"]
+        shape, unit = np.shape(gains), fact.unit
+        K = np.asarray(gains, float).reshape(-1, shape[1] if len(shape) == 2 else 1)
         system = _of_one_axis(whole, *K.shape)
         if not _is_steady(system, K):  # of other states than those of the model
             return found

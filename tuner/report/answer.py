@@ -32,9 +32,9 @@ def _values(
     result: Result, solution: SolutionRecord, doubtful: Iterable[str], prefix: str = ""
 ) -> Iterator[Value]:
     meanings = _meanings(result, solution.problem)
-    told = {n: p for n, p in searched(solution).items() if isinstance(p.value, float)}
-    scale = _scale(told.values())
-    for name, parameter in told.items():
+    tuned = {n: p for n, p in searched(solution).items() if isinstance(p.value, float)}
+    scale = _scale(tuned.values())
+    for name, parameter in tuned.items():
         assert isinstance(parameter.value, float)
         low, high = _ends(parameter, scale)
         yield Value(
@@ -113,8 +113,8 @@ def follows(result: Result) -> list[tuple[str, str, str]]:
             if each["name"] in free or not isinstance(each["value"], float):
                 continue
             name = each["name"].removesuffix("_derived")
-            told = amount(each["value"], each["unit"], 5)
-            found.append((prefix + name, told, label(each["meaning"])))
+            text = amount(each["value"], each["unit"], 5)
+            found.append((prefix + name, text, label(each["meaning"])))
     return found
 
 

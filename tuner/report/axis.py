@@ -127,6 +127,6 @@ def _powers_text(numbers: list[float]) -> list[str]:
     if len(logs) > 1 and all(abs(x - round(x)) < 1e-9 for x in logs):
         return [f"10{raised(str(round(x)))}" for x in logs]
     if numbers and (max(numbers) >= 1e5 or min(numbers) < 1e-3):
-        told = [f"{x:.2e}".partition("e") for x in numbers]
-        return [f"{float(m):g}{TIMES}10{raised(str(int(p)))}" for m, _, p in told]
+        parts = [f"{x:.2e}".partition("e") for x in numbers]
+        return [f"{float(m):g}{TIMES}10{raised(str(int(p)))}" for m, _, p in parts]
     return [f"{x:g}" for x in numbers]

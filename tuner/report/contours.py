@@ -38,7 +38,7 @@ def contoured(kept: KeptMap) -> Drawing:
         name=kept.name,
         title=label(kept.title),
         note=label(kept.note),
-        told=f"Map of {z_label} over {label(kept.x_label)} and {label(kept.y_label)}.",
+        description=f"Map of {z_label} over {label(kept.x_label)} and {label(kept.y_label)}.",
         x=x,
         y=y,
         x_label=label(kept.x_label),

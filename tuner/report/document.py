@@ -37,21 +37,21 @@ def _title(result: Result, kept: Kept) -> str:
     if result.fit is None:
         return kept.title or result.study
     name = result.tuned[0]["name"] if result.tuned else result.fit.filter
-    told = name.replace("_", " ")
-    return f"{told[:1].upper()}{told[1:]} on {result.log.name}"
+    words = name.replace("_", " ")
+    return f"{words[:1].upper()}{words[1:]} on {result.log.name}"
 
 
 def _about(result: Result, kept: Kept) -> list[str]:
     log = result.log
-    told = []
+    facts = []
     if result.fit is not None:
-        told += [f"filter {result.fit.filter}", f"objective {result.fit.objective}"]
+        facts += [f"filter {result.fit.filter}", f"objective {result.fit.objective}"]
     if log.samples:
         rate = f" at {number(log.rate_hz)} Hz" if log.rate_hz else ""
-        told.append(counted(log.samples, "sample") + rate)
+        facts.append(counted(log.samples, "sample") + rate)
     if kept.recordings > 1:
-        told.append(counted(kept.recordings, "recording"))
-    return told
+        facts.append(counted(kept.recordings, "recording"))
+    return facts
 
 
 def _made(result: Result) -> str:

@@ -57,7 +57,7 @@ class Drawing:
     Attributes:
         name: of its file.
         title, note: what was found, and what is to be seen.
-        told: the picture in words, for those who do not see it.
+        description: the picture in words, for those who do not see it.
         x, y: the axes.
         x_label, y_label: their labels.
         x_ticks, y_ticks: the numbers beside them.
@@ -74,7 +74,7 @@ class Drawing:
     name: str
     title: str
     note: str
-    told: str
+    description: str
     x: Axis
     y: Axis
     x_label: str
@@ -116,7 +116,7 @@ def drawn(chart: KeptChart) -> Drawing:
         name=chart.name,
         title=label(chart.title),
         note=label(chart.note),
-        told=_told(chart),
+        description=_description(chart),
         x=x,
         y=y,
         x_label=label(chart.x_label),
@@ -136,8 +136,8 @@ def shapes(lines: Sequence[KeptLine], x: Axis, y: Axis, *, dashed: bool = False)
     looks = _looks(lines)
     curves = [line for line in lines if line.drawn == "curve" and len(line.x) > 1]
     dashes = dashed and 1 < len(curves) <= DASHED
-    told = list(zip(lines, looks, strict=True))
-    for line, look in sorted(told, key=lambda each: order[each[0].drawn]):
+    pairs = list(zip(lines, looks, strict=True))
+    for line, look in sorted(pairs, key=lambda each: order[each[0].drawn]):
         dash = curves.index(line) % DASHED if dashes and line in curves else 0
         yield replace(_shape(line, look, x, y), label=label(line.label), dash=dash)
 
@@ -262,7 +262,7 @@ def _named(x: Axis, numbers: list[float]) -> list[Tick]:
     ]
 
 
-def _told(chart: KeptChart) -> str:
+def _description(chart: KeptChart) -> str:
     """A description of the drawing in words."""
     x = _all(chart.lines, "x")
     there = x[np.isfinite(x)]

@@ -77,9 +77,9 @@ def determined(result: Result, kept: Kept) -> Iterator[Block]:
             for label in solution.certificate["active_bounds"]
         ]
         notes = [note for note in kept.notes if "determined" in note]
-        told = list(dict.fromkeys([*flat, *held, *notes]))
-        if told:
-            yield Listed([sentence(each) for each in told])
+        sentences = list(dict.fromkeys([*flat, *held, *notes]))
+        if sentences:
+            yield Listed([sentence(each) for each in sentences])
         else:
             yield Words(["Everything that was tuned is determined by this recording."])
     yield from pictures(kept, "certificate")
@@ -95,7 +95,9 @@ def _noise(findings: Sequence[Finding]) -> Iterator[Block]:
     parts = ("variance", "density", "deviation")
     lines = {n: each for n, each in own.items() if {"variance", "deviation"} <= each.keys()}
     if lines:
-        rows = [[name, *(_told(each.get(part)) for part in parts)] for name, each in lines.items()]
+        rows = [
+            [name, *(_amount(each.get(part)) for part in parts)] for name, each in lines.items()
+        ]
         head = ["noise", "variance a sample", "density", "deviation"]
         yield Table("Each noise in common units", head, rows, frozenset((1, 2, 3)))
 
@@ -104,12 +106,12 @@ def _found(findings: Sequence[Finding], answered: set[str]) -> Iterator[Block]:
     noises = {f.name.partition(".")[0] for f in findings if f.name.endswith(".deviation")}
     rest = [f for f in findings if f.name.partition(".")[0] not in noises | answered]
     if rest:
-        rows = [[f.name, _told(f), _limits(f), f.meaning] for f in rest]
+        rows = [[f.name, _amount(f), _limits(f), f.meaning] for f in rest]
         head = ["name", "value", "95 % limits", "what it is"]
         yield Table("What follows", head, rows, frozenset((1, 2)), folded=len(rows) > FEW)
 
 
-def _told(finding: Finding | None) -> str:
+def _amount(finding: Finding | None) -> str:
     return "" if finding is None else amount(finding.value, finding.unit, 5)
 
 

@@ -52,11 +52,11 @@ def _lines(report: Report, drawn: Collection[str]) -> Iterator[str]:
 
 
 def _value(value: Value) -> list[str]:
-    told = f"{value.value} {value.unit}".rstrip()
+    text = f"{value.value} {value.unit}".rstrip()
     kind = f" ({value.kind})" if value.interval and value.kind else ""
     return [
         plain(value.name),
-        f"**{plain(told)}**",
+        f"**{plain(text)}**",
         plain(value.interval + kind),
         plain(value.doubt),
     ]
@@ -79,7 +79,7 @@ def _block(block: Block, drawn: Collection[str]) -> Iterator[str]:
             note = f"{plain(drawing.note)} " if drawing.note else ""
             if drawing.name in drawn:
                 yield f"**{plain(drawing.title)}** {note}".rstrip()
-                yield from ("", f"![{plain(drawing.told)}](figures/{drawing.name}.png)", "")
+                yield from ("", f"![{plain(drawing.description)}](figures/{drawing.name}.png)", "")
             else:
                 yield from (f"**{plain(drawing.title)}** {note}(picture in {PAGE})", "")
         case Commands():

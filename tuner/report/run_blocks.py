@@ -67,25 +67,25 @@ def _ended(solution: SolutionRecord) -> str:
     starts = solution.certificate["starts"]
     agree = f"; {starts['agreeing']} of {starts['count']} starts agree"
     return sentence(
-        f"found by {solution.solver} in {counted(solution.evaluations, 'evaluation')}, which ended "
+        f"after {counted(solution.evaluations, 'evaluation')} {solution.solver} ended "
         f"{solution.status.value!r}: {solution.status.sentence}{agree * (starts['count'] > 1)}"
     )
 
 
 def _solution(solution: SolutionRecord) -> list[str]:
     starts = solution.certificate["starts"]
-    told = [
+    values = [
         f"{name} = {amount(p.value, p.unit)}"
         for name, p in searched(solution).items()
         if isinstance(p.value, float)
     ]
-    more = f" and {len(told) - NAMED} more" if len(told) > NAMED else ""
+    more = f" and {len(values) - NAMED} more" if len(values) > NAMED else ""
     return [
         solution.problem,
         solution.solver,
         solution.status.value,
         number(solution.value, 6),
-        ", ".join(told[:NAMED]) + more,
+        ", ".join(values[:NAMED]) + more,
         f"{starts['agreeing']} of {starts['count']}" if starts["count"] > 1 else "",
         str(solution.evaluations),
         f"{solution.seconds:.1f} s",
@@ -204,7 +204,7 @@ def again(result: Result, folder: Path) -> Iterator[Block]:
 
 def _versions(result: Result) -> str:
     versions: Mapping[str, str] = result.tuned[0].get("versions", {}) if result.tuned else {}
-    told = ", ".join(f"{name} {version}" for name, version in versions.items())
+    packages = ", ".join(f"{name} {version}" for name, version in versions.items())
     return sentence(
-        f"seed {result.seed}; {number(result.seconds, 3)} s" + (f"; {told}" if told else "")
+        f"seed {result.seed}; {number(result.seconds, 3)} s" + (f"; {packages}" if packages else "")
     )

@@ -30,6 +30,6 @@ def sections(result: Result, kept: Kept, folder: Path) -> Iterator[Section]:
         ("again", "Again", "Run it again", again(result, folder)),
     )
     for key, short, title, blocks in made:
-        told = [*blocks]
-        if told:
-            yield Section(key, short, title, told)
+        content = [*blocks]
+        if content:
+            yield Section(key, short, title, content)

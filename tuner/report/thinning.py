@@ -48,5 +48,5 @@ def rounded(values: np.ndarray, *, log: bool) -> list[float | None]:
         return [float(f"{x:.6g}") if ok else None for x, ok in zip(values, there, strict=True)]
     span = float(np.ptp(values[there])) or float(np.abs(values[there]).max()) or 1.0
     digits = round(float(np.log10(STEPS) - np.log10(span)))
-    told = np.round(values, digits) if digits < 300 else values
-    return [float(x) if ok else None for x, ok in zip(told, there, strict=True)]
+    short = np.round(values, digits) if digits < 300 else values
+    return [float(x) if ok else None for x, ok in zip(short, there, strict=True)]

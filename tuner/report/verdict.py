@@ -14,7 +14,7 @@ HEADS: dict[Grade, str] = {
     "care": "Use it with care",
     "refuse": "Do not use it",
 }
-TOLD = {
+FAILURES = {
     "size": "the variances are not those of the innovations",
     "whiteness": "the innovations are correlated",
     "outliers": "some measurements are outliers",
@@ -105,7 +105,7 @@ def _doubts(result: Result, fit: FitRecord) -> Iterator[str]:
         yield f"{listed(fit.in_doubt)} {verb} not determined by this recording"
     if len(fit.diagnostics) == 2:
         failed = [found.test for found in fit.diagnostics[1].findings if found.verdict == "failed"]
-        yield from (TOLD.get(test, test) for test in failed)
+        yield from (FAILURES.get(test, test) for test in failed)
     if fit.held_out is None:
         yield "nothing was held out for judging"
     elif fit.held_out.gain is not None and _sign(fit.held_out.gain) == 0:
@@ -166,8 +166,8 @@ def _of_solutions(result: Result) -> Verdict:
         count = len(result.solutions)
         words = "its one search converged" if count == 1 else f"all {count} searches converged"
         return Verdict("use", "Done", sentence(words))
-    told = [f"{s.problem} ended {s.status.value!r}" for s in bad[:3]]
-    return Verdict("care", "Done in part", sentence(joined(told)))
+    ends = [f"{s.problem} ended {s.status.value!r}" for s in bad[:3]]
+    return Verdict("care", "Done in part", sentence(joined(ends)))
 
 
 def worth(fit: FitRecord) -> str:

@@ -59,8 +59,8 @@ def unit(text: str) -> str:
     """
     if text == "1":
         return ""
-    told = re.sub(r"sqrt\(([^()]*)\)", r"√\1", label(text))
-    return told.replace("*", "·")
+    with_roots = re.sub(r"sqrt\(([^()]*)\)", r"√\1", label(text))
+    return with_roots.replace("*", "·")
 
 
 def label(text: str) -> str:
@@ -69,8 +69,8 @@ def label(text: str) -> str:
     >>> label("innovation x, m^2/s"), label("rate, deg/s"), label("0.5 deg"), label("S 30 deg^2")
     ('innovation x, m²/s', 'rate, °/s', '0.5°', 'S 30 deg²')
     """
-    told = re.sub(r"(?<=\d) deg\b(?!\^)|\bdeg\b(?!\^)", "°", text)
-    return re.sub(r"\^(-?[\d.]+)", lambda found: raised(found[1]), told)
+    with_degrees = re.sub(r"(?<=\d) deg\b(?!\^)|\bdeg\b(?!\^)", "°", text)
+    return re.sub(r"\^(-?[\d.]+)", lambda found: raised(found[1]), with_degrees)
 
 
 def amount(value: float | None, of: str, digits: int = 4) -> str:
@@ -81,7 +81,11 @@ def amount(value: float | None, of: str, digits: int = 4) -> str:
     """
     if of == "deg":
         return number(value, digits) + unit(of)
-    return f"{number(value, digits)}{HARD}{told}" if (told := unit(of)) else number(value, digits)
+    return (
+        f"{number(value, digits)}{HARD}{unit_text}"
+        if (unit_text := unit(of))
+        else number(value, digits)
+    )
 
 
 def between(low: float, high: float) -> str:
@@ -118,9 +122,9 @@ def percent(share: float | None) -> str:
     """
     if share is None or not math.isfinite(share):
         return "\N{EN DASH}"
-    told = 100 * share
-    text = f"{told:.1f}" if 99 <= abs(told) < 100 else f"{told:.0f}"
-    return f"{text.replace('-', MINUS) if abs(told) >= 10 else number(told, 2)}{HARD}%"
+    value = 100 * share
+    text = f"{value:.1f}" if 99 <= abs(value) < 100 else f"{value:.0f}"
+    return f"{text.replace('-', MINUS) if abs(value) >= 10 else number(value, 2)}{HARD}%"
 
 
 def counted(count: int, word: str) -> str:
@@ -149,11 +153,11 @@ def sentence(text: str) -> str:
     >>> sentence("all is well"), sentence("q_bias is not determined")
     ('All is well.', 'q_bias is not determined.')
     """
-    told = text.strip()
-    first = told.partition(" ")[0].rstrip(",:;")
+    stripped = text.strip()
+    first = stripped.partition(" ")[0].rstrip(",:;")
     word = first == "a" or (len(first) > 1 and first.replace("-", "").isalpha())
-    capital = told[:1].upper() if word else told[:1]
-    return told and capital + told[1:] + ("" if told[-1] in ".!?" else ".")
+    capital = stripped[:1].upper() if word else stripped[:1]
+    return stripped and capital + stripped[1:] + ("" if stripped[-1] in ".!?" else ".")
 
 
 def listed(parts: list[str]) -> str:

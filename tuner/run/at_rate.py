@@ -19,7 +19,7 @@ from tuner.run.filter_choice import FilterChoice
 from tuner.run.finding import Finding
 from tuner.run.gate import care_of, with_noise
 from tuner.run.noise_parameters import noise_parameters
-from tuner.run.noise_table import gains_told, noise_told
+from tuner.run.noise_table import gain_findings, noise_findings
 
 _TRACKERS = {"alpha-beta": "constant-velocity", "alpha-beta-gamma": "constant-acceleration"}
 _SAME = 1e-12
@@ -76,11 +76,11 @@ def filter_at_rate(
     averaged = _averaged(before, values, units, densities)
     values |= {name: values[name] * tuned.dt * rate_hz for name in averaged}
     params = assembled(cls, values)
-    told = tuned.quantities + derived_of(before, assembled(cls, values))
+    before_and_derived = tuned.quantities + derived_of(before, assembled(cls, values))
     new = {each.name: each.value for each in derived_of(filter, params)}
-    quantities = once(_renewed(told, values, new))
+    quantities = once(_renewed(before_and_derived, values, new))
     derived = [each for each in quantities if each.name.removesuffix("_derived") in new]
-    findings = (*noise_told(filter, values, units), *gains_told(derived))
+    findings = (*noise_findings(filter, values, units), *gain_findings(derived))
     notes = tuple(_notes(before, values, units, averaged, 1 / tuned.dt, rate_hz))
     new_tuned = replace(tuned, quantities=quantities, dt=1 / rate_hz)
     return AtRate(new_tuned, findings, notes, partial(_trials, filter, params))
@@ -145,10 +145,10 @@ def _averaged(
 
 
 def _renewed(
-    told: tuple[Quantity, ...], values: Mapping[str, Any], new: Mapping[str, Any]
+    quantities: tuple[Quantity, ...], values: Mapping[str, Any], new: Mapping[str, Any]
 ) -> Iterator[Quantity]:
     """The findings with the numbers of the new rate, without those that have none there."""
-    for quantity in told:
+    for quantity in quantities:
         name = quantity.name.removesuffix("_derived")
         if name in new and quantity.name not in values:
             yield replace(quantity, name=name, value=new[name])

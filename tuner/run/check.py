@@ -26,14 +26,14 @@ class Check:
         posed: the problem and its data.
         values: all parameters, by name.
         value: the objective; of a likelihood in nats a number.
-        shown: the same as people read it: of a likelihood the equivalent deviation.
+        error: the same as people read it: of a likelihood the equivalent deviation.
         diagnostics: what the innovations say; None for a filter without any.
     """
 
     posed: Posed
     values: Mapping[str, np.ndarray]
     value: float
-    shown: float
+    error: float
     diagnostics: Diagnostics | None
 
 
@@ -86,9 +86,9 @@ def checked(posed: Posed) -> Check:
     open_ = [name for name, kind in space.parameters if not isinstance(kind, Fixed)]
     if open_:
         facts = parameter_facts(bare(posed.problem.filter))
-        told = ", ".join(f"{name} ({facts[name].meaning})" for name in open_)
+        text = ", ".join(f"{name} ({facts[name].meaning})" for name in open_)
         raise ValueError(
-            f"{posed.problem.name} has no value in use for {told}; give it with "
+            f"{posed.problem.name} has no value in use for {text}; give it with "
             + " ".join(f"--set {name}=..." for name in open_)
         )
     values = posed.problem.parameters(space.start())

@@ -12,6 +12,7 @@ from tuner.run.figure import Chart, Figure, Line, Map
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure as Canvas
 
 MANY = 8
@@ -76,7 +77,24 @@ def draw(figure: Figure, canvas: "Canvas", axes: "Axes") -> None:
         _draw_chart(figure, axes)
     else:
         _draw_map(figure, canvas, axes)
+    for axis in (axes.xaxis, axes.yaxis):
+        _number(axis)
     entitle(axes, figure.title, _explain(canvas, axes))
+
+
+def _number(axis: "Axis") -> None:
+    """Plain numbers at a logarithmic axis of less than two decades, instead of 2 x 10^-1."""
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+    low, high = axis.get_view_interval()
+    if axis.get_scale() != "log" or not 0 < low < high < 100 * low:
+        return
+    if high < 4 * low:
+        axis.set_major_locator(LogLocator(subs=(1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)))
+    else:
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter(StrMethodFormatter("{x:.3g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def typeset(text: str) -> str:
@@ -107,7 +125,7 @@ def _draw_map(figure: Map, canvas: "Canvas", axes: "Axes") -> None:
 
 def entitle(axes: "Axes", title: str, above: float = 0.0) -> None:
     """A title over some axes, left, over so many points of legend; in lines that fit."""
-    words = re.sub(r"(?<=[\d=]) (?=\S{1,8}(?:\s|$))", "\N{NO-BREAK SPACE}", typeset(title))
+    words = re.sub(r" (?==)|(?<=[\d=]) (?=\S{1,8}(?:\s|$))", "\N{NO-BREAK SPACE}", typeset(title))
     text = axes.set_title(words, loc="left", pad=6 + above, fontsize=11, fontweight="bold")
     canvas = axes.get_figure(root=True)
     if canvas is None:

@@ -40,13 +40,13 @@ class ExcludedStretches:
         """In a sentence's part."""
         if not self.stretches:
             return "no stretch contradicts the rest"
-        told = [
+        shown = [
             f"{f'recording {lane + 1} ' * (self.recordings > 1)}{start:.4g} to {end:.4g} s"
             for lane, start, end in self.stretches[:SHOWN]
         ]
-        more = len(self.stretches) - len(told)
+        more = len(self.stretches) - len(shown)
         rest = f" and {more} more" if more else ""
-        return f"{self.numbers} of {self.of} numbers left out ({', '.join(told)}{rest})"
+        return f"{self.numbers} of {self.of} numbers left out ({', '.join(shown)}{rest})"
 
 
 def without_stretches(
@@ -76,7 +76,7 @@ def without_stretches(
         )
     filter, data = problem.filter, problem.data
     params = assembled(bare(filter), problem.parameters(problem.space.start()))
-    without = jax.vmap(MeasurementMask(parts_of(filter, params, data.inputs)).made)
+    without = jax.vmap(MeasurementMask(parts_of(filter, params, data.inputs)).masked)
     wrong = [each.wrong for each in found]
     if isinstance(filter, Lanes):
         inputs = jax.vmap(without)(data.inputs, jnp.asarray(np.stack(wrong, axis=1)))

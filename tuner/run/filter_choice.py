@@ -59,16 +59,16 @@ def choose_filter(model: Model, sha256: str | None = None) -> FilterChoice:
         return FilterChoice(cls.__name__, cls, {"model": dict(model)})
     if not isinstance(model, str | PathLike):
         raise ValueError(_no_class(model))
-    told = str(model)
-    if told.endswith(".toml"):
+    name = str(model)
+    if name.endswith(".toml"):
         from tuner.model import read_model
 
-        return replace(choose_filter(read_model(Path(told))), home=Path(told).name)
-    file = own_file(told)
+        return replace(choose_filter(read_model(Path(name))), home=Path(name).name)
+    file = own_file(name)
     if file is not None:
-        settings = {"filter": told, "filter_sha256": file.sha256}
-        return FilterChoice(file.name, file.load(sha256), settings, file.told)
-    return FilterChoice(told, find("tuner.filters", told), {"filter": told})
+        settings = {"filter": name, "filter_sha256": file.sha256}
+        return FilterChoice(file.name, file.load(sha256), settings, file.reference)
+    return FilterChoice(name, find("tuner.filters", name), {"filter": name})
 
 
 def _no_class(thing: Any) -> str:
@@ -89,9 +89,9 @@ def _of_class(cls: type[Any]) -> FilterChoice:
         if point.value == value:
             return FilterChoice(point.name, cls, {"filter": point.name})
     file = _file_of(cls)
-    told = {} if file is None else {"filter_sha256": file.sha256}
+    checksum = {} if file is None else {"filter_sha256": file.sha256}
     name = cls.__name__ if file is None else f"{file.path}:{file.name}"
-    return FilterChoice(cls.__name__, cls, {"filter": name, **told})
+    return FilterChoice(cls.__name__, cls, {"filter": name, **checksum})
 
 
 def _file_of(cls: type[Any]) -> OwnFile | None:

@@ -28,7 +28,7 @@ from tuner.run.fit_report_figures import report_figures
 from tuner.run.front import Against, picture_of, trade
 from tuner.run.held_out import judge_held_out
 from tuner.run.judgement import Judged, filter_name, judge
-from tuner.run.noise_table import gains_told, noise_told
+from tuner.run.noise_table import gain_findings, noise_findings
 from tuner.run.report_figure import ReportFigure
 from tuner.run.search_space import Wishes
 from tuner.run.sharing import OneForAll, shared
@@ -149,7 +149,7 @@ def plan_fit(posed: Posed, request: Request, other: Posed | None = None) -> Plan
         report=report,
         notes=posed.notes,
         findings=findings,
-        shown=_shown,
+        report_figures=_report_figures,
         share=_share,
         last=_last,
     )
@@ -186,7 +186,7 @@ def _figures(case: Fitting, solutions: Solutions) -> Iterator[Figure]:
         yield from picture_of(case.posed, trade(case.against))
 
 
-def _shown(case: Fitting, solutions: Solutions) -> Iterator[ReportFigure]:
+def _report_figures(case: Fitting, solutions: Solutions) -> Iterator[ReportFigure]:
     yield from report_figures(case.posed, solutions, case.against)
 
 
@@ -199,8 +199,8 @@ def findings(case: Fitting, solutions: Solutions) -> Iterator[Finding]:
         return
     values = {name: p.value for name, p in solution.parameters.items()}
     units = {name: p.unit for name, p in solution.parameters.items()}
-    yield from noise_told(filter, values, units)
-    yield from gains_told(problem.what_is_exported().derived(problem.params(solution)))
+    yield from noise_findings(filter, values, units)
+    yield from gain_findings(problem.what_is_exported().derived(problem.params(solution)))
 
 
 def report(case: Fitting, solutions: Solutions) -> FitRecord:

@@ -88,9 +88,9 @@ def _panel(
         Line("measured", t[rows], (level + y)[rows], drawn="points"),
     ]
     if estimate is not None:
-        told, columns = estimate
+        label, columns = estimate
         there = _few(np.isfinite(columns[:, part]))
-        lines.append(Line(told, t[there], columns[there, part]))
+        lines.append(Line(label, t[there], columns[there, part]))
     else:
         lines.append(Line("predicted", t[rows], level[rows]))
     called = name or "measurement"
@@ -155,5 +155,5 @@ def _outcome(held: HeldOut) -> str:
     share = held.gain.share if held.gain is not None else np.nan
     if not np.isfinite(share):
         return f"On {held.what}, tuned on the rest"
-    told = f"{abs(100 * share):.2g} % {'less' if share >= 0 else 'more'} error than before"
-    return f"Tuned on the rest, {told} on {held.what}"
+    change = f"{abs(100 * share):.2g} % {'less' if share >= 0 else 'more'} error than before"
+    return f"Tuned on the rest, {change} on {held.what}"

@@ -85,7 +85,7 @@ class FitSettings(StudySettings):
     def _without_folder(self, filter: str | None) -> str | None:
         """Results and recipes are passed on, and hold no path of a machine."""
         file = None if filter is None else own_file(filter)
-        return filter if file is None else file.told
+        return filter if file is None else file.reference
 
     @property
     def choice(self) -> FilterChoice:

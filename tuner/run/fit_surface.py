@@ -173,7 +173,7 @@ def _map(sides: list[Side], rise: np.ndarray, held: list[str], *, likelihood: bo
         title = f"The objective hardly changes along {' and '.join(open_)}"
     note = "Increase of the objective of the whole recording above its value at the tuned values."
     if held:
-        note += f" A section: {', '.join(held)} keep their tuned values."
+        note += f" A section at the tuned {' and '.join(held)}."
     figure = Map(
         name="objective",
         title=title,

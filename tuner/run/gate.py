@@ -200,9 +200,9 @@ class Rejected:
     def words(self) -> str:
         """In a few words."""
         what = "given less than half their weight" if self.weighed else "rejected"
-        told = f"{self.rejected} of {self.numbers} numbers {what}"
+        text = f"{self.rejected} of {self.numbers} numbers {what}"
         taken = self.outside - self.rejected
-        return told + (
+        return text + (
             f", {taken} more accepted to recover after rejections in a row" if taken else ""
         )
 

@@ -116,11 +116,11 @@ def _values(solution: Solution) -> dict[str, np.ndarray]:
 def _each(
     problem: Problem, start: list[SampleTerms], tuned: list[SampleTerms], own: list[SampleTerms]
 ) -> tuple[OneHeldOut, ...]:
-    told = []
+    pieces = []
     for i, parts in enumerate(zip(start, tuned, own, strict=True), 1):
         before, now, best = (value_of(problem, each.mean) for each in parts)
-        told.append(OneHeldOut(i, before, now, min(now, best)))
-    return tuple(told)
+        pieces.append(OneHeldOut(i, before, now, min(now, best)))
+    return tuple(pieces)
 
 
 def _of_scores(

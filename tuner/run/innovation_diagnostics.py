@@ -7,7 +7,7 @@ import numpy as np
 
 from filters.declared import Channel, bare, channel_facts, in_unit, parameter_facts
 from tuner.data.merge import Timeline
-from tuner.diagnostics import Diagnostics, Innovations, Ways, diagnose
+from tuner.diagnostics import Diagnostics, Innovations, Remedies, diagnose
 from tuner.problem.problem import Problem
 from tuner.problem.programs import run_filter
 from tuner.run.fit_problem import Posed
@@ -30,8 +30,8 @@ def diagnose_innovations(
     cls = type(bare(posed.problem.filter))
     if "innovation" not in channel_facts(cls, "outputs"):
         return None
-    found, ways = innovations_of(posed, values), ways_of(cls, posed.timeline)
-    return diagnose(found, ways, fitted=fitted)
+    found, remedies = innovations_of(posed, values), remedies_of(cls, posed.timeline)
+    return diagnose(found, remedies, fitted=fitted)
 
 
 def innovations(problem: Problem, values: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
@@ -93,19 +93,19 @@ def _measured(
     return columns if columns is not None and np.shape(columns) == shape else None
 
 
-def ways_of(cls: type[Any], line: Timeline) -> Ways:
-    """The ways out that a filter offers."""
-    known = Ways()
+def remedies_of(cls: type[Any], line: Timeline) -> Remedies:
+    """The remedies that a filter offers."""
+    known = Remedies()
     deviation = DEVIATION in channel_facts(cls, "inputs") and DEVIATION not in line.channels
-    told = f"give each measurement's own deviation (--map {DEVIATION}=COLUMN)"
+    way = f"give each measurement's own deviation (--map {DEVIATION}=COLUMN)"
     starts = [
         name
         for name, fact in parameter_facts(cls).items()
         if fact.low is None and "at the start" in fact.meaning and fact.meaning[0] in "dv"
     ]
     wider = f"begin with a larger {' or '.join(starts)} (--start {starts[0]}=...)" if starts else ""
-    return Ways(
+    return Remedies(
         start=wider or known.start,
-        level=told if deviation else known.level,
-        time=f"{known.time}, or {told}" if deviation else known.time,
+        level=way if deviation else known.level,
+        time=f"{known.time}, or {way}" if deviation else known.time,
     )

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from tuner.data.sensor_units import told_as
+from tuner.data.sensor_units import sheet_units
 from tuner.data.unit_text import per, powers_of, raised, written
 from tuner.export.tuned import Quantity
 from tuner.run.finding import Finding
@@ -17,7 +17,7 @@ _MODEL = ("F", "C")  # exported beside the gains, and known to who made the mode
 _SHOWN = 3  # a matrix of more states has too many numbers to be read
 
 
-def noise_told(
+def noise_findings(
     filter: Any, values: Mapping[str, Any], units: Mapping[str, str]
 ) -> Iterator[Finding]:
     """Every noise as variance a sample, density and deviation, and in data sheet units.
@@ -44,9 +44,9 @@ def _process(noise: NoiseParameter, dt: float, at: str) -> Iterator[Finding]:
     yield Finding(
         f"{noise.name}.deviation", float(np.sqrt(entered)), root, "of the process noise per sample"
     )
-    for told in told_as(noise.fact.sensor):
-        value, name = float(np.sqrt(noise.square)) * told.factor, told.name or told.unit
-        yield Finding(f"{noise.name}.{name}", value, told.unit, f"{noise.fact.sensor}, as a root")
+    for form in sheet_units(noise.fact.sensor):
+        value, name = float(np.sqrt(noise.square)) * form.factor, form.name or form.unit
+        yield Finding(f"{noise.name}.{name}", value, form.unit, f"{noise.fact.sensor}, as a root")
 
 
 def _sampled(noise: NoiseParameter, dt: float, at: str) -> Iterator[Finding]:
@@ -54,13 +54,13 @@ def _sampled(noise: NoiseParameter, dt: float, at: str) -> Iterator[Finding]:
     yield Finding(f"{noise.name}.variance", noise.square, unit, noise.fact.meaning)
     if noise.kind == "variance":
         density = written(per(noise.powers, "Hz")) if noise.powers else ""
-        told = f"white noise sampled {at}: variance over the rate"
-        yield Finding(f"{noise.name}.density", noise.square * dt, density, told)
+        meaning = f"white noise sampled {at}: variance over the rate"
+        yield Finding(f"{noise.name}.density", noise.square * dt, density, meaning)
     root = written(raised(noise.powers, 0.5))
     yield Finding(f"{noise.name}.deviation", deviation, root, "of a measurement")
 
 
-def gains_told(derived: Iterable[Quantity]) -> Iterator[Finding]:
+def gain_findings(derived: Iterable[Quantity]) -> Iterator[Finding]:
     """Q, the steady gains K and L, and their names among trackers, entry by entry.
 
     Args:

@@ -35,7 +35,7 @@ class OwnFile:
     name: str
 
     @property
-    def told(self) -> str:
+    def reference(self) -> str:
         """As it is written into recipes and results: without a folder, for these are passed on."""
         return f"{self.path.name}:{self.name}"
 
@@ -92,15 +92,15 @@ class OwnFile:
         return found
 
 
-def own_file(told: str) -> OwnFile | None:
+def own_file(reference: str) -> OwnFile | None:
     """The file and class that FILE.py:CLASS, or FILE.py alone, names; None for another name.
 
     >>> own_file("filters/robot.py:Robot"), own_file("local-level")
     (OwnFile(path=PosixPath('filters/robot.py'), name='Robot'), None)
     """
-    if told.endswith(".py"):
-        return OwnFile(Path(told), "")
-    file, colon, name = told.rpartition(":")
+    if reference.endswith(".py"):
+        return OwnFile(Path(reference), "")
+    file, colon, name = reference.rpartition(":")
     return OwnFile(Path(file), name) if colon and file.endswith(".py") else None
 
 

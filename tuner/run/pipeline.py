@@ -195,8 +195,8 @@ class Run:
         """The report, and what it takes to write it again."""
         self.progress("writing the report", 3, 4)
         shown = [ReportFigure("figures", figure) for figure in figures]
-        if self.plan.shown is not None:
-            shown = [*self.plan.shown(self.plan.case, solutions)]
+        if self.plan.report_figures is not None:
+            shown = [*self.plan.report_figures(self.plan.case, solutions)]
         kept = self.kept.model_copy(update={"pictures": kept_pictures(shown)})
         self.folder.write(KEPT, kept.to_json())
         self.folder.write(PAGE, page_of(result, kept, self.folder.path))

@@ -52,7 +52,7 @@ class LogEntries(_Entries):
         return self
 
     @classmethod
-    def told(cls, options: Mapping[str, Any]) -> "LogEntries":
+    def of_options(cls, options: Mapping[str, Any]) -> "LogEntries":
         """How logs are read, from a command's options."""
         given = {name: options[name] for name in HOW if options.get(name) not in (None, (), [])}
         plain = {n: list(v) if isinstance(v, tuple) else v for n, v in given.items()}
@@ -60,15 +60,15 @@ class LogEntries(_Entries):
 
     def over(self, other: "LogEntries") -> "LogEntries":
         """How logs are read: as told here, and where nothing is told as in another recipe."""
-        told = {name: getattr(self, name) for name in self._told()}
-        return other.model_copy(update=told)
+        given = {name: getattr(self, name) for name in self._given()}
+        return other.model_copy(update=given)
 
     @property
     def options(self) -> list[str]:
         """The options of a command line that say the same."""
-        return [f"--{_UNIT.sub('', name).replace('_', '-')}" for name in self._told()]
+        return [f"--{_UNIT.sub('', name).replace('_', '-')}" for name in self._given()]
 
-    def _told(self) -> list[str]:
+    def _given(self) -> list[str]:
         fields = type(self).model_fields
         return [name for name in HOW if getattr(self, name) != fields[name].default]
 
@@ -175,8 +175,8 @@ def _log_beside(path: Path, name: str, digest: str) -> Path:
         ValueError: where it is not there, is another one, or lies above the recipe: files that are
             passed on read nothing else of a machine.
     """
-    told = PurePath(name)
-    if not told.parts or told.is_absolute() or ".." in told.parts:
+    relative = PurePath(name)
+    if not relative.parts or relative.is_absolute() or ".." in relative.parts:
         raise ValueError(
             f"the log {name} of {path} leads out of its folder, where no study.toml looks; if you "
             f"mean it, name it with --log {name}"

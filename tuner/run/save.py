@@ -106,10 +106,10 @@ def log_of(records: tuple[Record, ...]) -> tuple[LogEntries | None, dict[str, by
 
     Nothing where recordings cannot be told so: several, each with channels on clocks of their own.
     """
-    told = records[0].read_as
-    if told is not None and all(record.read_as == told for record in records):
+    options = records[0].read_as
+    if options is not None and all(record.read_as == options for record in records):
         files = {part.name: part.sha256 for record in records for part in record.sources}
-        given = {name: value for name, value in told.items() if value is not None}
+        given = {name: value for name, value in options.items() if value is not None}
         known = {"files": [*files], "sha256": [*files.values()], **given}
         return LogEntries.model_validate(known), {}
     parts = [_by_clock(record) for record in records]

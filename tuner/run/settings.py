@@ -36,10 +36,10 @@ def _truth(value: object) -> bool:
 
 def reason_of(error: Mapping[str, Any]) -> str:
     """What is wrong with a value, as the other messages say it."""
-    told = str(error["msg"]).removeprefix("Value error, ")
+    reason = str(error["msg"]).removeprefix("Value error, ")
     for words, ours in _WORDS.items():
-        told = told.replace(words, ours)
-    return told
+        reason = reason.replace(words, ours)
+    return reason
 
 
 _WORDS = {

@@ -20,9 +20,9 @@ from typing import Any
 
 from tuner.names import unknown
 from tuner.run.progress_file import task_key
-from tuner.run.sharing import help_with, number_of, parts, solved, told_by
+from tuner.run.sharing import help_with, number_of, parts, solution_of, solved
 from tuner.run.study import Plan, Solutions, Task
-from tuner.trials.database import close, merge_log, open_storage, told
+from tuner.trials.database import as_database_error, close, merge_log, open_storage
 from tuner.trials.search import POLL, Trials
 
 LARGEST_RECIPE = 10_000_000
@@ -87,7 +87,7 @@ class Together:
         self.plan.last(self.plan.case)
 
     def _solutions(self, trials: Trials) -> Solutions:
-        return {task_key(self.tasks[number_of(t)]): told_by(t) for t in trials.complete()}
+        return {task_key(self.tasks[number_of(t)]): solution_of(t) for t in trials.complete()}
 
 
 def facts_of(url: str, name: str) -> tuple[str, dict[str, str]]:
@@ -99,7 +99,7 @@ def facts_of(url: str, name: str) -> tuple[str, dict[str, str]]:
     """
     storage: Any = open_storage(url)
     try:
-        with told(url):
+        with as_database_error(url):
             known = {study.study_name: study.user_attrs for study in storage.get_all_studies()}
     finally:
         close(storage)

@@ -17,7 +17,7 @@ from tuner.run.result import SolutionRecord
 from tuner.run.study import Plan
 from tuner.solvers.solver import Solver
 from tuner.solvers.starts import SharedStarts
-from tuner.trials.database import DatabaseError, told
+from tuner.trials.database import DatabaseError, as_database_error
 from tuner.trials.search import POLL, opened
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ class OneForAll:
                 trials.look_after_the_lost()
                 if not trials.make_one(partial(solved, self.url, tasks)):
                     time.sleep(POLL)
-        solution = told_by(found[0])
+        solution = solution_of(found[0])
         check_solution(problem, solution)
         return solution
 
@@ -125,7 +125,7 @@ def solved(url: str, tasks: Sequence[tuple[Any, Solver]], trial: "optuna.Trial")
         trial.set_user_attr(_REFUSED, words)
         return np.inf
     record = SolutionRecord.of(solution).model_dump(mode="json")
-    with told(url):
+    with as_database_error(url):
         trial.set_user_attr(_SOLUTION, record)
     return float(solution.value) if np.isfinite(solution.value) else np.inf
 
@@ -135,7 +135,7 @@ def number_of(trial: "optuna.trial.FrozenTrial") -> int:
     return int(trial.user_attrs[_TASK])
 
 
-def told_by(trial: "optuna.trial.FrozenTrial") -> Solution:
+def solution_of(trial: "optuna.trial.FrozenTrial") -> Solution:
     """What a finished trial tells.
 
     Raises:

@@ -113,7 +113,7 @@ class Plan:
         report: what a fit is worth; None for a published study.
         notes: what should be known before anything is solved, a sentence each.
         findings: numbers that people take from the run, given the case and all solutions.
-        shown: the report's figures, given the case and all solutions; None: all figures.
+        report_figures: the report's figures, given the case and all solutions; None: all figures.
         share: from the case and the URL of a database to the case whose own searches are shared.
         last: makes the searches of the case that come after the tasks.
 
@@ -130,7 +130,7 @@ class Plan:
     report: "Callable[[Any, Solutions], FitRecord] | None" = None
     notes: tuple[str, ...] = ()
     findings: Callable[[Any, Solutions], Iterable[Finding]] = no_findings
-    shown: Callable[[Any, Solutions], Iterable[ReportFigure]] | None = None
+    report_figures: Callable[[Any, Solutions], Iterable[ReportFigure]] | None = None
     share: Callable[[Any, str], Any] = as_it_is
     last: Callable[[Any], None] = nothing_more
 

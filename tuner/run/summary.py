@@ -56,17 +56,19 @@ def _numbers(posed: Posed, solution: Solution, judged: Judged) -> Iterator[str]:
 def in_doubt(posed: Posed, solution: Solution, judged: Judged) -> list[str]:
     """The free parameters that are not determined, by name."""
     open_ = (*posed.undetermined, *solution.certificate.flat_directions)
-    named = {name for told in open_ if not _scaled(told, judged) for name in words(told)}
+    named = {
+        name for sentence in open_ if not _scaled(sentence, judged) for name in words(sentence)
+    }
     free = (n for n, kind in posed.problem.space.parameters if not isinstance(kind, Fixed))
     return [name for name in free if name in named]
 
 
-def _scaled(told: str, judged: Judged) -> bool:
+def _scaled(sentence: str, judged: Judged) -> bool:
     """Whether what the error leaves open is the common factor, which the innovations settle."""
     found = judged.rescaled
     if found is None or found.reason:
         return False
-    return found.powers.keys() == set(words(told)) & found.powers.keys()
+    return found.powers.keys() == set(words(sentence)) & found.powers.keys()
 
 
 def words(text: str) -> list[str]:
@@ -79,10 +81,10 @@ def words(text: str) -> list[str]:
 
 
 def _number(parameter: TunedParameter) -> str:
-    told = f"{float(parameter.value):.5g}"
+    text = f"{float(parameter.value):.5g}"
     if parameter.interval is not None:
-        told += f" {range_in_words(parameter.interval, parameter.interval_kind)}"
-    return f"{told} {parameter.unit}".rstrip()
+        text += f" {range_in_words(parameter.interval, parameter.interval_kind)}"
+    return f"{text} {parameter.unit}".rstrip()
 
 
 def _worth(posed: Posed, judged: Judged) -> Iterator[str]:
@@ -116,7 +118,9 @@ def _held_out(held: HeldOut, unit: str) -> Iterator[str]:
         words = "" if verdict == "better" else f": the filter is {verdict} than that"
         yield f"{_start(held.unfiltered)}{unit} without filter ({held.nothing}{words})"
     if held.gap is not None:
-        yield f"{percent(held.gap)} above what tuning on it would reach"
+        none = abs(held.gap) < 1e-6
+        more = "no more than" if none else f"{percent(held.gap)} above what"
+        yield f"{more} tuning on it would reach"
 
 
 def _gain(held: HeldOut) -> str:
@@ -143,8 +147,8 @@ def percent(share: float) -> str:
     >>> percent(0.1234), percent(-0.001), percent(0.999)
     ('12 %', '-0.1 %', '100 %')
     """
-    told = 100 * share
-    return f"{told:.0f} %" if abs(told) >= 10 else f"{told:.2g} %"
+    value = 100 * share
+    return f"{value:.0f} %" if abs(value) >= 10 else f"{value:.2g} %"
 
 
 def _start(value: float) -> str:
@@ -184,9 +188,9 @@ def _open(posed: Posed, solution: Solution, judged: Judged) -> Iterator[str]:
         yield "all: nothing was found"
         return
     yield from posed.undetermined
-    for told in solution.certificate.flat_directions:
+    for sentence in solution.certificate.flat_directions:
         by = " by the error, and the common factor by the innovations (NIS 1)"
-        yield told + by * _scaled(told, judged)
+        yield sentence + by * _scaled(sentence, judged)
     yield from (f"{name} lies at its bound" for name in _at_bound(solution))
 
 

@@ -72,26 +72,26 @@ class SharedStarts:
 
 def _made(problem: Problem, descend: Descent, points: np.ndarray, trial: "optuna.Trial") -> float:
     end = descend(problem, points[trial.user_attrs[_START]])
-    told = {
+    kept = {
         "z": end.z.tolist(),
         "evaluations": int(end.evaluations),
         "finished": bool(end.finished),
         "message": end.message,
         "excess": float(end.excess),
     }
-    trial.set_user_attr(_END, told)
+    trial.set_user_attr(_END, kept)
     return float(end.value) if np.isfinite(end.value) else np.inf
 
 
 def _read(trial: "optuna.trial.FrozenTrial") -> tuple[int, Minimum]:
-    told = trial.user_attrs[_END]
+    kept = trial.user_attrs[_END]
     value = np.inf if trial.value is None else float(trial.value)
     end = Minimum(
-        np.array(told["z"]),
+        np.array(kept["z"]),
         value,
-        told["evaluations"],
-        told["finished"],
-        told["message"],
-        told["excess"],
+        kept["evaluations"],
+        kept["finished"],
+        kept["message"],
+        kept["excess"],
     )
     return trial.user_attrs[_START], end

@@ -42,7 +42,7 @@ def open_storage(url: str) -> "optuna.storages.BaseStorage":
     optuna.logging.set_verbosity(optuna.logging.WARNING)  # its own log off stderr
     if not url:
         return optuna.storages.InMemoryStorage()
-    with told(url), _QUIET:
+    with as_database_error(url), _QUIET:
         return _opened(url)
 
 
@@ -60,7 +60,7 @@ def watched(url: str) -> "optuna.storages.RDBStorage":
     """The same database as Optuna's watch over trials of lost processes uses it."""
     import optuna
 
-    with told(url), quiet():
+    with as_database_error(url), quiet():
         storage = optuna.storages.RDBStorage(
             url,
             engine_kwargs=_engine(url),
@@ -85,8 +85,8 @@ def quiet() -> Iterator[None]:
 
 
 @contextmanager
-def told(url: str) -> Iterator[None]:
-    """Tell what goes wrong with a database in one sentence.
+def as_database_error(url: str) -> Iterator[None]:
+    """Raise what goes wrong with a database as one sentence.
 
     Raises:
         DatabaseError: for whatever Optuna, SQLAlchemy, Alembic or a driver raises.

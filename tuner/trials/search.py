@@ -18,10 +18,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from tuner.trials.database import (
     HEARTBEAT,
     DatabaseError,
+    as_database_error,
     close,
     open_storage,
     quiet,
-    told,
     watched,
 )
 
@@ -61,7 +61,7 @@ class Trials:
 
     def complete(self) -> "list[optuna.trial.FrozenTrial]":
         """The trials that are finished and have a value, in the order of their numbers."""
-        with told(self.url):
+        with as_database_error(self.url):
             return [t for t in self.known() if t.state.name == "COMPLETE"]
 
     def known(self) -> "list[optuna.trial.FrozenTrial]":
@@ -100,7 +100,7 @@ class Trials:
 
     def free(self) -> int:
         """How many trials nobody has begun, or somebody lost."""
-        with told(self.url):
+        with as_database_error(self.url):
             states = [t.state.name for t in self.known() if t.state.name != "FAIL"]
         return max(self.total - len(states), 0) + states.count("WAITING")
 
@@ -125,7 +125,7 @@ class Trials:
 
         if self.watch is None:
             return
-        with told(self.url):
+        with as_database_error(self.url):
             for trial_id in self._unheard():
                 self.storage.record_heartbeat(trial_id)
             with quiet():
@@ -133,12 +133,12 @@ class Trials:
 
     def add(self, marks: Mapping[str, Any]) -> None:
         """Let somebody make one more trial, which is marked."""
-        with told(self.url):
+        with as_database_error(self.url):
             _queue(self.study, marks)
 
     def _asked(self) -> "optuna.Trial | None":
         """A trial of the total; None where others have asked for the last at the same moment."""
-        with told(self.url):
+        with as_database_error(self.url):
             trial = self.study.ask()
             counts = trial.number < self.total or self._lower(trial.number) < self.total
         if counts and (trial.user_attrs or not self.marked):
@@ -161,7 +161,7 @@ class Trials:
         late = optuna.exceptions.UpdateFinishedTrialError
         states, failed = optuna.trial.TrialState, math.isnan(value)
         state, values = states.FAIL if failed else states.COMPLETE, None if failed else [value]
-        with told(self.url), contextlib.suppress(late):
+        with as_database_error(self.url), contextlib.suppress(late):
             self.storage.set_trial_state_values(trial._trial_id, state, values)
 
     def _give_back(self, trial: "optuna.Trial", *, again: bool) -> None:
@@ -169,7 +169,7 @@ class Trials:
         import optuna
 
         state, late = optuna.trial.TrialState.FAIL, optuna.exceptions.UpdateFinishedTrialError
-        with told(self.url), contextlib.suppress(late):
+        with as_database_error(self.url), contextlib.suppress(late):
             given_back = self.study.tell(trial, state=state, skip_if_finished=True)
             if again:
                 with quiet():
@@ -209,7 +209,7 @@ class Trials:
     def _say(self, say: Callable[[], None], over: Event) -> None:
         while not over.wait(HEARTBEAT):
             # Where the database is lost, the trial's end will tell.
-            with contextlib.suppress(DatabaseError), told(self.url):
+            with contextlib.suppress(DatabaseError), as_database_error(self.url):
                 say()
                 self.storage.remove_session()
 
@@ -244,7 +244,7 @@ def opened(
     with ExitStack() as stack:
         storage = open_storage(url)
         stack.callback(close, storage)
-        with told(url):
+        with as_database_error(url):
             study = _entered(storage, name, sampler)
             if _READY not in study.user_attrs:
                 _furnish(study, facts, first, marks)
@@ -252,7 +252,7 @@ def opened(
         if isinstance(storage, optuna.storages.RDBStorage):
             over_it = watched(url)
             stack.callback(close, over_it)
-            with told(url):
+            with as_database_error(url):
                 watch = optuna.load_study(study_name=name, storage=over_it)
         yield Trials(url, storage, study, total, watch, bool(marks))
 

@@ -14,7 +14,7 @@ from tuner.report.page import page
 from tuner.report.write import KEPT, PAGE, page_again, read_kept
 from tuner.run.result import SingleRecord
 
-VOID = {"meta", "link", "img", "br", "path", "rect", "hr", "input"}
+VOID = {"meta", "wbr", "link", "img", "br", "path", "rect", "hr", "input"}
 
 
 class Seen(HTMLParser):

@@ -22,7 +22,7 @@ def list_(
     json: Json = False,
     md: Annotated[bool, typer.Option("--md", help="A Markdown page of filters.")] = False,
 ) -> None:
-    """List what there is, or what a filter takes, keeps and returns."""
+    """List studies, filters, objectives, solvers or formats, or show a filter's facts."""
     from tuner.cli.listing import show
 
     show(what, name, json=json, md=md)

@@ -9,7 +9,7 @@ import numpy as np
 from tuner.data.logs.contents import Contents, Group
 from tuner.data.logs.error import LogError
 from tuner.data.logs.table import Raw
-from tuner.limits import check_amount, told, unpacked
+from tuner.limits import check_amount, size_text, unpacked
 
 _PARQUET = b"PAR1"
 _DEEPEST = 8
@@ -43,8 +43,8 @@ def load(path: Path, names: Sequence[str]) -> dict[str, Raw]:
     size = 8 * rows * len(names)
     if size > unpacked(path.stat().st_size):
         raise LogError(
-            f"{names[0]!r} and others would unpack to {told(size)}, which no log does; save fewer "
-            "rows"
+            f"{names[0]!r} and others would unpack to {size_text(size)}, which no log does; save "
+            "fewer rows"
         )
     check_amount("what is mapped of it", size, "map less or cut it into parts")
     if _is_parquet(path):

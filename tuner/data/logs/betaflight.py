@@ -46,8 +46,8 @@ def _below(path: Path, above: int) -> tuple[Table, tuple[str, ...]]:
             out.write(b"#\n")  # so that lines keep their numbers
         shutil.copyfileobj(stream, out)
     table = open_csv(plain)
-    told = f"{counted(above, 'line')} about the flight above the names"
-    return replace(table, load=partial(_load, home, table)), (told,)
+    note = f"{counted(above, 'line')} about the flight above the names"
+    return replace(table, load=partial(_load, home, table)), (note,)
 
 
 def _load(_: Home, table: Table, names: Sequence[str]) -> dict[str, Raw] | Loaded:

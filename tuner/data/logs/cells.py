@@ -101,5 +101,5 @@ def decimal_mark(cells: Iterable[str]) -> tuple[str, str]:
         return ".", ""
     if marks:
         return ",", ""
-    told = f"{either!r} read as {either.replace(',', '.')}; where it is {either.replace(',', '')}"
-    return ",", f"{told}, map it as COLUMN*1000"
+    note = f"{either!r} read as {either.replace(',', '.')}; where it is {either.replace(',', '')}"
+    return ",", f"{note}, map it as COLUMN*1000"

@@ -93,7 +93,7 @@ def read_clock(columns: Columns, parts: Sequence[Mapping]) -> Clock:
         _judged(seconds, steps, step, times.resolution),
         origin=times.first + Fraction(float(seconds[0])),
         source=f"column {names}" if len(parts) == 1 else f"columns {names}",
-        notes=tuple(f"time {names}: {told}" for told in (*times.notes, spread) if told),
+        notes=tuple(f"time {names}: {note}" for note in (*times.notes, spread) if note),
     )
 
 
@@ -125,8 +125,8 @@ def _judged(seconds: Floats, steps: Floats, median: float, resolution: float) ->
     stray = np.abs(regular - median) > _STRAY * median
     steady = bool(rounded or stray.mean() <= _SHARE)
     mean = float(regular.mean())
-    told = steady and not rounded and abs(mean - median) <= _DRIFT * median
-    step = median if told else mean  # the median of alternating steps fits no record
+    close = steady and not rounded and abs(mean - median) <= _DRIFT * median
+    step = median if close else mean  # the median of alternating steps fits no record
     jitter = 0.0 if rounded else float(np.abs(regular - step).max()) / step
     rows = np.flatnonzero(gap)
     gaps = tuple(zip(rows.tolist(), steps[rows].tolist(), strict=True))

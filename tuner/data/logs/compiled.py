@@ -118,8 +118,8 @@ def compiled() -> Reader:
             return None
         place = places(form)
         values = np.empty((len(form.columns), rows))
-        told = _Form(rows, form.width, place.ctypes.data, form.delimiter[0], form.point[0])
-        status = function(text, len(text), told, tens.ctypes.data, values.ctypes.data)
+        layout = _Form(rows, form.width, place.ctypes.data, form.delimiter[0], form.point[0])
+        status = function(text, len(text), layout, tens.ctypes.data, values.ctypes.data)
         if status in (_FOUND, _NOT_PLAIN):
             return list(values) if status == _FOUND else None
         return by_scipy(text, form)

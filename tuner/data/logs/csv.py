@@ -39,7 +39,7 @@ def open_csv(path: Path) -> Table:
         LogError: where the file is damaged, is no text or holds no numbers; loading raises it
             for ragged rows and for text in a column of numbers.
     """
-    with _damage_told(path):
+    with _as_log_error(path):
         layouts = read_layouts(path)
     tables = [_table(layout, f"{kind}/" if kind else "") for kind, layout in layouts.items()]
     if len(tables) == 1:
@@ -59,14 +59,14 @@ def _table(layout: Layout, prefix: str) -> Table:
         return _table(replace(layout, chosen=Chosen(layout.words[word], word)), f"{word}/")
 
     def load(names: Sequence[str]) -> Loaded:
-        with _damage_told(layout.path):
+        with _as_log_error(layout.path):
             return _load(layout, {name: index(name) for name in names})
 
     def place(row: int) -> str:
         return f"line {_line_number(layout, row)}"
 
     def labels(name: str) -> Raw:
-        with _damage_told(layout.path):
+        with _as_log_error(layout.path):
             return _words(layout, index(name))
 
     return Table(
@@ -86,7 +86,7 @@ def _table(layout: Layout, prefix: str) -> Table:
 
 
 @contextmanager
-def _damage_told(path: Path) -> Iterator[None]:
+def _as_log_error(path: Path) -> Iterator[None]:
     """Turn the exceptions of a damaged file into a sentence."""
     try:
         yield
@@ -122,17 +122,17 @@ def _load(layout: Layout, places: Mapping[str, int]) -> Loaded:
     store = Store(layout.path.stat().st_size, len(others))
     known: dict[bytes, tuple[float, str] | None] = {}
     left_out: Counter[str] = Counter()
-    told: Counter[str] = Counter()
+    cell_notes: Counter[str] = Counter()
     for part in _in_turn(layout, dates, others):
         left_out.update(part.left_out)
-        mend(layout, part, others, known, told)
+        mend(layout, part, others, known, cell_notes)
         for place, cells in part.dates.items():
             written[place].append(cells)
         store.add(part.values, part.whole, part.size)
     found = dict(zip(others, store.columns(), strict=True))
     found |= {place: _together(cells) for place, cells in written.items()}
     notes = [f"{counted(number, what)} left out" for what, number in left_out.items()]
-    notes += [f"{what} in {counted(number, 'cell')}" for what, number in told.items()]
+    notes += [f"{what} in {counted(number, 'cell')}" for what, number in cell_notes.items()]
     return Loaded({name: found[place] for name, place in places.items()}, tuple(notes))
 
 

@@ -64,13 +64,13 @@ def _meanings(
     if not words:
         return ()
     first = _first(columns.raw[mapping.column])
-    told = " or ".join(f"{(ORDERS | SHORT)[word]} (:{word})" for word in words)
+    orders = " or ".join(f"{(ORDERS | SHORT)[word]} (:{word})" for word in words)
     steps = [np.diff(ticks) for ticks in moments.readings.values()]
     if all((step == steps[0]).all() for step in steps):
-        return (f"{first!r} may be {told}, with the same steps; taken as :{words[0]}",)
+        return (f"{first!r} may be {orders}, with the same steps; taken as :{words[0]}",)
     meant = (p.column + f":{words[0]}" * (p is mapping) for p in parts)
     raise columns.error(
-        mapping, f"holds {first!r}, {told}; say which, such as --time '{','.join(meant)}'"
+        mapping, f"holds {first!r}, {orders}; say which, such as --time '{','.join(meant)}'"
     )
 
 

@@ -119,10 +119,10 @@ def _unit(cell: str) -> str | None:
         return None
 
 
-def units_told(units: Mapping[str, str]) -> str:
+def units_note(units: Mapping[str, str]) -> str:
     """The units below the names in words."""
-    told = ", ".join(f"{name} {unit}" for name, unit in list(units.items())[:12])
-    return f"units as the row below the names says: {told}" if told else ""
+    text = ", ".join(f"{name} {unit}" for name, unit in list(units.items())[:12])
+    return f"units as the row below the names says: {text}" if text else ""
 
 
 def commented_names(above: list[str], delimiter: str | None, width: int) -> list[str]:

@@ -18,7 +18,7 @@ from tuner.data.logs.heading import (
     names_above,
     present,
     unique,
-    units_told,
+    units_note,
 )
 from tuner.data.logs.kinds import Chosen, Lines, kinds_of
 from tuner.data.logs.moments import is_moment
@@ -95,17 +95,17 @@ def read_layouts(path: Path) -> dict[str, Layout]:
         for number, cells in zip(part.numbers, split(part.texts, delimiter), strict=True)
         if is_header(cells)
     ]
-    told = f"rows of {quoted(others)} left out: no numbers" if others else ""
-    return {word: _titled(layout, titles, told) for word, layout in found.items()}
+    note = f"rows of {quoted(others)} left out: no numbers" if others else ""
+    return {word: _titled(layout, titles, note) for word, layout in found.items()}
 
 
-def _titled(layout: Layout, titles: list[tuple[int, list[str]]], told: str) -> Layout:
+def _titled(layout: Layout, titles: list[tuple[int, list[str]]], note: str) -> Layout:
     """The layout with the names in a line of another kind above, where it has none of its own."""
     width = len(layout.names)
     fits = [cells for number, cells in titles if number < layout.above and len(cells) == width]
     nameless = layout.names == unique([""] * width)
     names = unique(fits[-1]) if fits and nameless else layout.names
-    return replace(layout, names=names, notes=(*layout.notes, *([told] if told else [])))
+    return replace(layout, names=names, notes=(*layout.notes, *([note] if note else [])))
 
 
 def _read_layout(
@@ -133,15 +133,15 @@ def _read_layout(
     if named is None:
         named = commented_names(every[: lines.numbers[first]], delimiter, width)
     names = unique(named)
-    told = {names[k]: unit for k, unit in enumerate(units) if unit}
+    units_of = {names[k]: unit for k, unit in enumerate(units) if unit}
     texts = [k for k in range(width) if k not in values and present(sample, k)]
     times = {k for k in values if not any(map(is_number, present(sample, k)))}
     notes = (
-        encoding.told,
+        encoding.note,
         f"{counted(titles, 'line')} above the columns left out" * bool(titles and chosen is None),
         "decimal commas" * (point == ","),
         note,
-        units_told(told),
+        units_note(units_of),
     )
     return Layout(
         path=path,
@@ -154,7 +154,7 @@ def _read_layout(
         moments=frozenset(names[k] for k in times if any(map(is_moment, present(sample, k)))),
         texts=frozenset(names[k] for k in texts),
         words={cell.strip(): k for k in texts for cell in present(cells[first:], k)},
-        units=told,
+        units=units_of,
         notes=tuple(filter(None, notes)),
         chosen=chosen,
     )

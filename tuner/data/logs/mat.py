@@ -62,10 +62,10 @@ _EXPORTS = {
 """The MATLAB lines that make plain columns of an object."""
 
 
-def told(name: str, kind: str) -> str:
+def not_read(name: str, kind: str) -> str:
     """The note on an object that is not read.
 
-    >>> told("d", "duration")
+    >>> not_read("d", "duration")
     "'d' is a duration, not read; S = struct('Time', seconds(d)); save('log.mat', '-struct', 'S')"
     """
     if kind not in _EXPORTS:
@@ -89,7 +89,7 @@ def _sorted_out(
             continue
         found = _read(subsystem, value)
         if found is None:
-            left.append(told(name, value.kind))
+            left.append(not_read(name, value.kind))
             continue
         left += [f"{name}.{column!s} is not a number, and left out" for column in found.left]
         own = {f"{name}.{key}" if key else name: _squeezed(a) for key, a in found.columns.items()}

@@ -8,10 +8,9 @@ import numpy as np
 
 from tuner.data.logs.contents import Contents, Group
 from tuner.data.logs.error import LogError
-from tuner.data.logs.mat import told
+from tuner.data.logs.mat import not_read
 from tuner.data.logs.table import Raw
-from tuner.limits import check_amount, unpacked
-from tuner.limits import told as told_size
+from tuner.limits import check_amount, size_text, unpacked
 
 _DEEPEST = 8
 _MOST = 100_000
@@ -28,7 +27,7 @@ def contents(path: Path) -> Contents:
     with h5py.File(path, "r") as file:
         found = dict(_datasets(file, "", _DEEPEST))
         columns = {name: _width(part) for name, part in found.items() if not _is_object(part)}
-        left = [told(name, _kind(part)) for name, part in found.items() if _is_object(part)]
+        left = [not_read(name, _kind(part)) for name, part in found.items() if _is_object(part)]
     if not columns:
         why = f" but {left[0]}" if left else "; save the log's columns in it"
         raise LogError(f"the MAT file holds no arrays{why}")
@@ -44,7 +43,7 @@ def load(path: Path, names: Sequence[str]) -> dict[str, Raw]:
         size = sum(found[name].size * found[name].dtype.itemsize for name in names)
         if size > unpacked(path.stat().st_size):
             raise LogError(
-                f"{names[0]!r} and others would unpack to {told_size(size)}, which no log does; "
+                f"{names[0]!r} and others would unpack to {size_text(size)}, which no log does; "
                 "save them without compression"
             )
         check_amount("what is mapped of it", size, "map less or cut it into parts")

@@ -101,7 +101,7 @@ def mend(
     part: Part,
     columns: list[int],
     known: dict[bytes, tuple[float, str] | None],
-    told: Counter[str],
+    notes: Counter[str],
 ) -> None:
     """Read the cells that are no plain numbers one by one."""
     for row, place, cell in part.odd:
@@ -114,7 +114,7 @@ def mend(
             raise _no_number(layout, part.lines[row], column, text_of(layout, cell))
         part.values[place][row] = found[0]
         if found[1]:
-            told[f"{layout.names[column]}: {found[1]}"] += 1
+            notes[f"{layout.names[column]}: {found[1]}"] += 1
 
 
 def text_of(layout: Layout, cell: bytes) -> str:

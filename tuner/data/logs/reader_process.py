@@ -63,8 +63,8 @@ def open_in_process(path: Path, reader: Reader) -> Table:
             f"{path.name}: {reader.format} needs {reader.package}; "
             f"pip install 'filter-tuner[{reader.extra}]'"
         )
-    told, _ = _asked(path, reader, None)
-    return table_of(path, Contents.of(told), partial(_load, path, reader))
+    answer, _ = _asked(path, reader, None)
+    return table_of(path, Contents.of(answer), partial(_load, path, reader))
 
 
 def _load(path: Path, reader: Reader, names: Sequence[str]) -> dict[str, Raw]:
@@ -95,12 +95,12 @@ def _asked(
             raise _damaged(path, reader, f"not read within {2 * seconds} s")
         if code or not line:
             raise _damaged(path, reader, _ended(code))
-        told = json.loads(line)
-        if "refused" in told:
-            raise LogError(f"{path.name}: {told['refused']}")
-        if "broken" in told:
-            raise _damaged(path, reader, told["broken"].replace(str(path.resolve()), path.name))
-        return told, {name: _array(answer, *how) for name, how in told.get("arrays", {}).items()}
+        reply = json.loads(line)
+        if "refused" in reply:
+            raise LogError(f"{path.name}: {reply['refused']}")
+        if "broken" in reply:
+            raise _damaged(path, reader, reply["broken"].replace(str(path.resolve()), path.name))
+        return reply, {name: _array(answer, *how) for name, how in reply.get("arrays", {}).items()}
 
 
 def _answered(question: dict[str, Any], answer: IO[bytes], seconds: int) -> int | None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tuner.data.logs.error import LogError
-from tuner.limits import told, unpacked
+from tuner.limits import size_text, unpacked
 
 _GZIP = b"\x1f\x8b"
 _PROBE = 1 << 16
@@ -40,7 +40,7 @@ class Encoding:
     old_lines: bool = False
 
     @property
-    def told(self) -> str:
+    def note(self) -> str:
         """A note on an unusual encoding; "" for the usual one."""
         return "" if self.name == "utf-8" else f"letters read as {self.name}"
 
@@ -134,8 +134,8 @@ def _chunks(path: Path, size: int) -> Iterator[bytes]:
             read += len(data)
             if packed and read > most:
                 raise LogError(
-                    f"{path.name}: {held >> 10} kB unpack to more than {told(most)}; a log does "
-                    "not shrink like that; unpack it yourself"
+                    f"{path.name}: {held >> 10} kB unpack to more than {size_text(most)}; a log "
+                    "does not shrink like that; unpack it yourself"
                 )
             yield data
 

@@ -95,8 +95,8 @@ class _Part:
 def _nanoseconds(columns: Columns, mapping: Mapping, parts: Sequence[Mapping]) -> _Part:
     column = columns.raw[mapping.column]
     if column.dtype.kind == "S":
-        moments, told = read_dates(columns, mapping, parts)
-        return _Part(moments.ticks, moments.step, told, not moments.dated)
+        moments, notes = read_dates(columns, mapping, parts)
+        return _Part(moments.ticks, moments.step, notes, not moments.dated)
     times = _counted(columns, mapping, pick(columns, mapping), alone=False)
     ticks = np.rint(times.seconds * 1e9).astype(np.int64) + round(times.first / _NS)
     return _Part(ticks, 1e9 * times.resolution, times.notes)
@@ -182,6 +182,6 @@ def _unwrapped(column: Raw) -> tuple[Raw, str]:
     for end, word in _COUNTERS.items():
         jumps = steps[back] + end
         if (jumps >= 0).all() and (jumps <= _JUMP * usual).all():
-            told = f"begun anew at {word} {counted(int(back.sum()), 'time')}, counted on"
-            return column + turns * (int(end) if whole else end), told
+            note = f"begun anew at {word} {counted(int(back.sum()), 'time')}, counted on"
+            return column + turns * (int(end) if whole else end), note
     return column, ""

@@ -85,10 +85,10 @@ def without_repeats(columns: Columns, time: Sequence[Mapping] | None, samples: i
             f"{columns.table.file}: --drop-repeats needs a time column; give --time COLUMN"
         )
     new = ~same_as_before(columns, parts)
-    told = f"{counted(int((~new).sum()), 'row')} with the time of the row before left out"
+    note = f"{counted(int((~new).sum()), 'row')} with the time of the row before left out"
     if others := _unlike(columns, np.flatnonzero(~new), samples):
-        told += f", {others} of them with other numbers"
-    return columns.rows(np.flatnonzero(new), samples).with_notes([told])
+        note += f", {others} of them with other numbers"
+    return columns.rows(np.flatnonzero(new), samples).with_notes([note])
 
 
 def _unlike(columns: Columns, rows: NDArray[np.intp], samples: int) -> int:
@@ -172,8 +172,8 @@ def _rated(columns: Columns, parts: Sequence[Mapping], rate_hz: float, samples: 
 
 
 def _overruled(samples: int, rate_hz: float, names: str, why: str) -> Clock:
-    told = f"time {names}: overruled by --rate {rate_hz:g}, though {why}"
-    return Clock.rated(samples, rate_hz, "--rate", (told,))
+    note = f"time {names}: overruled by --rate {rate_hz:g}, though {why}"
+    return Clock.rated(samples, rate_hz, "--rate", (note,))
 
 
 def _scalar_rate(columns: Columns) -> tuple[str, float]:

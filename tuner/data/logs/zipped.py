@@ -8,7 +8,7 @@ from pathlib import Path
 
 from tuner.data.logs.error import LogError
 from tuner.files import opened
-from tuner.limits import largest, told, unpacked
+from tuner.limits import largest, size_text, unpacked
 
 DAMAGE = (
     OSError, EOFError, ValueError, KeyError, IndexError, TypeError, OverflowError, SyntaxError,
@@ -46,11 +46,11 @@ def check_sizes(path: Path, members: Sequence[zipfile.ZipInfo], what: str) -> No
     size, held = sum(member.file_size for member in members), path.stat().st_size
     if size > unpacked(held):
         raise LogError(
-            f"{path.name}: {what} would unpack to {told(size)} from {told(held)}, which no log "
-            "does; unpack it yourself, or save it uncompressed"
+            f"{path.name}: {what} would unpack to {size_text(size)} from {size_text(held)}, which "
+            "no log does; unpack it yourself, or save it uncompressed"
         )
     if size > largest():
         raise LogError(
-            f"{path.name}: {what} would take {told(size)}, where {told(largest())} is the most; "
-            "cut the log into parts, or set another limit by --memory"
+            f"{path.name}: {what} would take {size_text(size)}, where {size_text(largest())} is "
+            "the most; cut the log into parts, or set another limit by --memory"
         )
