@@ -9,6 +9,9 @@ from jax import Array
 
 _SMALL = 1e-4
 """Squared angle, rad^2, below which series stand for sine and arc: their error is 1e-18."""
+_DOWN = 1e-9
+"""Distance of the vertical's cosine from -1 that is taken as upside down; at least the spacing of
+numbers, lest the cosine be -1 and not below the limit."""
 
 
 def multiply(p: Array, q: Array) -> Array:
@@ -106,7 +109,7 @@ def level(acceleration: Array) -> Array:
     1.0
     """
     x, y, z = normalise(acceleration)
-    down = z < -1 + 1e-9
+    down = z < -1 + max(_DOWN, float(jnp.finfo(z.dtype).eps))
     w = jnp.sqrt(jnp.where(down, 1.0, (1 + z) / 2))
     upright = normalise(jnp.stack([w, y / (2 * w), -x / (2 * w), jnp.zeros_like(w)]))
     return jnp.where(down, jnp.array([0.0, 1.0, 0.0, 0.0], w.dtype), upright)

@@ -136,6 +136,16 @@ def test_level_upside_down_is_half_a_turn_about_x():
     np.testing.assert_array_equal(levelled(jnp.array([0.0, 0.0, -9.81])), [0.0, 1.0, 0.0, 0.0])
 
 
+@pytest.mark.parametrize("off", [0.0, 1e-5, 2e-4, 1e-3])
+def test_level_near_upside_down_in_float(off):
+    """The vertical's cosine is -1 there; of the spacing of its numbers an angle of 5e-4 is left."""
+    a = np.array([0.0, -9.81 * np.sin(off), -9.81 * np.cos(off)], np.float32)
+    found = np.asarray(levelled(jnp.asarray(a)))
+    assert found.dtype == np.float32
+    up = turned(found.astype(float), a.astype(float))
+    np.testing.assert_allclose(up, [0, 0, 9.81], rtol=0, atol=1e-2)
+
+
 @pytest.mark.parametrize("off", [1e-2, 1e-4, 3e-5, 1e-6])
 def test_level_near_upside_down(off):
     """1 + z is rounded at 1e-16 and 5e-9 at the least: 1e-8; below 4.5e-5 rad it is x's half turn.

@@ -1,6 +1,6 @@
 """A filter's step in NumPy on many states, with constants changed or with rounding errors."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
@@ -10,7 +10,7 @@ import numpy as np
 from tuner.code.graph import Graph
 from tuner.code.mutants import CHANGE, Mutant, mutants_of, with_changes
 from tuner.code.nodes import Node
-from tuner.code.operations import BINARY, LOGIC, UNARY
+from tuner.code.operations import BINARY, COMPARE, LOGIC, UNARY
 from tuner.code.program import Program
 
 _EXACT = frozenset({"neg", "abs", "choose", "convert", "max", "min", *LOGIC})
@@ -71,6 +71,13 @@ class Step:
         return found
 
     @cached_property
+    def decisions(self) -> list[tuple[int, int]]:
+        """The real numbers that are compared."""
+        nodes = self.graph.nodes
+        compared = {nodes[k].args for k in self.order if nodes[k].op in COMPARE}
+        return [(x, y) for x, y in sorted(compared) if nodes[x].kind == nodes[y].kind == "real"]
+
+    @cached_property
     def mutants(self) -> list[Mutant]:
         """The constants of a step."""
         return list(mutants_of(self.graph, self.order))
@@ -118,6 +125,18 @@ class Step:
                     if part not in keep:
                         del known[part]
         return [known[k] for k in self.roots]
+
+    def values(self, given: Given, nodes: Sequence[int]) -> dict[int, np.ndarray]:
+        """Nodes, ``(B,)`` or ``(1,)`` each: in order, and none without what it is made of."""
+        known: dict[int, np.ndarray] = {}
+        with np.errstate(all="ignore"):
+            for k in nodes:
+                node, function = self.graph.nodes[k], self.functions[k]
+                if function is None:
+                    known[k] = given[k] if node.op == "input" else np.array([node.value])
+                else:
+                    known[k] = np.asarray(function(*(known[part] for part in node.args)))
+        return known
 
     @cached_property
     def functions(self) -> dict[int, Callable[..., Any] | None]:

@@ -21,34 +21,52 @@ _CLEAR, _FAINT = 60.0, 0.5
 """The root of summed squares of moves over their tolerances from which a constant shows whichever
 of the results share it, and below which it does not."""
 _PART, _REPEATS = 64, 6
+_MARGIN = 8.0
+"""Distance of two numbers that are compared, over the largest effect of rounding on it, from which
+other rounding errors decide alike."""
 _LARGEST = {"double": 1e60, "float": 1e12}
 
 
 @dataclass(frozen=True, eq=False)
 class Expected:
-    """Roots of steps without and with rounding errors, ``(roots, B)``."""
+    """Roots of steps without and with rounding errors.
+
+    Attributes:
+        exact: without, ``(roots, B)``.
+        strays: by how much rounding changes them.
+        steady: whether rounding is far from changing a decision, ``(B,)``.
+    """
 
     exact: np.ndarray
     strays: np.ndarray
+    steady: np.ndarray
 
 
-def plain(step: Step, given: Given) -> Expected:
+def plain(step: Step, given: Given, watched: dict[int, np.ndarray] | None = None) -> Expected:
     """The results of steps, without rounding errors."""
     count = max(map(len, given.values()), default=1)
-    found = [np.broadcast_to(one, count) for one in step.results(given)]
+    found = [np.broadcast_to(one, count) for one in step.results(given, watched=watched)]
     exact = np.array(found, float).reshape(-1, count)
-    return Expected(exact, np.zeros(exact.shape))
+    return Expected(exact, np.zeros(exact.shape), np.ones(count, bool))
 
 
 def expected(step: Step, given: Given, draw: np.random.Generator) -> Expected:
     """The results of steps, and by how much rounding errors change them."""
-    exact = plain(step, given).exact
+    decided = {k: np.zeros(1) for pair in step.decisions for k in pair}
+    noisy = dict(decided)
+    exact = plain(step, given, decided).exact
     noise = Noise(draw, EPS[step.program.precision], _REPEATS)
-    runs = step.results(given, noise=noise)
+    runs = step.results(given, noise=noise, watched=noisy)
     with np.errstate(all="ignore"):
         apart = [np.abs(run - right) for run, right in zip(runs, exact, strict=True)]
     strays = np.array([np.max(np.atleast_2d(one), axis=0) for one in apart]).reshape(exact.shape)
-    return Expected(exact, np.where(np.isnan(exact), 0, strays))
+    steady = np.ones(exact.shape[1], bool)
+    with np.errstate(all="ignore"):
+        for x, y in step.decisions:
+            margin = decided[x] - decided[y]
+            moved = np.abs(np.atleast_2d(noisy[x] - noisy[y] - margin)).max(axis=0)
+            steady &= ~((moved > 0) & (np.abs(margin) < _MARGIN * moved))
+    return Expected(exact, np.where(np.isnan(exact), 0, strays), steady)
 
 
 def allowed(step: Step, right: Expected) -> np.ndarray:
@@ -116,4 +134,4 @@ def _compared(step: Step, right: Expected) -> np.ndarray:
     own = sum(field.size for field in step.program.state)
     good = np.isfinite(right.exact[:own]).all(axis=0) & np.isfinite(right.strays).all(axis=0)
     size = np.abs(np.nan_to_num(right.exact)).max(axis=0, initial=0)
-    return np.asarray(good & (size < _LARGEST[step.program.precision]))
+    return np.asarray(good & right.steady & (size < _LARGEST[step.program.precision]))

@@ -50,7 +50,7 @@ class Statements:
         wanted = {k for k in roots if self.graph.nodes[k].op != "constant"}
         live = self._live(wanted)
         uses = Counter(k for entry in live for k in self.graph.nodes[entry].args)
-        both = {k for entry in live for k in self._branches(entry)}
+        alone = {k for entry in live for k in self._whole(entry)}
         size: dict[int, int] = {}
         for entry in live:
             node = self.graph.nodes[entry]
@@ -61,7 +61,7 @@ class Statements:
             size[entry] = 1 + sum(size.get(k, 1) for k in node.args if k not in self.names)
             told = self._name_source(entry) if entry in self.labels else None
             named = told is not None and size[entry] > 2
-            if uses[entry] > 1 or entry in wanted | both or size[entry] > _LONGEST or named:
+            if uses[entry] > 1 or entry in wanted | alone or size[entry] > _LONGEST or named:
                 self._declare(entry, told)
 
     def _live(self, roots: Collection[int]) -> list[int]:
@@ -75,10 +75,14 @@ class Statements:
             open_ += self.graph.nodes[entry].args
         return sorted(k for k in seen if self.graph.nodes[k].op != "constant")
 
-    def _branches(self, entry: int) -> tuple[int, ...]:
-        """Both branches of a choice, which are always computed: every step takes the same time."""
+    def _whole(self, entry: int) -> tuple[int, ...]:
+        """Operands that are computed beforehand.
+
+        Both branches of a choice always are: every step takes the same time. Operands of the larger
+        or the smaller of two numbers are written twice.
+        """
         node = self.graph.nodes[entry]
-        return node.args[1:] if node.op == "choose" else ()
+        return {"choose": node.args[1:], "max": node.args, "min": node.args}.get(node.op, ())
 
     def _name_source(self, entry: int) -> tuple[Said, tuple[int, ...], int] | None:
         for source, index, number in self.labels[entry]:

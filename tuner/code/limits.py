@@ -1,41 +1,30 @@
 """Steps in which two numbers that are compared are almost equal.
 
-A limit shows where it just acts, and a series where its argument is largest: pairs of states on the
-two sides are brought close to it by bisection.
+A limit shows where it just acts, and a series where its argument is largest. So a step is looked
+for in which the decision matters: taken otherwise, it changes a result. That step is varied until
+it is on the other side, and then brought close to the limit by bisection.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
+from tuner.code.approach import Bases, Compared, beyond, close
 from tuner.code.array_step import Step
+from tuner.code.detection import LONG, detected, plain
+from tuner.code.mutants import OTHERWISE, Mutant
 from tuner.code.operations import COMPARE
 from tuner.code.states import Around, Arrays, placed
 
-_BESIDE = (-3e-2, -5e-4, 5e-4, 3e-2)
-"""Distances from a limit, over the limit; one that is changed is passed by the inner ones."""
-_POOL, _PAIRS, _HALVINGS, _BATCH = 256, 6, 26, 128
-
-
-@dataclass(frozen=True, eq=False)
-class _Pairs:
-    """Steps on the two sides of a goal, by their numbers in a pool.
-
-    Attributes:
-        nodes: the number that is compared and its limit, of each pair.
-        goal: what the number is to be, over the limit.
-        low, high: steps where it is less, and more.
-    """
-
-    nodes: list[tuple[int, int]]
-    goal: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
+_POOLS, _POOL, _BASES, _FEW = 3, 256, 4, 64
+"""How often so many steps are drawn, in a long step so few, and the most for one limit."""
+_BATCH = 128
+_EARLY = 3000
+"""Operations that a decision of a long step may depend on."""
 
 
 def beside_limits(
-    step: Step, around: Around, draw: np.random.Generator
+    step: Step, around: Around, draw: np.random.Generator, wanted: Collection[int] | None = None
 ) -> Iterator[tuple[Arrays, Arrays]]:
     """States and samples, a field each, in batches.
 
@@ -43,85 +32,66 @@ def beside_limits(
         step: the filter's.
         around: where states are drawn.
         draw: a generator.
+        wanted: the operations that compare; None: all.
     """
-    states, samples = around.drawn(draw, _POOL)
-    samples = [np.nan_to_num(x) if x.dtype.kind == "f" else x for x in samples]
-    pairs = _pairs(step, states, samples, draw)
-    if not len(pairs.goal):
+    own = len(around.states)
+    bases = _bases(step, around, _compared(step, wanted), draw)
+    if not bases.compared:
         return
-    near, with_them = _halved(step, states, samples, pairs)
-    for at in range(0, len(pairs.goal), _BATCH):
-        part = slice(at, at + _BATCH)
-        yield [x[part] for x in near], [x[part] for x in with_them]
+    others = beyond(step, own, bases, draw)
+    near = close(step, own, bases, others)
+    found = [np.concatenate(both) for both in zip(near, others, strict=True)]
+    for at in range(0, len(found[0]), _BATCH):
+        part = [x[at : at + _BATCH] for x in found]
+        yield part[:own], part[own:]
 
 
-def _compared(step: Step) -> list[tuple[int, int]]:
-    """Real numbers that are compared, the second no zero."""
-    nodes, found = step.graph.nodes, set()
-    for k in step.order:
+def _compared(step: Step, wanted: Collection[int] | None) -> list[Compared]:
+    """Real numbers that are compared, the second no zero and not infinite.
+
+    In a long step only early ones: the others take too long.
+    """
+    nodes, found = step.graph.nodes, []
+    for k in step.order if wanted is None else sorted(wanted):
         if nodes[k].op in COMPARE or nodes[k].op in ("max", "min"):
             x, limit = nodes[k].args
             if nodes[x].op == "constant":
                 x, limit = limit, x
             real = nodes[x].kind == nodes[limit].kind == "real"
-            if real and not step.graph.is_constant(limit, 0.0):
-                found.add((x, limit))
-    return sorted(found)
+            if real and not any(step.graph.is_constant(limit, one) for one in (0.0, np.inf)):
+                found.append((k, x, limit))
+    if len(step.order) <= LONG:
+        return found
+    return [one for one in found if len(step.graph.reached(one[1:])) <= _EARLY]
 
 
-def _apart(
-    step: Step, states: Arrays, samples: Arrays, nodes: list[tuple[int, int]], count: int
-) -> np.ndarray:
-    """Two numbers of each pair in every step, ``(pairs, 2, count)``."""
-    watched = {k: np.zeros(1) for pair in nodes for k in pair}
-    step.results(placed(step.program, states, samples), watched=watched)
-    whole = {k: np.broadcast_to(np.asarray(x, float), count) for k, x in watched.items()}
-    return np.array([[whole[k] for k in pair] for pair in nodes]).reshape(len(nodes), 2, count)
+def _bases(
+    step: Step, around: Around, compared: list[Compared], draw: np.random.Generator
+) -> Bases:
+    """Steps in which these decisions matter; where there is none, others."""
+    own, chosen, steps = len(around.states), list[Compared](), list[Arrays]()
+    long = len(step.order) > LONG
+    count, most = (_FEW, 1) if long else (_POOL, _BASES)
+    for turn in range(_POOLS):
+        missing = [one for one in compared if one not in chosen]
+        if not missing:
+            break
+        states, samples = around.drawn(draw, count)
+        pool = [*states, *samples]
+        matters = _matters(step, own, pool, [one[0] for one in missing])
+        for one, row in zip(missing, matters, strict=True):
+            at = draw.permutation(np.flatnonzero(row))[:most]
+            if not len(at) and turn + 1 == _POOLS and not long:
+                at = draw.integers(count, size=1)
+            if len(at):
+                chosen += [one] * len(at)
+                steps.append([x[at] for x in pool])
+    before = step.graph.reached(k for one in chosen for k in one[1:])
+    return Bases(chosen, [np.concatenate(column) for column in zip(*steps, strict=True)], before)
 
 
-def _pairs(step: Step, states: Arrays, samples: Arrays, draw: np.random.Generator) -> _Pairs:
-    nodes: list[tuple[int, int]] = []
-    rows: list[tuple[float, int, int]] = []
-    compared = _compared(step)
-    for pair, (x, limit) in zip(
-        compared, _apart(step, states, samples, compared, _POOL), strict=True
-    ):
-        for beside in _BESIDE:
-            above = x - limit * (1 + beside)
-            low, high = np.flatnonzero(above < 0), np.flatnonzero(above > 0)
-            if len(low) and len(high):
-                both = zip(draw.choice(low, _PAIRS), draw.choice(high, _PAIRS), strict=True)
-                rows += [(1 + beside, int(a), int(b)) for a, b in both]
-                nodes += [pair] * _PAIRS
-    goal, low, high = np.array(rows).reshape(len(rows), 3).T
-    return _Pairs(nodes, goal, low.astype(int), high.astype(int))
-
-
-def _halved(step: Step, states: Arrays, samples: Arrays, pairs: _Pairs) -> tuple[Arrays, Arrays]:
-    """Steps between the two sides, close to the goals."""
-    count = len(pairs.goal)
-    low, high, lanes = np.zeros(count), np.ones(count), np.arange(count)
-    distinct = sorted(set(pairs.nodes))
-    own = np.array([distinct.index(pair) for pair in pairs.nodes])
-
-    def at(share: np.ndarray) -> tuple[Arrays, Arrays]:
-        def between(part: Arrays) -> Arrays:
-            return [_between(x[pairs.low], x[pairs.high], share) for x in part]
-
-        return between(states), between(samples)
-
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        both = _apart(step, *at(middle), distinct, count)
-        with np.errstate(invalid="ignore"):
-            below = both[own, 0, lanes] < pairs.goal * both[own, 1, lanes]
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
-    return at(low)
-
-
-def _between(one: np.ndarray, other: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Between two arrays; whole numbers and truth values are the first one's."""
-    if one.dtype.kind != "f":
-        return one
-    axes = share[(slice(None),) + (None,) * (one.ndim - 1)]
-    return np.asarray(one + axes * (other - one))
+def _matters(step: Step, own: int, pool: Arrays, decisions: list[int]) -> np.ndarray:
+    """Whether each decision, taken otherwise, changes a result of each step."""
+    given = placed(step.program, pool[:own], pool[own:])
+    turned = [Mutant(k, OTHERWISE) for k in decisions]
+    return detected(step, given, turned, plain(step, given), 1.0)

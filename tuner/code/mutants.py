@@ -13,12 +13,16 @@ CHANGE = 1e-3
 """A constant is changed by this share of itself."""
 
 
+OTHERWISE = -1
+"""In place of an operand: the decision itself is taken the other way round."""
+
+
 class Mutant(NamedTuple):
-    """A constant, where one operation uses it.
+    """A constant, where one operation uses it, or a decision that is taken otherwise.
 
     Attributes:
         node: the operation.
-        at: which of its operands the constant is.
+        at: which of its operands the constant is; or that it decides otherwise.
         limit: whether of a limit only the comparison with it is changed, which is a number of its
             own in C.
     """
@@ -28,6 +32,7 @@ class Mutant(NamedTuple):
     limit: bool = False
 
 
+_OTHERWISE: Mapping[str, Callable[..., Any]] = {"max": np.minimum, "min": np.maximum}
 Lanes: TypeAlias = Mapping[Mutant, Sequence[int]]
 """The rows of an array in which a constant is changed."""
 
@@ -84,6 +89,11 @@ def with_changes(
         if Mutant(k, at, limit=True) in lanes:
             limit = at, lanes[Mutant(k, at, limit=True)]
     found = np.asarray(function(*args))
+    turned = lanes.get(Mutant(k, OTHERWISE), [])
+    if turned:
+        other = _OTHERWISE[node.op](*args) if node.op in _OTHERWISE else np.logical_not(found)
+        found, other = (np.array(np.broadcast_to(x, (M, found.shape[-1]))) for x in (found, other))
+        found[turned] = other[turned]
     if limit is not None:
         at, own = limit
         x, plain = args[1 - at], np.asarray(graph.nodes[node.args[at]].value)

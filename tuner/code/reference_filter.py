@@ -54,18 +54,23 @@ class ReferenceFilter:
         """The state before the first sample, flat, as real numbers."""
         return [np.asarray(leaf, self.dtype) for leaf in jax.tree.leaves(self._start)]
 
-    def run(self, samples: Any, states: Arrays | None = None) -> tuple[Arrays, Arrays]:
+    def run(
+        self, samples: Any, states: Arrays | None = None, begin: Arrays | None = None
+    ) -> tuple[Arrays, Arrays]:
         """The state after each sample and the outputs, flat, as real numbers.
 
         Args:
             samples: time first.
             states: before each sample, a field each; None: samples follow one another.
+            begin: the state before the first of them then; None: the filter's own.
         """
         count = len(jax.tree.leaves(samples)[0])
         leaves, tree = jax.tree.flatten(self._start)
-        given = states or [np.broadcast_to(leaf, (count, *leaf.shape)) for leaf in leaves]
+        before = begin or leaves
+        given = states or [np.broadcast_to(leaf, (count, *leaf.shape)) for leaf in before]
         as_they_are = [x.astype(leaf.dtype) for x, leaf in zip(given, leaves, strict=True)]
         restart = np.full(count, states is not None)
+        restart[0] |= begin is not None
         rows = samples, restart, jax.tree.unflatten(tree, as_they_are)
         padded = jax.tree.map(lambda leaf: _padded(np.asarray(leaf), SAMPLES), rows)
         found = _run(

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -14,8 +15,7 @@ from tuner.code.mutants import Mutant, is_limit
 from tuner.code.states import Around, Arrays, placed
 
 _BATCH, _ROUNDS, _FEW = 64, 8, 4
-_LONGEST = 15_000
-"""Operations of a step beyond which no states beside limits are looked for."""
+"""States looked at together, and how often; of a long step, and beside its limits."""
 _TOGETHER = 32
 """Limits of a long step that are changed together."""
 _CLEAR = 10.0
@@ -60,7 +60,7 @@ def search(step: Step, around: Around, most: int) -> Found:
     draw, tried, chosen = np.random.default_rng(0), 0, list[Arrays]()
     program, hidden = step.program, _Hidden(list(step.mutants), set(step.mutants))
     look = _by_derivatives if len(step.order) > LONG else _by_changes
-    for drawn in _batches(step, around, draw):
+    for drawn in _batches(step, around, draw, hidden):
         if not hidden.mutants or len(chosen) == most:
             break
         states, samples = (_rounded(part, program.precision) for part in drawn)
@@ -121,12 +121,15 @@ def _by_derivatives(
 
 
 def _batches(
-    step: Step, around: Around, draw: np.random.Generator
+    step: Step, around: Around, draw: np.random.Generator, hidden: _Hidden
 ) -> Iterator[tuple[Arrays, Arrays]]:
-    rounds = _FEW if len(step.order) > LONG else _ROUNDS
-    yield from (around.drawn(draw, _BATCH) for _ in range(rounds))
-    if len(step.order) <= _LONGEST:
+    long = len(step.order) > LONG
+    yield from (around.drawn(draw, _BATCH) for _ in range(_FEW if long else _ROUNDS))
+    if not long:
         yield from beside_limits(step, around, draw)
+    else:
+        limits = {one.node for one in hidden.mutants if is_limit(step.graph, one)}
+        yield from islice(beside_limits(step, around, draw, limits), 2)
 
 
 def unplaced(fields: list[Field], rows: np.ndarray) -> tuple[Arrays, np.ndarray]:

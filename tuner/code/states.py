@@ -10,7 +10,7 @@ from tuner.code.fields import Field
 from tuner.code.program import Program
 
 Arrays: TypeAlias = list[np.ndarray]
-_FAR, _NOTHING, _SPARSE = 0.5, 0.03, 0.3
+_FAR, _NOTHING, _SPARSE, _SOME = 0.5, 0.03, 0.3, 0.7
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,27 +20,44 @@ class Around:
     Attributes:
         state: the fields of the state.
         inputs: those of a sample.
-        states: states that a filter was in, a field each, ``(S, ...)``.
-        samples: of a record, a field each, ``(N, ...)``.
+        states: states that a filter was in, a field each, ``(N, ...)``.
+        samples: the sample that came then, a field each.
+        resting: number of states, the last ones, in which nothing changed any more.
     """
 
     state: Sequence[Field]
     inputs: Sequence[Field]
     states: Arrays
     samples: Arrays
+    resting: int = 0
 
     def drawn(self, draw: np.random.Generator, count: int) -> tuple[Arrays, Arrays]:
         """States and samples, a field each, ``(count, ...)``."""
-        at = draw.integers(len(self.states[0]) if self.states else 1, size=count)
-        row = draw.integers(len(self.samples[0]) if self.samples else 1, size=count)
-        far = draw.choice([0.0, 0.3, 1.0, 3.0], count)
-        states = [_drawn(draw, f, x[at], far) for f, x in zip(self.state, self.states, strict=True)]
-        far = draw.choice([0.0, 0.3, 1.0, 3.0], count)
-        samples = [
-            _with_holes(draw, _drawn(draw, f, x[row], far))
-            for f, x in zip(self.inputs, self.samples, strict=True)
-        ]
-        return states, samples
+        at = self._rows(draw, count)
+        row = np.where(draw.random(count) < 1 / 2, at, self._rows(draw, count))
+        states = _all_drawn(draw, self.state, [x[at] for x in self.states])
+        samples = _all_drawn(draw, self.inputs, [x[row] for x in self.samples])
+        return states, [_with_holes(draw, x) for x in samples]
+
+    def _rows(self, draw: np.random.Generator, count: int) -> np.ndarray:
+        """Rows of the record or, as many, of those at rest."""
+        whole = next((len(x) for x in (*self.states, *self.samples)), 1)
+        moving = draw.integers(whole - self.resting, size=count)
+        if not self.resting:
+            return moving
+        still = whole - 1 - draw.integers(self.resting, size=count)
+        return np.where(draw.random(count) < 1 / 2, moving, still)
+
+
+def _all_drawn(draw: np.random.Generator, fields: Sequence[Field], near: Arrays) -> Arrays:
+    """Values near given ones, or farther off in all fields or in some."""
+    count = len(near[0]) if near else 0
+    far = draw.choice([0.0, 0.3, 1.0, 3.0], count)
+    some = draw.random(count) < 1 / 2
+    return [
+        _drawn(draw, f, x, np.where(some & (draw.random(count) < _SOME), 0.0, far))
+        for f, x in zip(fields, near, strict=True)
+    ]
 
 
 def _drawn(

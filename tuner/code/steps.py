@@ -8,6 +8,7 @@ import jax
 import numpy as np
 
 from tuner.code.array_step import Step
+from tuner.code.at_rest import whereabouts
 from tuner.code.detection import LONG, Expected, allowed, expected, undetected
 from tuner.code.fields import Field
 from tuner.code.mutants import Mutant
@@ -15,7 +16,7 @@ from tuner.code.operations import kind_of
 from tuner.code.program import Program
 from tuner.code.reference_filter import SAMPLES, ReferenceFilter
 from tuner.code.search import Found, search, unplaced
-from tuner.code.states import Around, Arrays, column, placed
+from tuner.code.states import Arrays, column, placed
 
 STEPS, _UNSEARCHED = 16, 4
 """Most single steps, and their number where there are no formulas to search by."""
@@ -59,7 +60,7 @@ def searched_steps(
     """Steps in which constants show, with JAX's results."""
     leaves, tree = jax.tree.flatten(samples)
     step = Step(program)
-    around = Around(program.state, program.inputs, met, [np.asarray(leaf) for leaf in leaves])
+    around = whereabouts(own, program.state, program.inputs, met, samples)
     found = search(step, around, STEPS)
     if found.count == 0:
         return None
@@ -89,10 +90,11 @@ def _judged(step: Step, found: Found, after: Arrays, outputs: Arrays) -> Steps:
     with np.errstate(invalid="ignore"):
         apart = np.nan_to_num(np.abs(by_jax - right.exact), posinf=0, neginf=0)
     same = (np.isnan(by_jax) == np.isnan(right.exact)).all(axis=0)
+    same &= right.steady
     if len(step.order) > LONG:  # whose C with loops is another order of operations, as JAX is
         same &= (apart <= allowed(step, right) / 4).all(axis=0)
     right = replace(right, strays=np.maximum(right.strays, apart))
-    right = Expected(right.exact[:, same], right.strays[:, same])
+    right = Expected(right.exact[:, same], right.strays[:, same], right.steady[same])
     most, rest = unplaced(program.state, allowed(step, right))
     most_out, _ = unplaced(program.outputs, rest)
     return Steps(
@@ -128,7 +130,7 @@ def drawn_steps(
     draw = np.random.default_rng(0)
     drawn = [
         [_near(x, own.dtype, 0 * x) for x in part]
-        for part in Around(state, inputs, met, leaves).drawn(draw, SAMPLES)
+        for part in whereabouts(own, state, inputs, met, samples).drawn(draw, SAMPLES)
     ]
 
     def ran(by: ReferenceFilter, errors: float) -> Arrays:

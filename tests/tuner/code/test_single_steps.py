@@ -13,10 +13,11 @@ from benchmarks.without_effect import without_effect
 from tests.tuner.code.compiled import compile_in, needed, ran
 from tests.tuner.export_cases import tuned
 from tuner.code.array_step import Step
+from tuner.code.detection import expected
 from tuner.code.document import files
 from tuner.code.form import form
 from tuner.code.graph import Graph
-from tuner.code.mutants import mutants_of
+from tuner.code.mutants import OTHERWISE, Mutant, mutants_of
 from tuner.code.program import as_graph
 from tuner.code.sensitivity import sensitivities
 from tuner.code.trace import traced
@@ -39,6 +40,41 @@ class Bent:
         return Place(jnp.minimum(x, 7.0)), jnp.where(x > 5.0, 3.0 * series, series)
 
 
+class Waiting(NamedTuple):
+    mean: Array
+    seconds: Array
+
+
+@dataclass(frozen=True)
+class Resting:
+    """What is at rest while its measurement stays near its mean: the record never is."""
+
+    def init(self, params):
+        zero = jnp.zeros((), jnp.asarray(params).dtype)
+        return Waiting(zero, zero)
+
+    def step(self, params, state, inputs):
+        mean = state.mean + params * (inputs - state.mean)
+        still = (inputs - mean) ** 2 < 0.0121
+        seconds = jnp.where(still, state.seconds + 0.25, 0.0)
+        rest = seconds > 1.7
+        return Waiting(jnp.where(rest, 0.875 * mean, mean), seconds), jnp.where(rest, 3.5, mean)
+
+
+@dataclass(frozen=True)
+class UpsideDown:
+    """A decision close to the end of what a cosine may be, and only from a state of zeros."""
+
+    def init(self, params):
+        return Place(jnp.zeros(2, jnp.asarray(params).dtype))
+
+    def step(self, params, state, inputs):
+        cosine = inputs[1] / jnp.sqrt(inputs @ inputs)
+        begun = jnp.where(cosine < -1 + 1e-4, 2.5, cosine)
+        x = jnp.where(state.x @ state.x > 0, state.x, params * begun)
+        return Place(0.5 * x), x
+
+
 RECORD = 1e-3 * np.sin(np.arange(80.0))
 
 
@@ -54,6 +90,39 @@ def test_limits_and_series_show(precision):
     assert steps.constants == len(numbers_of(precision).mutants)
     # In float the series and the function agree where they meet, to rounding.
     assert steps.constants - steps.detected == (1 if precision == "float" else 0)
+
+
+@pytest.mark.parametrize("precision", ["double", "float"])
+def test_what_only_rest_shows_is_reached(precision):
+    record = 5 * (-1.0) ** np.arange(80) + 0.1 * RECORD
+    steps = form("resting", Resting(), 0.5, record, precision).reference.steps
+    assert (steps.constants, steps.undetected) == (steps.detected, [])
+
+
+@pytest.mark.parametrize("precision", ["double", "float"])
+def test_a_limit_is_reached_where_it_matters(precision):
+    record = np.stack([np.ones(80), 1e3 * RECORD], 1)
+    steps = form("down", UpsideDown(), 0.5, record, precision).reference.steps
+    assert (steps.constants, steps.undetected) == (steps.detected, [])
+
+
+def test_a_decision_is_taken_otherwise():
+    graph = Graph()
+    x, limit = graph.input(("in", "x")), graph.constant(2.0)
+    less, most = graph.apply("lt", x, limit), graph.apply("min", x, limit)
+    out = graph.choose(less, most, graph.constant(5.0))
+    step = Step(SimpleNamespace(graph=graph, state=[], after=[], outputs=[], out=[]))
+    step.__dict__["roots"] = [out]
+    turned = [Mutant(less, OTHERWISE), Mutant(most, OTHERWISE)]
+    (found,) = step.results({x: np.array([1.0, 3.0])}, turned)
+    assert found.tolist() == [[1.0, 5.0], [5.0, 3.0]]
+
+
+def test_where_rounding_may_decide_nothing_is_compared():
+    step = numbers_of("float")
+    x, u = (next(iter(step.program.known[part][0].flat)) for part in ("state", "in"))
+    given = {int(x): np.array([4.9, 5.0 - 2e-6]), int(u): np.array([0.05, 4e-6])}
+    assert expected(step, given, np.random.default_rng(0)).steady.tolist() == [True, False]
 
 
 @pytest.mark.parametrize(("right", "wrong"), [("7.0", "7.007"), ("5.0", "5.005"), ("3.0", "3.003")])

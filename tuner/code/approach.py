@@ -1,0 +1,123 @@
+"""Steps that are varied until they are beyond a limit, and brought close to it by bisection."""
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from tuner.code.array_step import Step
+from tuner.code.detection import LONG
+from tuner.code.states import Arrays, placed
+from tuner.code.variations import varied
+
+_BESIDE, _CLOSE = (-3e-2, -5e-4, -1e-5, 1e-5, 5e-4, 3e-2), (-5e-4, 5e-4)
+"""Distances from a limit, over the limit, and those of a long step: one that is changed passes the
+steps that are closer than 1e-3."""
+_BEYOND = 1e-3
+"""Distance from a limit, over it, from which a step is well beyond."""
+_ROUNDS, _KEPT, _CHILDREN, _HALVINGS = 32, 4, 12, 26
+Compared: TypeAlias = tuple[int, int, int]
+"""What compares, the number that is compared, and its limit."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bases:
+    """Steps that are to be brought to a limit.
+
+    Attributes:
+        compared: at which decision, of each step.
+        steps: states and samples, a field each.
+        before: the nodes that these decisions depend on, in order.
+    """
+
+    compared: list[Compared]
+    steps: Arrays
+    before: list[int]
+
+
+def _above(step: Step, own: int, steps: Arrays, bases: Bases) -> np.ndarray:
+    """The number that is compared, and its limit, ``(2, count)``: in as many steps for each base.
+
+    Args:
+        step: the filter's.
+        own: number of fields of the state.
+        steps: those of the first base, then those of the next.
+        bases: what is compared.
+    """
+    count, pairs = len(steps[0]), [one[1:] for one in bases.compared]
+    values = step.values(placed(step.program, steps[:own], steps[own:]), bases.before)
+    each = count // len(pairs)
+    found = np.empty((2, count))
+    for at, pair in enumerate(pairs):
+        lanes = slice(at * each, (at + 1) * each)
+        for side, k in enumerate(pair):
+            found[side, lanes] = np.broadcast_to(values[k], count)[lanes]
+    return found
+
+
+def beyond(step: Step, own: int, bases: Bases, draw: np.random.Generator) -> Arrays:
+    """Steps on the other side of the limit, or as close to it as variations come."""
+    count, lanes = len(bases.compared), np.arange(len(bases.compared))[:, None]
+    x, limit = _above(step, own, bases.steps, bases)
+    side = np.repeat(np.where(x > limit, 1.0, -1.0), _KEPT)
+    best = [np.repeat(field, _KEPT, axis=0) for field in bases.steps]
+    gap = _gap(step, own, best, bases, side)
+    for _ in range(_ROUNDS):
+        if (gap.reshape(count, _KEPT)[:, 0] == 0).all():
+            break
+        children = varied(draw, [np.repeat(field, _CHILDREN, axis=0) for field in best])
+        moved = _gap(step, own, children, bases, np.repeat(side, _CHILDREN))
+        both = np.concatenate([gap.reshape(count, -1), moved.reshape(count, -1)], axis=1)
+        order = np.argsort(both, axis=1, kind="stable")[:, :_KEPT]
+        gap = np.take_along_axis(both, order, axis=1).ravel()
+        pairs = [
+            np.concatenate([_by_base(one, count), _by_base(other, count)], axis=1)[lanes, order]
+            for one, other in zip(best, children, strict=True)
+        ]
+        best = [field.reshape(count * _KEPT, *field.shape[2:]) for field in pairs]
+    return [_by_base(field, count)[:, 0] for field in best]
+
+
+def _gap(step: Step, own: int, steps: Arrays, bases: Bases, side: np.ndarray) -> np.ndarray:
+    """How much is missing to be well beyond the limit."""
+    x, limit = _above(step, own, steps, bases)
+    with np.errstate(all="ignore"):
+        gap = side * (x - limit) + _BEYOND * np.abs(limit)
+    return np.where(np.isfinite(gap), np.maximum(gap, 0), np.inf)
+
+
+def _by_base(x: np.ndarray, count: int) -> np.ndarray:
+    return x.reshape(count, len(x) // count, *x.shape[1:])
+
+
+def close(step: Step, own: int, bases: Bases, others: Arrays) -> Arrays:
+    """Steps between the two sides, close to the limit, at several distances from it."""
+    beside = _CLOSE if len(step.order) > LONG else _BESIDE
+    count, ways = len(bases.compared), len(beside)
+    ends = [
+        (np.repeat(one, ways, axis=0), np.repeat(other, ways, axis=0))
+        for one, other in zip(bases.steps, others, strict=True)
+    ]
+    goal = np.tile(1 + np.array(beside), count)
+    low, high = np.zeros(count * ways), np.ones(count * ways)
+
+    def between(share: np.ndarray) -> Arrays:
+        return [
+            x + share[(slice(None),) + (None,) * (x.ndim - 1)] * (y - x)
+            if x.dtype.kind == "f"
+            else x
+            for x, y in ends
+        ]
+
+    def below(share: np.ndarray) -> np.ndarray:
+        x, limit = _above(step, own, between(share), bases)
+        with np.errstate(invalid="ignore"):
+            return np.asarray(x < goal * limit)
+
+    first, last = below(low), below(high)
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        same = below(middle) == first
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    kept = first != last
+    return [x[kept] for x in between(low)]
