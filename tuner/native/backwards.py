@@ -16,9 +16,8 @@ from filters import AnyFilter
 from objectives import Data, Objective, is_fold, weighed
 from tuner.native.compiler import library
 from tuner.native.filled import address, filled, kept_of, side_by_side
-from tuner.native.passes import Passes, passes
-from tuner.native.passes_text import text
-from tuner.native.reversal import Before, reversal
+from tuner.native.passes_choice import shortest
+from tuner.native.passes_frame import Code
 from tuner.native.runner import columns, is_real, runner_of
 
 STORED = 64 << 20
@@ -60,12 +59,9 @@ class Backwards:
     ) -> None:
         self._objective, self._folder, self._folds = objective, folder, is_fold(objective)
         runner = runner_of(filter, objective, build, jax.device_put(np.zeros(size)), data)
-        before = Before(runner, build, size)
-        self._count = before.count
-        traced = reversal(runner, before)
-        self._reals, self._keeps = [real for _, real in traced.kept], runner.keeps
-        self._passes = passes(traced)
-        self.operations = self._passes.operations
+        before, self._code = shortest(runner, build, size)
+        self._count, self._keeps = before.count, runner.keeps
+        self.operations = self._code.operations
         self._total = jax.eval_shape(objective.init) if is_fold(objective) else None
         self._kept = kept_of(filter, objective, jax.eval_shape(build, np.zeros(size)), data)
         self._numbers = jax.jit(before.numbers)
@@ -87,7 +83,7 @@ class Backwards:
         """
         numbers, spare = np.asarray(self._numbers(z)), self._spare
         edges = pairwise((0, *at, len(rows)))
-        runs = [_Run(self._library, self._passes, numbers, rows[a:b], spare) for a, b in edges]
+        runs = [_Run(self._library, self._code, numbers, rows[a:b], spare) for a, b in edges]
         side_by_side(_Run.forwards, runs)
         end = np.sum([run.end for run in runs], axis=0)
         truth = None if self._folds else data.truth
@@ -99,7 +95,7 @@ class Backwards:
 
     @cached_property
     def _library(self) -> ctypes.CDLL:
-        found = library(text(self._passes, self._reals), self._folder)
+        found = library(self._code.text, self._folder, self._code.options)
         for function, count in ((found.forwards, 6), (found.backwards, 7)):
             function.argtypes = [*[ctypes.c_size_t] * 3, *[ctypes.c_void_p] * count]
             function.restype = None
@@ -125,18 +121,18 @@ class _Run:
     def __init__(
         self,
         library: Any,
-        passes: Passes,
+        code: Code,
         numbers: np.ndarray,
         rows: np.ndarray,
         spare: list[np.ndarray],
     ) -> None:
         self._library, self._numbers, self._rows = library, numbers, rows
-        stored = max(1, len(passes.stored))
+        stored = max(1, code.stored)
         self._part = part_of(len(rows), 8 * stored)
         self.store = _memory(self._part * stored, spare)
-        self._saved = np.empty(-(-len(rows) // self._part) * max(1, len(passes.carried)))
-        self.end = np.empty(len(passes.total))
-        self.kept = np.empty((len(rows), len(passes.kept)))
+        self._saved = np.empty(-(-len(rows) // self._part) * max(1, code.carried))
+        self.end = np.empty(code.total)
+        self.kept = np.empty((len(rows), code.kept))
 
     def forwards(self) -> None:
         """The pass over the record."""

@@ -71,6 +71,7 @@ class Route:
         exact: value and gradient by XLA, with which C is compared once.
         backwards: price in passes, where XLA goes backwards through the loop; 0: forwards.
         at: samples where the loop begins anew, and another thread takes over.
+        settled: share of the samples that XLA takes with constant gains.
         told: the choice in words; "" before it is made.
     """
 
@@ -80,6 +81,7 @@ class Route:
     exact: Callable[[np.ndarray], Both]
     backwards: int = 0
     at: tuple[int, ...] = ()
+    settled: float = 0.0
     told: str = ""
     _single: "Native | Backwards | None" = None
     _many: bool | None = None
@@ -156,6 +158,8 @@ class Route:
         shapes = _shapes(self.data, is_fold(self.static.objective))
         if wish == "auto" and not self._pays(shapes, points):
             raise NoCodeError("the record is too short for compiling C to pay")
+        if wish == "auto" and self.settled and points == 1:
+            raise NoCodeError("constant gains take less than C does")
         compiler()
         return shapes
 

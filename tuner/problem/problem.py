@@ -152,7 +152,8 @@ class Problem:
             back = prices[self.gradient_way]
             lines, whole = self.in_lines, OneRecord(self.static, self.data)
             static, data, at = whole if lines is None else lines.end_to_end()
-            self._routes.append(Route(static, data, self.space.size, self.by_xla, back, at))
+            route = Route(static, data, self.space.size, self.by_xla, back, at, self.settled)
+            self._routes.append(route)
         return self._routes[0]
 
     @property
