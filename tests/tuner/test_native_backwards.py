@@ -73,6 +73,23 @@ def test_a_problem_of_many_parameters_goes_back(objective):
     assert value == pytest.approx(wanted, rel=1e-12)
     np.testing.assert_allclose(gradient, slopes, rtol=1e-11, atol=1e-11 * np.abs(slopes).max())
     assert np.abs(slopes).min() > 0
+    assert problem.value(z) == pytest.approx(problem.value_by_xla(z), rel=1e-12)
+
+
+def test_values_alone_go_by_c_and_the_result_says_so():
+    problem = posed(InnovationLikelihood())
+    z = problem.space.start()
+    assert problem.value(z) == pytest.approx(problem.value_by_xla(z), rel=1e-12)
+    assert problem.gradient_by.startswith("values by C, compiled by")
+    assert problem.value(np.full(6, 900.0)) == np.inf
+
+
+def test_values_that_differ_from_xla_s_are_xla_s(monkeypatch):
+    problem = posed(InnovationLikelihood())
+    monkeypatch.setattr(Backwards, "value", lambda *_: 1.0)
+    z = problem.space.start()
+    assert problem.value(z) == problem.value_by_xla(z)
+    assert problem.gradient_by == ""
 
 
 def test_a_long_record_is_stored_in_parts(monkeypatch):
