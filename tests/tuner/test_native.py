@@ -195,7 +195,8 @@ def test_a_shorter_way_back_is_xla_s(monkeypatch):
     monkeypatch.setattr(route, "PAYS", -np.inf)
     monkeypatch.setattr(route, "_operations", lambda *_: 10)
     problem = posed()
-    back = route.Route(problem.static, problem.data, 3, problem.by_xla, route.BACKWARDS)
+    exact = problem.by_xla, problem.value_by_xla
+    back = route.Route(problem.static, problem.data, 3, *exact, route.BACKWARDS)
     assert back.value_and_gradient(np.zeros(3)) is None
     assert back.told == "XLA: its way back through the loop is shorter than C's"
 

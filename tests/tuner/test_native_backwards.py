@@ -12,7 +12,7 @@ from tests.tuner.code.compiled import needed
 from tests.tuner.test_native import Weighed, at_end, quickly
 from tuner import Positive, Problem, Space
 from tuner.code.refused import NoCounterpartError
-from tuner.native import backwards
+from tuner.native import backwards, passes, passes_choice
 from tuner.native.backwards import Backwards
 
 N = 200
@@ -73,6 +73,23 @@ def test_a_problem_of_many_parameters_goes_back(objective):
     assert value == pytest.approx(wanted, rel=1e-12)
     np.testing.assert_allclose(gradient, slopes, rtol=1e-11, atol=1e-11 * np.abs(slopes).max())
     assert np.abs(slopes).min() > 0
+    assert problem.value(z) == pytest.approx(problem.value_by_xla(z), rel=1e-12)
+
+
+def test_values_alone_go_by_c_and_the_result_says_so():
+    problem = posed(InnovationLikelihood())
+    z = problem.space.start()
+    assert problem.value(z) == pytest.approx(problem.value_by_xla(z), rel=1e-12)
+    assert problem.gradient_by.startswith("values by C, compiled by")
+    assert problem.value(np.full(6, 900.0)) == np.inf
+
+
+def test_values_that_differ_from_xla_s_are_xla_s(monkeypatch):
+    problem = posed(InnovationLikelihood())
+    monkeypatch.setattr(Backwards, "value", lambda *_: 1.0)
+    z = problem.space.start()
+    assert problem.value(z) == problem.value_by_xla(z)
+    assert problem.gradient_by == ""
 
 
 def test_a_long_record_is_stored_in_parts(monkeypatch):
@@ -114,3 +131,45 @@ def test_an_operation_without_a_way_back_is_named(tmp_path):
     data = jax.tree.map(np.asarray, Data(case.inputs(case.measured), np.ones(len(case.measured))))
     with pytest.raises(NoCounterpartError, match="dynamic_update_slice by an index"):
         Backwards(case.filter, Weighed(), case.build, len(z), data, tmp_path)
+
+
+def dense(values):
+    """Nine states that all hang together, each shaken by itself."""
+    move = 0.95 * np.linalg.qr(np.random.default_rng(1).normal(size=(9, 9)))[0]
+    noise = jnp.diag(jnp.stack([values[f"q{k}"] for k in range(9)]))
+    step = Transition(jnp.asarray(move), jnp.eye(9), noise)
+    return LinearModel(step, jnp.eye(3, 9), jnp.ones(3), jnp.eye(9), jnp.zeros(9))
+
+
+def test_dense_matrices_go_by_rows():
+    draw = np.random.default_rng(4)
+    z = draw.normal(size=(N, 3))
+    z[draw.random(z.shape) < 0.1] = np.nan
+    space = Space.of(**{f"q{k}": Positive(1.0 + k, 1e-3, 1e3) for k in range(9)})
+    objective, data = InnovationLikelihood(), Data(Sample(z), np.zeros(N))
+    problem = Problem("dense", space, LinearKalman(), dense, objective, data)
+    at = problem.space.start()
+    value, gradient = problem.value_and_gradient(at)
+    wanted, slopes = problem.by_xla(at)
+    assert "-ftree-vectorize" in problem.route._single._code.options
+    assert value == pytest.approx(wanted, rel=1e-12)
+    np.testing.assert_allclose(gradient, slopes, rtol=1e-11, atol=1e-11 * np.abs(slopes).max())
+
+
+@pytest.mark.parametrize("name", ["extended, two rates", "Mahony, field", "several records"])
+def test_arrays_have_the_same_gradients_as_scalars(name, monkeypatch, tmp_path):
+    case = next(case for case in CASES if case.name == name)
+    z, truth = np.asarray(case.point, float), 1.0 + np.arange(len(case.measured))
+    case.build(case.point)
+    data = jax.tree.map(np.asarray, Data(case.inputs(case.measured), truth))
+
+    def found():
+        native = Backwards(case.filter, Weighed(), case.build, len(z), data, tmp_path / "code")
+        value, gradient = native.value_and_gradient(z, native.rows(data), data)
+        return np.array([value, *gradient])
+
+    scalars = found()
+    monkeypatch.setattr(passes_choice, "FEW", -1)
+    monkeypatch.setattr(passes, "MOST", 0)
+    arrays = found()
+    np.testing.assert_allclose(arrays, scalars, rtol=1e-11, atol=1e-11 * np.abs(scalars).max())

@@ -1,6 +1,7 @@
 """Operations in order as statements with loops; a loop within a step remains one."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import TypeAlias
 
 import numpy as np
 from jax.extend import core
@@ -19,7 +20,9 @@ from tuner.code.strides import JOINED, MOVED, SCATTERED, joined, moved, scattere
 
 SMALL = 32
 """Largest arrays of a loop whose body is written entry by entry."""
-_SIMPLE: tuple[tuple[frozenset[str], Callable[[Block, Operation, list[Held]], Held]], ...] = (
+Writer: TypeAlias = Callable[[Block, Operation, list[Held]], Held]
+"""A writer of one operation."""
+_SIMPLE: tuple[tuple[frozenset[str], Writer], ...] = (
     (BY_ENTRY, by_entry),
     (frozenset(SUMS), summed),
     (frozenset({"dot_general"}), product),
@@ -34,10 +37,16 @@ class LoopStatements:
     Args:
         block: the target.
         held: memory that is never free.
+        writers: of operations that are written in another way than here, by their names.
     """
 
-    def __init__(self, block: Block, held: frozenset[str] = frozenset()) -> None:
-        self.block, self.held = block, held
+    def __init__(
+        self,
+        block: Block,
+        held: frozenset[str] = frozenset(),
+        writers: Mapping[str, Writer] | None = None,
+    ) -> None:
+        self.block, self.held, self.writers = block, held, writers or {}
 
     def run(self, code: StraightLine, known: Mapping[Slot, Held]) -> list[Held]:
         """The results of operations.
@@ -90,6 +99,8 @@ class LoopStatements:
             return [scattered(block, operation, given, dying)]
         if name == "scan":
             return self._scan(operation, given, busy)
+        if name in self.writers:
+            return [self.writers[name](block, operation, given)]
         for names, write in _SIMPLE:
             if name in names:
                 return [write(block, operation, given)]
@@ -151,7 +162,9 @@ class LoopStatements:
             return self._written_out(closed, given)
         slots = [Slot(v.aval.shape, np.dtype(v.aval.dtype)) for v in closed.jaxpr.invars]
         code = straight_line(closed, slots)
-        return LoopStatements(self.block, held).run(code, dict(zip(slots, given, strict=True)))
+        return LoopStatements(self.block, held, self.writers).run(
+            code, dict(zip(slots, given, strict=True))
+        )
 
     def _written_out(self, closed: core.ClosedJaxpr, given: list[Held]) -> list[Listed]:
         """One iteration, entry by entry."""

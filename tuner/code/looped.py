@@ -81,7 +81,7 @@ def _function(traced: Traced, tables: Tables, which: str, tunable: bool) -> tupl
     known = {slot: x for slot, x in known.items() if slot in code.uses}
     block.release(v.buffer for v in known.values() if isinstance(v, View))
     found = LoopStatements(block).run(code, known)
-    _store(block, found, ends)
+    put_all(block, found, ends)
     types = [
         f"    {type_of(kind, traced.precision)} {name}[{size}];"
         for name, (size, kind) in block.locals.items()
@@ -91,7 +91,7 @@ def _function(traced: Traced, tables: Tables, which: str, tunable: bool) -> tupl
     return [*types, *block.lines, *unused(block.lines, names)], work(code.operations)
 
 
-def _store(block: Block, found: Sequence[Held], ends: Sequence[View]) -> None:
+def put_all(block: Block, found: Sequence[Held], ends: Sequence[View]) -> None:
     """Store results; none is overwritten before it is read."""
     block.keep_spare()
     places = {end.buffer for end in ends}

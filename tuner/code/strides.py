@@ -52,10 +52,17 @@ def moved(block: Block, operation: Operation, given: Sequence[Held]) -> list[Hel
     return [_gathered(block, source, table) for table in places(operation.equation, asked)]
 
 
-def _gathered(block: Block, x: View, table: np.ndarray) -> View:
-    """Entries gathered by a table of positions, counted through the array."""
-    if x.alone:
-        return View(x.buffer, table.shape, x.kind, 0, (0,) * table.ndim, alone=True)
+def _gathered(block: Block, x: View, table: np.ndarray, nothing: str = "") -> View:
+    """Entries gathered by a table of positions, counted through the array.
+
+    Args:
+        block: the target.
+        x: the array.
+        table: the positions; negative ones for no entry.
+        nothing: what is there instead; NaN if left out.
+    """
+    if x.alone or not x.shape:
+        return View(x.buffer, table.shape, x.kind, x.base, (0,) * table.ndim, x.alone)
     reached = sum(
         (s * k for s, k in zip(x.strides, np.unravel_index(table, x.shape), strict=True)),
         np.zeros(table.shape, int),
@@ -67,7 +74,8 @@ def _gathered(block: Block, x: View, table: np.ndarray) -> View:
         return View(x.buffer, table.shape, x.kind, start, strides)
     where = block.tables.read(reached.ravel())
     into = block.buffer((table.size,), x.kind)
-    nothing = block.number(np.nan, x.kind) if (table < 0).any() else ""
+    if (table < 0).any():
+        nothing = nothing or block.number(np.nan, x.kind)
 
     def one(index: Index) -> None:
         place = where.at(index)
@@ -90,6 +98,9 @@ def joined(block: Block, operation: Operation, given: Sequence[Held]) -> View:
     first = 0
     where = np.argsort(table.ravel(), kind="stable")
     if operation.name == "pad":
+        own = np.where(table < math.prod(given[0].shape), table, -1)
+        if len(np.unique(own[own >= 0])) < math.prod(given[0].shape):  # some are left out
+            return _gathered(block, block.made(given[0]), own, given[1].at([]))
         block.nest(out.shape, lambda index: block.say(f"{into.at(index)} = {given[1].at([])};"))
         where = np.array(
             [np.flatnonzero(table.ravel() == k)[0] for k in range(math.prod(given[0].shape))]

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import jax
 import jax.numpy as jnp
@@ -16,9 +16,8 @@ from filters import AnyFilter
 from objectives import Data, Objective, is_fold, weighed
 from tuner.native.compiler import library
 from tuner.native.filled import address, filled, kept_of, side_by_side
-from tuner.native.passes import Passes, passes
-from tuner.native.passes_text import text
-from tuner.native.reversal import Before, reversal
+from tuner.native.passes_choice import shortest
+from tuner.native.passes_frame import Code
 from tuner.native.runner import columns, is_real, runner_of
 
 STORED = 64 << 20
@@ -47,7 +46,7 @@ class Backwards:
         TooLargeError: for an iteration of too many operations.
     """
 
-    returns = True
+    returns: Literal[True] = True
 
     def __init__(
         self,
@@ -60,16 +59,14 @@ class Backwards:
     ) -> None:
         self._objective, self._folder, self._folds = objective, folder, is_fold(objective)
         runner = runner_of(filter, objective, build, jax.device_put(np.zeros(size)), data)
-        before = Before(runner, build, size)
-        self._count = before.count
-        traced = reversal(runner, before)
-        self._reals, self._keeps = [real for _, real in traced.kept], runner.keeps
-        self._passes = passes(traced)
-        self.operations = self._passes.operations
+        before, self._code = shortest(runner, build, size)
+        self._count, self._keeps = before.count, runner.keeps
+        self.operations = self._code.operations
         self._total = jax.eval_shape(objective.init) if is_fold(objective) else None
         self._kept = kept_of(filter, objective, jax.eval_shape(build, np.zeros(size)), data)
         self._numbers = jax.jit(before.numbers)
         self._weighed = jax.jit(self._weights)
+        self._valued = jax.jit(self._value)
         self._pull = jax.jit(lambda z, by: jax.vjp(before.numbers, z)[1](by)[0])
         self._spare: list[np.ndarray] = []
 
@@ -85,29 +82,43 @@ class Backwards:
         Raises:
             NoCodeError: where there is no compiler that works.
         """
-        numbers, spare = np.asarray(self._numbers(z)), self._spare
-        edges = pairwise((0, *at, len(rows)))
-        runs = [_Run(self._library, self._passes, numbers, rows[a:b], spare) for a, b in edges]
-        side_by_side(_Run.forwards, runs)
-        end = np.sum([run.end for run in runs], axis=0)
-        truth = None if self._folds else data.truth
-        value, by_end, by_kept = self._weighed(end, runs[0].kept, truth)
+        runs, spare = self._runs(z, rows, at), self._spare
+        for run in runs:
+            run.store = _memory(run.part * max(1, self._code.stored), spare)
+        value, by_end, by_kept = self._weighed(*self._over(runs, data))
         weights = np.asarray(by_end), np.asarray(by_kept)
         by_numbers = sum(side_by_side(lambda run: run.backwards(*weights, self._count), runs))
-        spare += [run.store for run in runs]
+        spare += [run.store for run in runs if run.store is not None]
         return float(value), np.asarray(self._pull(z, by_numbers))
+
+    def value(self, z: np.ndarray, rows: np.ndarray, data: Data, at: Sequence[int] = ()) -> float:
+        """The objective alone; arguments as of :meth:`value_and_gradient`."""
+        return float(self._valued(*self._over(self._runs(z, rows, at), data)))
+
+    def _runs(self, z: np.ndarray, rows: np.ndarray, at: Sequence[int]) -> "list[_Run]":
+        numbers, edges = np.asarray(self._numbers(z)), pairwise((0, *at, len(rows)))
+        return [_Run(self._library, self._code, numbers, rows[a:b]) for a, b in edges]
+
+    def _over(self, runs: "list[_Run]", data: Data) -> tuple[np.ndarray, np.ndarray, Any]:
+        """The loop's results, and the truth."""
+        side_by_side(_Run.forwards, runs)
+        end = np.sum([run.end for run in runs], axis=0)
+        return end, runs[0].kept, None if self._folds else data.truth
 
     @cached_property
     def _library(self) -> ctypes.CDLL:
-        found = library(text(self._passes, self._reals), self._folder)
+        found = library(self._code.text, self._folder, self._code.options)
         for function, count in ((found.forwards, 6), (found.backwards, 7)):
             function.argtypes = [*[ctypes.c_size_t] * 3, *[ctypes.c_void_p] * count]
             function.restype = None
         return found
 
+    def _value(self, end: Array, kept: Array, truth: Any) -> Array:
+        return weighed(self._objective, Data(None, truth), self._collected(end, kept))[0]
+
     def _weights(self, end: Array, kept: Array, truth: Any) -> tuple[Array, Array, Array]:
         """The objective from the loop's results, and its derivatives by them."""
-        both = filled(self._total, end, ()), filled(self._kept, kept, (len(kept),), self._keeps)
+        both = self._collected(end, kept)
         value, (by_total, by_kept) = weighed(self._objective, Data(None, truth), both)
         ends = [jnp.ravel(_slope(x)) for x in jax.tree.leaves(by_total)]
         pairs = zip(jax.tree.leaves(self._kept), jax.tree.leaves(by_kept), self._keeps, strict=True)
@@ -115,44 +126,45 @@ class Backwards:
         none = jnp.zeros(0)
         return value, jnp.concatenate([none, *ends]), jnp.hstack([kept[:, :0], *parts])
 
+    def _collected(self, end: Array, kept: Array) -> tuple[Any, Any]:
+        total = filled(self._total, end, ())
+        return total, filled(self._kept, kept, (len(kept),), self._keeps)
+
 
 class _Run:
     """A run over a record, or over one of those that lie end to end.
 
-    Memory of earlier runs is used again: its pages are there already.
+    Attributes:
+        part: number of samples of a part.
+        store: memory for what is stored of a part; None: nothing is, for a value alone.
+        end: the numbers needed at the end.
+        kept: the values kept of each sample.
     """
 
-    def __init__(
-        self,
-        library: Any,
-        passes: Passes,
-        numbers: np.ndarray,
-        rows: np.ndarray,
-        spare: list[np.ndarray],
-    ) -> None:
+    def __init__(self, library: Any, code: Code, numbers: np.ndarray, rows: np.ndarray) -> None:
         self._library, self._numbers, self._rows = library, numbers, rows
-        stored = max(1, len(passes.stored))
-        self._part = part_of(len(rows), 8 * stored)
-        self.store = _memory(self._part * stored, spare)
-        self._saved = np.empty(-(-len(rows) // self._part) * max(1, len(passes.carried)))
-        self.end = np.empty(len(passes.total))
-        self.kept = np.empty((len(rows), len(passes.kept)))
+        self.part = part_of(len(rows), 8 * max(1, code.stored))
+        self.store: np.ndarray | None = None
+        self._saved = np.empty(-(-len(rows) // self.part) * max(1, code.carried))
+        self.end = np.empty(code.total)
+        self.kept = np.empty((len(rows), code.kept))
 
     def forwards(self) -> None:
         """The pass over the record."""
-        results = self._saved, self.store, self.kept, self.end
-        self._library.forwards(*self._given(), *map(address, results))
+        stored = (None, None) if self.store is None else map(address, (self._saved, self.store))
+        self._library.forwards(*self._given(), *stored, address(self.kept), address(self.end))
 
     def backwards(self, by_end: np.ndarray, by_kept: np.ndarray, count: int) -> np.ndarray:
         """The pass back: the derivatives by the numbers that vary with a point."""
         out = np.zeros(count)
+        assert self.store is not None
         memory = by_end, by_kept, self._saved, self.store, out
         self._library.backwards(*self._given(), *map(address, memory))
         return out
 
     def _given(self) -> tuple[int, ...]:
         """Samples, those of a part, columns, numbers and record."""
-        shape = len(self._rows), self._part, self._rows.shape[1]
+        shape = len(self._rows), self.part, self._rows.shape[1]
         return *shape, address(self._numbers), address(self._rows)
 
 
@@ -162,7 +174,10 @@ def part_of(samples: int, stored: int) -> int:
 
 
 def _memory(size: int, spare: list[np.ndarray]) -> np.ndarray:
-    """Spare memory of this size, or new one; other threads may take some at the same time."""
+    """Spare memory of this size, whose pages are there already, or new one.
+
+    Other threads may take some at the same time.
+    """
     while spare:
         try:
             found = spare.pop()

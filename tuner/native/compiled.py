@@ -4,7 +4,7 @@ import ctypes
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import jax
 import jax.numpy as jnp
@@ -51,7 +51,7 @@ class Native:
         TooLargeError: for an iteration of too many operations.
     """
 
-    returns = False
+    returns: Literal[False] = False
 
     def __init__(
         self,

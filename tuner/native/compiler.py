@@ -9,7 +9,7 @@ import signal
 import stat
 import subprocess
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Literal, NamedTuple, TypeAlias, cast
@@ -18,6 +18,15 @@ FLAGS = ("-std=gnu11", "-fno-math-errno", "-ffp-contract=fast", "-w", "-fPIC")
 """Compiler options, with strict arithmetic: NaN is a missing sample."""
 HERE = ("-march=native",)
 """Options for this processor, where a compiler supports them."""
+ROWS = (
+    "-ftree-vectorize",
+    "-fvect-cost-model=dynamic",
+    "-mprefer-vector-width=256",
+    "-fassociative-math",
+    "-fno-signed-zeros",
+    "-fno-trapping-math",
+)
+"""Options for loops over rows of matrices, whose sums may be taken in any order."""
 LONG = 4000
 """Lines beyond which code is optimised less: in two thirds of the time, with equal speed."""
 SECONDS = 30
@@ -122,31 +131,36 @@ def _ran(command: list[str], cwd: Path | None = None) -> bytes:
     return out
 
 
-def library(source: str, folder: Path) -> ctypes.CDLL:
+def library(source: str, folder: Path, more: Sequence[str] = ()) -> ctypes.CDLL:
     """Compiled code, cached in a folder under hashes of its source and of itself.
 
     Loaded files were written by this user: a folder or a file that belongs to another, that others
     may write to, or that is a link, is not used, and the code is compiled for this process alone.
 
+    Args:
+        source: the code.
+        folder: of compiled code.
+        more: compiler options.
+
     Raises:
         NoCodeError: where there is no compiler that works.
     """
     found = compiler()
-    effort = "-O1" if source.count("\n") > LONG else "-O2"
-    key = _digest("\0".join([source, effort, found.key]).encode())
+    effort = ["-O1" if source.count("\n") > LONG else "-O2", *more]
+    key = _digest("\0".join([source, *effort, found.key]).encode())
     if own(folder):
         for kept in folder.glob(f"{key}-*.so"):
             loaded = _loaded(kept)
             if loaded is not None:
                 return loaded
         try:
-            loaded = _compiled((*found.command, effort), source, folder, key)
+            loaded = _compiled((*found.command, *effort), source, folder, key)
         except OSError:  # full, or read-only
             loaded = None
         if loaded is not None:
             return loaded
     with tempfile.TemporaryDirectory() as name:
-        loaded = _compiled((*found.command, effort), source, Path(name), key)
+        loaded = _compiled((*found.command, *effort), source, Path(name), key)
     if loaded is None:
         raise NoCodeError(f"the library from {Path(found.command[0]).name} cannot be loaded")
     return loaded

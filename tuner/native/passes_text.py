@@ -1,145 +1,69 @@
-"""Both passes over a record in C."""
+"""Both passes over a record in C, scalar by scalar."""
 
 from collections.abc import Iterable, Sequence
-from textwrap import indent
 
 from tuner.code.literal import type_of
 from tuner.native.passes import Passes
+from tuner.native.passes_frame import Around, Back, Code, Forth, Sizes, framed
 from tuner.native.scalars import Scalars, read
 from tuner.native.sines import sines
 
-_HEAD = """\
-#include <math.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <string.h>
-"""
-_FORTH = """\
-static void forth(size_t n, size_t width, const double *p, const double *u, double *state,
-                  double *store, double *kept)
-{{
-{before}
-    for (size_t i = 0; i < n; i++, u += width) {{
-{sample}
-        if (store) {{
-{stored}
-            store += {stores};
-        }}
-        if (kept) {{
-{kept}
-            kept += {keeps};
-        }}
-{after}
-    }}
-{end}
-}}
-"""
-_BACK = """\
-static void back(size_t n, size_t width, const double *p, const double *u, const double *e,
-                 const double *v, const double *store, double *weight, double *slope)
-{{
-{before}
-    u += n * width;
-    v += n * {reals};
-    store += n * {stores};
-    while (n-- > 0) {{
-        u -= width;
-        v -= {reals};
-        store -= {stores};
-{sample}
-    }}
-{end}
-}}
-"""
-_WHOLE = """\
-void forwards(size_t n, size_t part, size_t width, const double *p, const double *u, double *saved,
-              double *store, double *kept, double *end)
-{{
-{start}
-    double state[] = {{{states}0.0}};
-    for (size_t from = 0; from < n; from += part) {{
-        const size_t count = n - from < part ? n - from : part;
-        if (saved) memcpy(saved + from / part * {carried}, state, {carried} * sizeof *state);
-        forth(count, width, p, u + from * width, state, store, kept ? kept + from * {keeps} : NULL);
-    }}
-{total}
-}}
 
-void backwards(size_t n, size_t part, size_t width, const double *p, const double *u,
-               const double *e, const double *v, double *saved, double *store, double *out)
-{{
-    double weight[] = {{{weights}0.0}}, slope[{slopes}] = {{0}};
-    for (size_t from = n - 1; from < n; from -= part) {{
-        from = from / part * part;
-        const size_t count = n - from < part ? n - from : part;
-        if (from + part < n)
-            forth(count, width, p, u + from * width, saved + from / part * {carried}, store, NULL);
-        back(count, width, p, u + from * width, e, v + from * {reals}, store, weight, slope);
-    }}
-{out}
-}}
-"""
-
-
-def text(passes: Passes, reals: Sequence[bool]) -> str:
-    """Functions ``forwards`` and ``backwards``, which run over a record in parts.
-
-    Forwards takes the numbers of samples, of those of a part, and of columns, the varying numbers,
-    the record, and memory: for the states where parts begin, for what is stored of the samples of
-    a part, for the values kept of each sample, and for the numbers needed at the end. Without
-    the first three it computes these alone. Backwards takes the derivatives by the numbers at
-    the end and by the kept ones, and writes those by the varying numbers.
+def code(passes: Passes, reals: Sequence[bool]) -> Code:
+    """The C of both passes.
 
     Args:
         passes: both passes.
         reals: which of the kept values have derivatives.
     """
-    return _Text(passes, sum(reals)).whole()
+    sizes = Sizes(
+        len(passes.carried),
+        len(passes.stored),
+        len(passes.kept),
+        sum(reals),
+        len(passes.slopes),
+    )
+    writer = _Writer(passes)
+    forth, back, around = writer.forth(), writer.back(), writer.around()
+    functions = sines() if writer.scalars.turns else ""
+    text = framed(functions, sizes, forth, back, around)
+    counts = sizes.carried, sizes.stored, len(passes.total), sizes.kept, passes.operations
+    return Code(text, *counts)
 
 
-class _Text:
-    def __init__(self, passes: Passes, reals: int) -> None:
+class _Writer:
+    def __init__(self, passes: Passes) -> None:
         self.passes, self.graph = passes, passes.graph
         self.scalars = Scalars(passes.graph)
-        self.reals = reals
 
-    def whole(self) -> str:
-        """The whole text."""
-        forth, back, both = self._forth(), self._back(), self._both()
-        turned = [sines()] if self.scalars.turns else []
-        return "\n".join([_HEAD, *turned, forth, back, both])
-
-    def _forth(self) -> str:
-        one, passes = self.scalars, self.passes
+    def forth(self) -> Forth:
+        """The pass over a record."""
+        one, carried = self.scalars, self.passes.carried
         one.begin()
         self._inputs("p")
-        roots = [*(c.after for c in passes.carried), *passes.kept, *passes.stored]
+        roots = [*(c.after for c in carried), *self.passes.kept, *self.passes.stored]
         self._steady(roots)
-        for k, cell in enumerate(passes.carried):
+        for k, cell in enumerate(carried):
             kind = self.graph.nodes[cell.input].kind
             one.lines.append(f"{type_of(kind, 'double')} S{k} = {read(kind, f'state[{k}]')};")
         before = self._taken()
         self._inputs("u")
-        for k, cell in enumerate(passes.carried):
+        for k, cell in enumerate(carried):
             one.names[cell.input] = f"s{k}"
             kind = self.graph.nodes[cell.input].kind
             one.lines.append(f"const {type_of(kind, 'double')} s{k} = S{k};")
         one.state(self.graph.reached(roots))
-        sample = self._taken()
-        return _FORTH.format(
-            before=indent(before, "    "),
-            sample=indent(sample, " " * 8),
-            stored=indent(self._written("store", passes.stored), " " * 12),
-            stores=len(passes.stored),
-            kept=indent(self._written("kept", passes.kept), " " * 12),
-            keeps=len(passes.kept),
-            after="\n".join(
-                f"        S{k} = {one.name(cell.after)};" for k, cell in enumerate(passes.carried)
-            ),
-            end="\n".join(f"    state[{k}] = S{k};" for k in range(len(passes.carried))),
+        return Forth(
+            before,
+            self._taken(),
+            self._written("store", self.passes.stored),
+            self._written("kept", self.passes.kept),
+            "\n".join(f"S{k} = {one.name(cell.after)};" for k, cell in enumerate(carried)),
+            "\n".join(f"state[{k}] = S{k};" for k in range(len(carried))),
         )
 
-    def _back(self) -> str:
+    def back(self) -> Back:
+        """The pass back."""
         one, passes, nodes = self.scalars, self.passes, self.graph.nodes
         one.begin()
         self._inputs("p", "e")
@@ -159,50 +83,29 @@ class _Text:
         one.state(order)
         one.lines += [f"D{k} += {one.name(by)};" for k, by in enumerate(passes.slopes.values())]
         one.lines += [f"W{k} = {one.name(c.after)};" for k, c in enumerate(passes.weights)]
-        sample = self._taken()
         ends = [f"weight[{k}] = W{k};" for k in range(len(passes.weights))]
         ends += [f"slope[{k}] = D{k};" for k in range(len(passes.slopes))]
-        return _BACK.format(
-            before=indent(before, "    "),
-            sample=indent(sample, " " * 8),
-            end="\n".join(f"    {line}" for line in ends),
-            reals=self.reals,
-            stores=len(passes.stored),
-        )
+        return Back(before, self._taken(), "\n".join(ends))
 
-    def _both(self) -> str:
-        one, passes = self.scalars, self.passes
+    def around(self) -> Around:
+        """What is around both."""
+        one, passes, nodes = self.scalars, self.passes, self.graph.nodes
         one.begin()
         self._inputs("p")
         starts = [cell.start for cell in passes.carried]
         one.state(self.graph.reached(starts))
-        start = self._taken()
-        states = "".join(f"(double){one.name(k)}, " for k in starts)
-        for k, cell in enumerate(passes.carried):
-            one.names[cell.input] = f"state[{k}]"
+        numbers = "".join(f"(double){one.name(k)}, " for k in starts)
+        one.lines.append(f"double state[] = {{{numbers}0.0}};")
+        state = self._taken()
+        one.names |= {cell.input: f"state[{k}]" for k, cell in enumerate(passes.carried)}
         total = self._written("end", passes.total)
-        ends = [cell.start for cell in passes.weights]
-        derivatives = {k for k, node in enumerate(self.graph.nodes) if node.op == "input"}
-        one.names |= {
-            k: f"e[{self.graph.nodes[k].value[1]}]"
-            for k in derivatives
-            if self.graph.nodes[k].value[0] == "e"
-        }
-        weights = "".join(f"{one.name(k)}, " for k in ends)
+        ends = {k: n.value[1] for k, n in enumerate(nodes) if n.op == "input" and n.value[0] == "e"}
+        one.names |= {k: f"e[{number}]" for k, number in ends.items()}
+        weights = "".join(f"{one.name(cell.start)}, " for cell in passes.weights)
         one.names |= {cell.input: f"weight[{k}]" for k, cell in enumerate(passes.weights)}
-        out = [f"    out[{k}] = slope[{n}];" for n, k in enumerate(passes.slopes)]
-        out += [f"    out[{k}] = {one.name(by)};" for k, by in passes.begun.items()]
-        return _WHOLE.format(
-            start=indent(start, "    "),
-            states=states,
-            carried=len(passes.carried),
-            keeps=len(passes.kept),
-            total=indent(total, "    "),
-            weights=weights,
-            slopes=max(1, len(passes.slopes)),
-            reals=self.reals,
-            out="\n".join(out),
-        )
+        out = [f"out[{k}] = slope[{n}];" for n, k in enumerate(passes.slopes)]
+        out += [f"out[{k}] = {one.name(by)};" for k, by in passes.begun.items()]
+        return Around(state, total, f"double weight[] = {{{weights}0.0}};", "\n".join(out))
 
     def _inputs(self, *groups: str) -> None:
         """Statements that read inputs."""

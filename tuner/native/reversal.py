@@ -6,6 +6,7 @@ from the derivatives of a score by all that a sample leaves behind to those by w
 
 import itertools
 from collections.abc import Callable, Iterator, Sequence
+from copy import copy
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -25,7 +26,7 @@ from tuner.code.program import symmetric
 from tuner.native.active import moved
 from tuner.native.runner import Runner, is_real
 
-MOST_TRACED = 60_000
+MOST_TRACED = 25_000
 """Most operations of a traced iteration with its way back, of which many may turn out constant."""
 
 
@@ -83,9 +84,9 @@ class Before:
         rest: the step from there on.
         fixed: what follows from the parameters, at an arbitrary point.
         start: the state before the first sample, at the same point.
+        even: which arrays of the start are symmetric matrices.
         places: for each array of both, which of the varying numbers its entries are; -1: none.
         count: of the varying numbers.
-        even: which arrays of the start are symmetric matrices.
     """
 
     def __init__(self, runner: Runner, build: Callable[[Array], Any], size: int) -> None:
@@ -102,14 +103,24 @@ class Before:
         self.fixed, self.start = _arrays(in_numpy(known, np.zeros(size)))
         _, elsewhere = _arrays(in_numpy(known, np.random.default_rng(0).normal(size=size)))
         self.even = [_even(a) and _even(b) for a, b in zip(self.start, elsewhere, strict=True)]
-        self.places, count = [], 0
-        for leaf in moved(known, size):
-            moves = leaf.any(-1)
+        self._number([np.asarray(leaf.any(-1)) for leaf in moved(known, size)])
+
+    def _number(self, varying: list[np.ndarray]) -> None:
+        self.places, self.count = [], 0
+        for moves in varying:
             place = np.full(moves.shape, -1)
-            place[moves] = np.arange(count, count + moves.sum())
+            place[moves] = np.arange(self.count, self.count + moves.sum())
             self.places.append(place)
-            count += int(moves.sum())
-        self.count = count
+            self.count += int(moves.sum())
+
+    def by_arrays(self) -> "Before":
+        """The same, where an array with a varying number varies as a whole, and the start does."""
+        other, fixed = copy(self), len(self.fixed)
+        whole: list[np.ndarray] = []
+        for k, place in enumerate(self.places):
+            whole.append(np.full(place.shape, k >= fixed or (place >= 0).any()))
+        other._number(whole)
+        return other
 
     def numbers(self, z: Array) -> Array:
         """The numbers that vary with a point: of the parameters, then of the start."""
@@ -126,7 +137,7 @@ def reversal(runner: Runner, before: Before) -> Reversal:
         TooLargeError: for an iteration of more than :data:`MOST_TRACED` operations.
     """
     halves = {k for k, even in enumerate(before.even) if even and not runner.wanted[k]}
-    closed = _traced(runner, before)
+    closed = traced(runner, before)
     while True:
         found, wrong = _attempt(runner, before, closed, halves)
         if not wrong:
@@ -134,7 +145,7 @@ def reversal(runner: Runner, before: Before) -> Reversal:
         halves -= wrong
 
 
-def _traced(runner: Runner, before: Before) -> Any:
+def traced(runner: Runner, before: Before) -> Any:
     """A step and its way back: its results, then the derivatives by parameters and state."""
 
     def both(fixed: list[Any], state: list[Any], sample: list[Any], weights: list[Any]) -> Any:

@@ -69,19 +69,26 @@ class Route:
         data: the record.
         size: of a point.
         exact: value and gradient by XLA, with which C is compared once.
+        exact_value: the value by XLA.
         backwards: price in passes, where XLA goes backwards through the loop; 0: forwards.
         at: samples where the loop begins anew, and another thread takes over.
+        settled: share of the samples that XLA takes with constant gains.
         told: the choice in words; "" before it is made.
+        values_told: that values without a gradient go by C; "" where they do not.
     """
 
     static: Static
     data: Data
     size: int
     exact: Callable[[np.ndarray], Both]
+    exact_value: Callable[[np.ndarray], float]
     backwards: int = 0
     at: tuple[int, ...] = ()
+    settled: float = 0.0
     told: str = ""
+    values_told: str = ""
     _single: "Native | Backwards | None" = None
+    _valued: "Backwards | bool" = True
     _many: bool | None = None
     _rows: np.ndarray = field(default_factory=lambda: np.empty((0, 0)))
     _lock: Lock = field(default_factory=Lock)
@@ -108,6 +115,29 @@ class Route:
             return None
         self._single, self.told = native, f"C, compiled by {compiler().name}"
         return found
+
+    def value(self, z: np.ndarray) -> float | None:
+        """The value alone by C, where gradients go back in C; None where XLA computes it."""
+        if self._valued is True:
+            with self._lock:
+                if self._valued is True:
+                    self._valued = self._decided_value(z)
+        if isinstance(self._valued, bool):
+            return None
+        return self._valued.value(z, self._rows, self.data, self.at)
+
+    def _decided_value(self, z: np.ndarray) -> "Backwards | bool":
+        try:
+            native = self._shortest()
+            if not native.returns:
+                return False
+            found, right = native.value(z, self._rows, self.data, self.at), self.exact_value(z)
+        except _FAILURES:
+            return False
+        if not abs(found - right) <= AGREED * abs(right):
+            return False
+        self.values_told = f"values by C, compiled by {compiler().name}"
+        return native
 
     def values_and_gradients(self, Z: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         """The same at points ``(B, n)``."""
@@ -156,6 +186,8 @@ class Route:
         shapes = _shapes(self.data, is_fold(self.static.objective))
         if wish == "auto" and not self._pays(shapes, points):
             raise NoCodeError("the record is too short for compiling C to pay")
+        if wish == "auto" and self.settled and points == 1:
+            raise NoCodeError("constant gains take less than C does")
         compiler()
         return shapes
 

@@ -118,7 +118,12 @@ class Problem:
 
     def value(self, z: np.ndarray) -> float:
         """The objective at z ``(space.size,)``; infinite where it is not a number."""
-        return finite(self._scored(*self._at(z)[1:-1]))
+        found = None if self.way is not None else self.route.value(z)
+        return finite(self.value_by_xla(z) if found is None else found)
+
+    def value_by_xla(self, z: np.ndarray) -> float:
+        """The same by XLA; it may not be a number."""
+        return self._scored(*self._at(z)[1:-1])
 
     def _scored(self, z: np.ndarray, values: dict[str, np.ndarray], given: np.bool) -> float:
         if self.in_lines is not None:
@@ -152,13 +157,19 @@ class Problem:
             back = prices[self.gradient_way]
             lines, whole = self.in_lines, OneRecord(self.static, self.data)
             static, data, at = whole if lines is None else lines.end_to_end()
-            self._routes.append(Route(static, data, self.space.size, self.by_xla, back, at))
+            exact = self.by_xla, self.value_by_xla
+            route = Route(static, data, self.space.size, *exact, back, at, self.settled)
+            self._routes.append(route)
         return self._routes[0]
 
     @property
     def gradient_by(self) -> str:
-        """The way its gradients were computed, and why; empty before the first one."""
-        route = self.route.told or ("XLA: forced" if self.way is not None else "")
+        """The way its gradients were computed, and why; empty before the first one.
+
+        Of values alone, where they go by C: that they do.
+        """
+        forced = "XLA: forced" if self.way is not None else ""
+        route = self.route.told or self.route.values_told or forced
         share = f", constant gains for {self.settled:.1%}" if self.settled else ""
         return route.replace("XLA:", f"XLA, {self.gradient_way}{share}:", 1)
 

@@ -1,0 +1,54 @@
+"""The choice between scalars and arrays for a pass over a record and one back."""
+
+from collections.abc import Callable
+from typing import Any
+
+from jax import Array
+
+from tuner.code.graph import TooLargeError
+from tuner.code.refused import NoCounterpartError
+from tuner.native.array_passes import array_passes
+from tuner.native.passes import passes
+from tuner.native.passes_frame import Code
+from tuner.native.passes_text import code
+from tuner.native.reversal import Before, reversal
+from tuner.native.runner import Runner
+
+FEW = 4000
+"""Operations of scalars for which arrays are not tried: their code is small and fast."""
+
+
+def shortest(runner: Runner, build: Callable[[Array], Any], size: int) -> tuple[Before, Code]:
+    """The C that takes fewer operations, and what precedes its loop.
+
+    Of scalars no operation on a structural zero is left, and only one half of a symmetric matrix;
+    of arrays several entries of a row are computed at once.
+
+    Args:
+        runner: the loop.
+        build: the map from a point to the filter's parameters.
+        size: of a point.
+
+    Raises:
+        NoCounterpartError: names the operation that has no counterpart in either.
+        TooLargeError: for too many operations.
+    """
+    before = Before(runner, build, size)
+    refused: ValueError
+    try:
+        traced = reversal(runner, before)
+        flat = code(passes(traced), [real for _, real in traced.kept])
+    except (NoCounterpartError, TooLargeError) as error:
+        flat, refused = None, error
+    if flat is not None and flat.operations < FEW:
+        return before, flat
+    by_arrays = before.by_arrays()
+    try:
+        rows = array_passes(runner, by_arrays)
+    except NoCounterpartError:
+        rows = None
+    if rows is not None and (flat is None or rows.operations < flat.operations):
+        return by_arrays, rows
+    if flat is None:
+        raise refused
+    return before, flat

@@ -1,0 +1,202 @@
+"""The C around both passes over a record, in parts that are stored one at a time."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from textwrap import indent
+from typing import NamedTuple
+
+_HEAD = """\
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+"""
+_FORTH = """\
+static void forth(size_t n, size_t width, const double *restrict p, const double *restrict u,
+                  double *restrict state, double *restrict store, double *restrict kept)
+{{
+{before}
+    for (size_t i = 0; i < n; i++, u += width) {{
+{sample}
+        if (store) {{
+{stored}
+            store += {stores};
+        }}
+        if (kept) {{
+{kept}
+            kept += {keeps};
+        }}
+{after}
+    }}
+{end}
+}}
+"""
+_BACK = """\
+static void back(size_t n, size_t width, const double *restrict p, const double *restrict u,
+                 const double *restrict e, const double *restrict v, const double *restrict store,
+                 double *restrict weight, double *restrict slope)
+{{
+{before}
+    u += n * width;
+    v += n * {reals};
+    store += n * {stores};
+    while (n-- > 0) {{
+        u -= width;
+        v -= {reals};
+        store -= {stores};
+{sample}
+    }}
+{end}
+}}
+"""
+_WHOLE = """\
+void forwards(size_t n, size_t part, size_t width, const double *p, const double *u, double *saved,
+              double *store, double *kept, double *end)
+{{
+{state}
+    for (size_t from = 0; from < n; from += part) {{
+        const size_t count = n - from < part ? n - from : part;
+        if (saved) memcpy(saved + from / part * {carried}, state, {carried} * sizeof *state);
+        forth(count, width, p, u + from * width, state, store, kept ? kept + from * {keeps} : NULL);
+    }}
+{total}
+}}
+
+void backwards(size_t n, size_t part, size_t width, const double *p, const double *u,
+               const double *e, const double *v, double *saved, double *store, double *out)
+{{
+{weight}
+    double slope[{slopes} + 1] = {{0}};
+    for (size_t from = n - 1; from < n; from -= part) {{
+        from = from / part * part;
+        const size_t count = n - from < part ? n - from : part;
+        if (from + part < n)
+            forth(count, width, p, u + from * width, saved + from / part * {carried}, store, NULL);
+        back(count, width, p, u + from * width, e, v + from * {reals}, store, weight, slope);
+    }}
+{out}
+}}
+"""
+
+
+class Code(NamedTuple):
+    """C of both passes.
+
+    It has functions ``forwards`` and ``backwards``, which run over a record in parts. Forwards
+    takes the numbers of samples, of those of a part, and of columns, the varying numbers, the
+    record, and memory: for the states where parts begin, for what is stored of the samples of a
+    part, for the values kept of each sample, and for the numbers needed at the end. Without the
+    first three it computes these alone. Backwards takes the derivatives by the numbers at the end
+    and by the kept ones, and writes those by the varying numbers.
+
+    Attributes:
+        text: the source.
+        carried: number of numbers of the state.
+        stored: number of those that are stored of a sample.
+        total: number of those needed at the end.
+        kept: number of those kept of a sample.
+        operations: number of operations for a sample, where one on a vector counts as one of it.
+        options: of the compiler, besides the usual ones.
+    """
+
+    text: str
+    carried: int
+    stored: int
+    total: int
+    kept: int
+    operations: int
+    options: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Forth:
+    """Statements of the pass over a record: before the loop, of a sample, after the loop.
+
+    Attributes:
+        stored, kept: those that write what is stored and kept, where there is memory for it.
+        after: those that write the next state.
+    """
+
+    before: str
+    sample: str
+    stored: str
+    kept: str
+    after: str
+    end: str
+
+
+@dataclass(frozen=True)
+class Back:
+    """Statements of the pass back: before the loop, of a sample, after the loop."""
+
+    before: str
+    sample: str
+    end: str
+
+
+@dataclass(frozen=True)
+class Around:
+    """Statements around both passes.
+
+    Attributes:
+        state: those that define the state before the first sample.
+        total: those that write the numbers needed at the end.
+        weight: those that define the derivatives by the state after the last sample.
+        out: those that write the derivatives by the varying numbers.
+    """
+
+    state: str
+    total: str
+    weight: str
+    out: str
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Numbers of what is carried, stored and kept, of kept values with derivatives, of slopes."""
+
+    carried: int
+    stored: int
+    kept: int
+    reals: int
+    slopes: int
+
+
+def framed(functions: str, sizes: Sizes, forth: Forth, back: Back, around: Around) -> str:
+    """The whole source.
+
+    Args:
+        functions: and tables, which the passes use.
+        sizes: of the memory.
+        forth: the pass over a record.
+        back: the pass back.
+        around: what is around them.
+    """
+    one = _FORTH.format(
+        before=indent(forth.before, " " * 4),
+        sample=indent(forth.sample, " " * 8),
+        stored=indent(forth.stored, " " * 12),
+        kept=indent(forth.kept, " " * 12),
+        after=indent(forth.after, " " * 8),
+        end=indent(forth.end, " " * 4),
+        stores=sizes.stored,
+        keeps=sizes.kept,
+    )
+    other = _BACK.format(
+        before=indent(back.before, " " * 4),
+        sample=indent(back.sample, " " * 8),
+        end=indent(back.end, " " * 4),
+        reals=sizes.reals,
+        stores=sizes.stored,
+    )
+    whole = _WHOLE.format(
+        state=indent(around.state, " " * 4),
+        total=indent(around.total, " " * 4),
+        weight=indent(around.weight, " " * 4),
+        out=indent(around.out, " " * 4),
+        carried=sizes.carried,
+        keeps=sizes.kept,
+        reals=sizes.reals,
+        slopes=sizes.slopes,
+    )
+    return "\n".join([_HEAD, functions, one, other, whole])
