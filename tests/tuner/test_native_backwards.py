@@ -69,7 +69,7 @@ def test_a_problem_of_many_parameters_goes_back(objective):
     value, gradient = problem.value_and_gradient(z)
     wanted, slopes = problem.by_xla(z)
     assert problem.gradient_by.startswith("C, compiled by"), problem.gradient_by
-    assert problem.route._single.returns
+    assert problem.route.goes_back
     assert value == pytest.approx(wanted, rel=1e-12)
     np.testing.assert_allclose(gradient, slopes, rtol=1e-11, atol=1e-11 * np.abs(slopes).max())
     assert np.abs(slopes).min() > 0
