@@ -24,7 +24,7 @@ from tuner.code.straight_line import (
 )
 from tuner.code.strides import MOVED
 from tuner.code.tables import Tables
-from tuner.native.compiler import ROWS
+from tuner.native.compiler import options_of_rows
 from tuner.native.passes_frame import Around, Back, Code, Forth, Sizes, framed
 from tuner.native.products import WRITERS
 from tuner.native.reversal import Before, traced
@@ -143,7 +143,8 @@ class _Writer:
         ends = [slot for slot, w in zip(arrays.state, arrays.wanted, strict=True) if w]
         operations = work([*self.forwards.operations, *self.backwards.operations]) // _AT_ONCE
         counts = sizes.carried, sizes.stored, _size(ends), sizes.kept, operations
-        return Code(text, *counts, ROWS)
+        longest = max((slot.shape[-1] for slot in arrays.state if slot.shape), default=1)
+        return Code(text, *counts, options_of_rows(longest))
 
     def _forth(self) -> Forth:
         arrays = self.arrays

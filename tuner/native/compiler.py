@@ -18,10 +18,9 @@ FLAGS = ("-std=gnu11", "-fno-math-errno", "-ffp-contract=fast", "-w", "-fPIC")
 """Compiler options, with strict arithmetic: NaN is a missing sample."""
 HERE = ("-march=native",)
 """Options for this processor, where a compiler supports them."""
-ROWS = (
+_ROWS = (
     "-ftree-vectorize",
     "-fvect-cost-model=dynamic",
-    "-mprefer-vector-width=256",
     "-fassociative-math",
     "-fno-signed-zeros",
     "-fno-trapping-math",
@@ -31,6 +30,20 @@ LONG = 4000
 """Lines beyond which code is optimised less: in two thirds of the time, with equal speed."""
 SECONDS = 30
 """Time limit of a compiler."""
+
+
+def options_of_rows(length: int) -> tuple[str, ...]:
+    """Compiler options for loops over rows of matrices.
+
+    Of vectors of 256 bits a row of one or two entries more than eight would leave the third nearly
+    empty.
+
+    Args:
+        length: of a row.
+    """
+    wide = length > 8 and length % 8 in (1, 2)
+    return (*_ROWS, f"-mprefer-vector-width={512 if wide else 256}", "-O2" if wide else "-O3")
+
 
 Use: TypeAlias = Literal["auto", "on", "off"]
 """C where it pays, wherever it is possible, or never."""
@@ -146,6 +159,7 @@ def library(source: str, folder: Path, more: Sequence[str] = ()) -> ctypes.CDLL:
         NoCodeError: where there is no compiler that works.
     """
     found = compiler()
+    more = _supported(found.command, tuple(more))
     effort = ["-O1" if source.count("\n") > LONG else "-O2", *more]
     key = _digest("\0".join([source, *effort, found.key]).encode())
     if own(folder):
@@ -164,6 +178,20 @@ def library(source: str, folder: Path, more: Sequence[str] = ()) -> ctypes.CDLL:
     if loaded is None:
         raise NoCodeError(f"the library from {Path(found.command[0]).name} cannot be loaded")
     return loaded
+
+
+@cache
+def _supported(command: tuple[str, ...], options: tuple[str, ...]) -> tuple[str, ...]:
+    """Those of some options that a compiler knows."""
+
+    def known(some: tuple[str, ...]) -> bool:
+        try:
+            _ran([*command, *some, "-Werror", "-fsyntax-only", "-x", "c", os.devnull])
+        except NoCodeError:
+            return False
+        return True
+
+    return options if known(options) else tuple(one for one in options if known((one,)))
 
 
 def _compiled(command: tuple[str, ...], source: str, folder: Path, key: str) -> ctypes.CDLL | None:

@@ -93,6 +93,11 @@ class Route:
     _rows: np.ndarray = field(default_factory=lambda: np.empty((0, 0)))
     _lock: Lock = field(default_factory=Lock)
 
+    @property
+    def goes_back(self) -> bool:
+        """Whether gradients go by C that goes back through the record."""
+        return self._single is not None and self._single.returns
+
     def value_and_gradient(self, z: np.ndarray) -> Both | None:
         """Both at z ``(n,)`` by C; None where XLA has to compute them."""
         if not self.told:
