@@ -9,6 +9,7 @@ from studies.broad.contest import Contest, Outcome
 from studies.broad.contestants import LABELS, SPACES, has_lead, start, takes_field
 from studies.broad.peers import vqf
 from studies.broad.problems import Case, fold_name
+from tuner.report.words import counted
 from tuner.run.comparison import Comparison, claim, undecided
 from tuner.run.study import Solutions, best, tuned_values
 
@@ -152,7 +153,7 @@ def tuned(case: Case, solutions: Solutions, *, name: str) -> Comparison:
 def _state(
     quantity: str, name: str, how: str, found: Outcome, case: Case, solutions: Solutions
 ) -> Comparison:
-    note = f"{LABELS[name]}, {SPACES[name].size} parameters"
+    note = f"{LABELS[name]}, {counted(SPACES[name].size, 'parameter')}"
     if takes_field(name):
         total, heading = (found.errors[part].mean() for part in ("total", "heading"))
         note += f"; total {total:.3f}, heading {heading:.3f}"
