@@ -46,12 +46,12 @@ def needed(case: Case, name: str) -> tuple[str, ...]:
 def room(case: Case, solutions: Solutions, name: str) -> Room:
     """The errors that a filter of that name is compared with."""
     own = room_of(name)
-    said = "the room filter" if has_lead(own) else "the room filter without a lead"
+    label = "the room filter" if has_lead(own) else "the room filter without a lead"
     if case.folds:
         errors = left_out(case, solutions, own)
-        return Room(list(case.folds), errors, f"{said}, tuned without the trial")
+        return Room(list(case.folds), errors, f"{label}, tuned without the trial")
     errors = judged_at(own, case.contest, solutions).inclination
-    return Room(list(range(len(errors))), errors, f"{said}, tuned on them all")
+    return Room(list(range(len(errors))), errors, f"{label}, tuned on them all")
 
 
 def left_out(case: Case, solutions: Solutions, name: str = "room") -> np.ndarray:
