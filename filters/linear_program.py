@@ -117,9 +117,9 @@ def _spare(table: _Table, spreads: int) -> Array:
     """By how much every row of the table is kept; 0 for the free unknowns and the cost."""
     value = table.body[:, -1]
     unknowns = len(table.basis)
-    asked = np.ones((len(value), 1), bool)
-    asked[-1 - unknowns : -1 - spreads] = asked[-1] = False
-    return jnp.where(asked, value, 0.0)
+    ones = np.ones((len(value), 1), bool)
+    ones[-1 - unknowns : -1 - spreads] = ones[-1] = False
+    return jnp.where(ones, value, 0.0)
 
 
 def _exchanged(table: _Table, enters: Array, leaves: Array) -> _Table:

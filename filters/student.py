@@ -98,19 +98,19 @@ class Student:
         y, s = output.innovation, output.variance
         counts = s > 0
         begins = (mask.seen(inputs) & ~counts).any()
-        asked = jnp.where(begins, 1.0, weight(y, s, self.nu))
-        w = jnp.where(state.outside < self.patience, asked, 1.0)
+        factor = jnp.where(begins, 1.0, weight(y, s, self.nu))
+        w = jnp.where(state.outside < self.patience, factor, 1.0)
 
         def mixed(one: Array, all: Array) -> Array:
             return one + w * (all - one) if jnp.issubdtype(all.dtype, jnp.floating) else all
 
-        inner, said = jax.tree.map(mixed, (passed, other), (taken, output))
-        said = said._replace(innovation=y, variance=s / w)
-        row = jnp.where(asked < 0.5, state.outside + 1, 0)
+        inner, mean_output = jax.tree.map(mixed, (passed, other), (taken, output))
+        mean_output = mean_output._replace(innovation=y, variance=s / w)
+        row = jnp.where(factor < 0.5, state.outside + 1, 0)
         moved = GatedState(inner, jnp.where(counts.any(), row, state.outside))
         kind = with_fields(type(output), ("offered", "predicted", "weight", "rejected", "outside"))
-        rejected, outside = ((counts & (v < 0.5)).astype(y.dtype) for v in (w, asked))
-        return moved, kind(*said, y, s, jnp.where(counts, w, 1.0), rejected, outside)
+        rejected, outside = ((counts & (v < 0.5)).astype(y.dtype) for v in (w, factor))
+        return moved, kind(*mean_output, y, s, jnp.where(counts, w, 1.0), rejected, outside)
 
 
 def weight(y: Array, s: Array, nu: float) -> Array:

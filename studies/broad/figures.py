@@ -31,11 +31,11 @@ def _figures(case: Case, solutions: Solutions, names: Sequence[str], end: str) -
     if folds:
         apart = left_out(case, solutions, room)
         lines.append(Line(f"{_words(room)}, trial left out", at[list(folds)], apart))
-    said = "without a lead" if end else "with a lead"
+    lead = "without a lead" if end else "with a lead"
     errors = {name: float(np.mean(one.inclination)) for name, one in found.items()}
     yield Chart(
         name=f"by_trial{end}",
-        title=f"Mean inclination error of {len(at)} trials, {said}: {_ranked(errors)}",
+        title=f"Mean inclination error of {len(at)} trials, {lead}: {_ranked(errors)}",
         x_label=label,
         y_label="inclination, RMSE in motion, deg",
         lines=tuple(lines),
@@ -45,7 +45,7 @@ def _figures(case: Case, solutions: Solutions, names: Sequence[str], end: str) -
     last = {name: float(one.inclination[-1]) for name, one in found.items()}
     yield Chart(
         name=f"in_time{end}",
-        title=f"Inclination error in {contest.trials[-1].name}, {said}: {_ranked(last)}",
+        title=f"Inclination error in {contest.trials[-1].name}, {lead}: {_ranked(last)}",
         x_label="time, s",
         y_label=f"inclination, RMS error over {WINDOW:g} s, deg",
         lines=tuple(

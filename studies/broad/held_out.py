@@ -10,6 +10,7 @@ from studies.broad.contestants import LABELS, SPACES, start
 from studies.broad.no_filter import accelerometers, gyroscopes
 from studies.broad.other_filters import REACH, beaten, by_trial, each, left_out, needed, room
 from studies.broad.problems import Case, alone_name, fold_name
+from tuner.report.words import counted
 from tuner.run.comparison import Comparison, claim, undecided
 from tuner.run.study import Claim, Solutions
 
@@ -47,7 +48,7 @@ def mean_left_out(case: Case, solutions: Solutions) -> Comparison:
         float(own.errors.mean()) <= REACH,
         ours=float(own.errors.mean()),
         unit="deg",
-        note=f"{LABELS['room']}, {SPACES['room'].size} parameters; aim {REACH}; "
+        note=f"{LABELS['room']}, {counted(SPACES['room'].size, 'parameter')}; aim {REACH}; "
         f"by trial {by_trial(case, own)}",
     )
 
@@ -64,7 +65,7 @@ def helps(case: Case, solutions: Solutions, *, name: str) -> Comparison:
         f"95 % by trials; better on {int((found < untuned).sum())} of {len(found)}"
     )
     if gain.low <= 0 <= gain.high:
-        note += f"; {NO_HELP}, as far as {len(found)} trials can tell"
+        note += f"; {NO_HELP}, as far as {counted(len(found), 'trial')} can tell"
         return undecided(quantity, where, ours=gain.mean, unit="deg", note=note)
     note += "" if gain.mean > 0 else f"; {NO_HELP}: it harms"
     return claim(quantity, where, gain.mean > 0, ours=gain.mean, unit="deg", note=note)

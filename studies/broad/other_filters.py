@@ -9,6 +9,7 @@ from studies.broad.contest import Contest, Outcome
 from studies.broad.contestants import LABELS, SPACES, has_lead, start, takes_field
 from studies.broad.peers import vqf
 from studies.broad.problems import Case, fold_name
+from tuner.report.words import counted
 from tuner.run.comparison import Comparison, claim, undecided
 from tuner.run.study import Solutions, best, tuned_values
 
@@ -45,12 +46,12 @@ def needed(case: Case, name: str) -> tuple[str, ...]:
 def room(case: Case, solutions: Solutions, name: str) -> Room:
     """The errors that a filter of that name is compared with."""
     own = room_of(name)
-    said = "the room filter" if has_lead(own) else "the room filter without a lead"
+    label = "the room filter" if has_lead(own) else "the room filter without a lead"
     if case.folds:
         errors = left_out(case, solutions, own)
-        return Room(list(case.folds), errors, f"{said}, tuned without the trial")
+        return Room(list(case.folds), errors, f"{label}, tuned without the trial")
     errors = judged_at(own, case.contest, solutions).inclination
-    return Room(list(range(len(errors))), errors, f"{said}, tuned on them all")
+    return Room(list(range(len(errors))), errors, f"{label}, tuned on them all")
 
 
 def left_out(case: Case, solutions: Solutions, name: str = "room") -> np.ndarray:
@@ -152,7 +153,7 @@ def tuned(case: Case, solutions: Solutions, *, name: str) -> Comparison:
 def _state(
     quantity: str, name: str, how: str, found: Outcome, case: Case, solutions: Solutions
 ) -> Comparison:
-    note = f"{LABELS[name]}, {SPACES[name].size} parameters"
+    note = f"{LABELS[name]}, {counted(SPACES[name].size, 'parameter')}"
     if takes_field(name):
         total, heading = (found.errors[part].mean() for part in ("total", "heading"))
         note += f"; total {total:.3f}, heading {heading:.3f}"

@@ -55,10 +55,10 @@ def _contestants(settings: Settings, trials: Sequence[Trial]) -> tuple[str, ...]
     silent = [trial.name for trial in trials if trial.start is None]
     if settings.contestants is None:
         return tuple(name for name in get_args(Contestant) if not (silent and takes_field(name)))
-    asked = [name for name in settings.contestants if takes_field(name)]
-    if asked and silent:
+    with_field = [name for name in settings.contestants if takes_field(name)]
+    if with_field and silent:
         raise ValueError(
-            f"{' and '.join(asked)} need a magnetic field (imu_mag) before the movement, and "
+            f"{' and '.join(with_field)} need a magnetic field (imu_mag) before the movement, and "
             f"{', '.join(silent)} has none; leave them out of contestants"
         )
     return tuple(dict.fromkeys((*ROOMS, *settings.contestants)))

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from studies.rest import requirement as asked
+from studies.rest import requirement as first_order
 from studies.rest.problems import Rest
 from tuner.run.figure import Chart, Figure, Line
 from tuner.run.study import Solutions, best
@@ -49,16 +49,16 @@ def _latency(rest: Rest, K: float | None) -> Chart:
     best_at = dt * float(np.sqrt(rest.R / rest.Q)) if rest.Q > 0 else 0.0
     longest = max(10 * best_at, 100 * dt) if best_at else axis.seconds / 3
     if K is not None:
-        longest = max(longest, 3 * float(asked.latency(K, dt)))
+        longest = max(longest, 3 * float(first_order.latency(K, dt)))
     delays = np.geomspace(0.3 * dt, longest, POINTS)
 
     def noise(delay: np.ndarray) -> np.ndarray:
         gain = dt / (delay + dt)
-        variance = np.asarray(asked.error_variance(gain, rest.R, rest.Q))
+        variance = np.asarray(first_order.error_variance(gain, rest.R, rest.Q))
         return np.asarray(scale * np.sqrt(variance))
 
     lines = [Line("noise of the output", delays, noise(delays))]
-    at, unit = asked.knee(rest.R, rest.Q, dt), axis.written or "1"
+    at, unit = first_order.knee(rest.R, rest.Q, dt), axis.written or "1"
     words = f"{noise(delays[:1])[0]:.2g} {unit} at a lag of {delays[0]:.2g} s"
     words += f", {noise(delays[-1:])[0]:.2g} at {delays[-1]:.2g} s"
     if np.isfinite(at):
@@ -67,7 +67,7 @@ def _latency(rest: Rest, K: float | None) -> Chart:
         words = f"{noise(there)[0]:.2g} {unit} at the knee, {at:.2g} s; never below {least:.2g}"
         lines.append(Line(f"knee, {at:.3g} s", there, noise(there)))
     if K is not None and rest.requirement is not None:
-        there = np.atleast_1d(asked.latency(K, dt))
+        there = np.atleast_1d(first_order.latency(K, dt))
         lines.append(Line(rest.requirement.words, there, noise(there)))
     return Chart(
         name=f"latency_{axis.name}",

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from filters.declared import Sensor
-from studies.rest import requirement as asked
+from studies.rest import requirement as first_order
 from studies.rest.curve import Limited
 from studies.rest.problems import Rest
 from tuner.data.sensor_units import SheetUnit, sheet_units
@@ -107,11 +107,11 @@ def _filtered(rest: Rest, K: float) -> Iterator[Finding]:
         "" if wanted.gain >= K * (1 - 1e-9) else "; slower filters only lag behind the random walk"
     )
     yield Finding(f"{axis.name}.K1", K, "", f"gain of x = x + K1 (z - x): {wanted.words}{slower}")
-    yield Finding(f"{axis.name}.settles_s", asked.settling(K, dt), "s", "settling to 2 %")
-    yield Finding(f"{axis.name}.bandwidth_hz", asked.bandwidth(K, dt), "Hz", "to -3 dB")
-    lag = float(asked.latency(K, dt))
+    yield Finding(f"{axis.name}.settles_s", first_order.settling(K, dt), "s", "settling to 2 %")
+    yield Finding(f"{axis.name}.bandwidth_hz", first_order.bandwidth(K, dt), "Hz", "to -3 dB")
+    lag = float(first_order.latency(K, dt))
     yield Finding(f"{axis.name}.latency_s", lag, "s", "lag behind a steady change")
-    noise = float(np.sqrt(asked.error_variance(K, rest.R, rest.Q)))
+    noise = float(np.sqrt(first_order.error_variance(K, rest.R, rest.Q)))
     before = np.sqrt(rest.R) * axis.scale
     meaning = f"deviation of the output at rest, by N and K; {before:.4g} before"
     yield Finding(f"{axis.name}.output", noise * axis.scale, axis.written, meaning)
@@ -128,7 +128,7 @@ def output_on(values: np.ndarray, K: float) -> float:
     from scipy.signal import lfilter
 
     output = lfilter([K], [1.0, K - 1.0], values)
-    apart = int(asked.settling(K, 1.0))
+    apart = int(first_order.settling(K, 1.0))
     settled = output[apart:]
     if len(settled) <= apart:
         return float(settled.std())
@@ -137,7 +137,7 @@ def output_on(values: np.ndarray, K: float) -> float:
 
 def _trade(rest: Rest) -> Iterator[Finding]:
     """The latency beyond which a slower filter does not pay."""
-    at = asked.knee(rest.R, rest.Q, rest.dt)
+    at = first_order.knee(rest.R, rest.Q, rest.dt)
     if np.isfinite(at):
         text = "from here on twice the latency lowers the noise by less than a tenth"
         least = float(np.sqrt(rest.R / rest.Q)) * rest.dt

@@ -10,11 +10,11 @@ from jax import Array
 
 from filters import FixedGainFilter, FixedGains, LevelSample, LocalLevel
 from objectives import Data, InnovationLikelihood
-from studies.rest import requirement as asked
+from studies.rest import requirement as first_order
 from studies.rest.averages import Averages, most_likely
 from studies.rest.curve import Limited, Noise, read_noise
 from studies.rest.data import Axis
-from studies.rest.requirement import Asked, Requirement
+from studies.rest.requirement import Kind, Requirement
 from tuner.data.allan import allan_curve
 from tuner.export.tuned import Quantity
 from tuner.problem.constraint import Constraint
@@ -67,11 +67,11 @@ class Rest:
     @property
     def gain(self) -> float:
         """Gain of the filter: the least that meets the requirement, or the record's if larger."""
-        own = asked.kalman_gain(self.R, self.Q)
+        own = first_order.kalman_gain(self.R, self.Q)
         return own if self.requirement is None else max(self.requirement.gain, own)
 
 
-def rest_of(axis: Axis, rate_hz: float | None, demand: Mapping[Asked, float]) -> Rest:
+def rest_of(axis: Axis, rate_hz: float | None, demand: Mapping[Kind, float]) -> Rest:
     """The noise of an axis.
 
     Raises:
@@ -141,7 +141,7 @@ def filter_problem(rest: Rest) -> Problem:
         filter=None,
         build=_the_gain,
         objective=ErrorVariance(rest.R, rest.Q),
-        constraints=(Constraint(wanted.asked, wanted.measure, wanted.most),),
+        constraints=(Constraint(wanted.kind, wanted.measure, wanted.most),),
         source=rest.axis.source,
         derive=partial(_of_the_gain, rest.dt),
         exported=Exported(
@@ -164,7 +164,7 @@ class ErrorVariance:
 
     def __call__(self, gain: Array, _: None) -> Array:
         """The variance, ``()``."""
-        return asked.error_variance(gain, self.R, self.Q)
+        return first_order.error_variance(gain, self.R, self.Q)
 
 
 def _the_gain(values: dict[str, Array]) -> Array:
@@ -174,20 +174,20 @@ def _the_gain(values: dict[str, Array]) -> Array:
 def _of_the_gain(dt: float, values: dict[str, Array]) -> dict[str, Array]:
     K = float(values["K1"])
     return {
-        "settles_s": jnp.asarray(asked.settling(K, dt)),
-        "bandwidth_hz": jnp.asarray(asked.bandwidth(K, dt)),
-        "latency_s": jnp.asarray(asked.latency(K, dt)),
+        "settles_s": jnp.asarray(first_order.settling(K, dt)),
+        "bandwidth_hz": jnp.asarray(first_order.bandwidth(K, dt)),
+        "latency_s": jnp.asarray(first_order.latency(K, dt)),
     }
 
 
 def _filter_told(rest: Rest, gain: Array) -> tuple[Quantity, ...]:
     K, unit = float(gain), rest.axis.unit
-    deviation = np.sqrt(np.asarray(asked.error_variance(K, rest.R, rest.Q)))
+    deviation = np.sqrt(np.asarray(first_order.error_variance(K, rest.R, rest.Q)))
     return (
         Quantity("K2", np.array(0.0), "1/s", "gain on the slope: there is none"),
-        Quantity("latency_s", asked.latency(K, rest.dt), "s", "lag behind a steady change"),
-        Quantity("settles_s", np.array(asked.settling(K, rest.dt)), "s", "settling to 2 %"),
-        Quantity("bandwidth_hz", np.array(asked.bandwidth(K, rest.dt)), "Hz", "to -3 dB"),
+        Quantity("latency_s", first_order.latency(K, rest.dt), "s", "lag behind a steady change"),
+        Quantity("settles_s", np.array(first_order.settling(K, rest.dt)), "s", "settling to 2 %"),
+        Quantity("bandwidth_hz", np.array(first_order.bandwidth(K, rest.dt)), "Hz", "to -3 dB"),
         Quantity("output_sd", deviation, unit, "deviation of the output at rest"),
         *_noise_quantities(rest, None),
     )

@@ -13,7 +13,7 @@ import numpy as np
 from jax import Array
 from numpy.typing import ArrayLike
 
-Asked: TypeAlias = Literal["settles_s", "bandwidth_hz", "latency_s"]
+Kind: TypeAlias = Literal["settles_s", "bandwidth_hz", "latency_s"]
 SETTLED = 0.02
 """Share of a step that may be missing when it has settled."""
 
@@ -23,7 +23,7 @@ class Requirement:
     """One requirement on a filter.
 
     Attributes:
-        asked: settling time, bandwidth, or largest lag.
+        kind: settling time, bandwidth, or largest lag.
         value: in s or Hz.
         dt: sample time of the filter, s.
 
@@ -31,17 +31,17 @@ class Requirement:
         ValueError: where no discrete filter meets it.
     """
 
-    asked: Asked
+    kind: Kind
     value: float
     dt: float
 
     def __post_init__(self) -> None:
-        if self.asked == "settles_s" and self.samples < 1:
+        if self.kind == "settles_s" and self.samples < 1:
             raise ValueError(
                 f"no filter settles within {self.value:g} s: samples come every {self.dt:g} s; ask "
                 "for a sample's time or more, or sample faster"
             )
-        if self.asked == "bandwidth_hz" and self.value >= 0.5 / self.dt:
+        if self.kind == "bandwidth_hz" and self.value >= 0.5 / self.dt:
             raise ValueError(
                 f"no filter of samples at {1 / self.dt:g} Hz passes {self.value:g} Hz: half the "
                 "rate is the most that they hold; ask for less, or sample faster"
@@ -60,7 +60,7 @@ class Requirement:
     @property
     def gain(self) -> float:
         """The least gain that meets it, in closed form."""
-        match self.asked:
+        match self.kind:
             case "settles_s":
                 return float(-np.expm1(np.log(SETTLED) / self.samples))
             case "bandwidth_hz":
@@ -73,7 +73,7 @@ class Requirement:
     @property
     def most(self) -> float:
         """Upper limit of :meth:`measure`."""
-        match self.asked:
+        match self.kind:
             case "settles_s":
                 return self.samples * self.dt
             case "bandwidth_hz":
@@ -83,7 +83,7 @@ class Requirement:
 
     def measure(self, gain: Array, _: None) -> Array:
         """Settling time or lag, s; or the attenuation in power of a sine of the frequency."""
-        match self.asked:
+        match self.kind:
             case "settles_s":
                 return self.dt * jnp.log(SETTLED) / jnp.log1p(-gain)
             case "bandwidth_hz":
@@ -95,7 +95,7 @@ class Requirement:
     @property
     def words(self) -> str:
         """The requirement in words."""
-        match self.asked:
+        match self.kind:
             case "settles_s":
                 return f"settles to {100 * SETTLED:g} % within {self.value:g} s"
             case "bandwidth_hz":

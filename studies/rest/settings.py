@@ -4,10 +4,10 @@ from typing import get_args
 
 from pydantic import Field, model_validator
 
-from studies.rest.requirement import Asked
+from studies.rest.requirement import Kind
 from tuner.run.settings import StudySettings
 
-REQUIREMENTS: tuple[Asked, ...] = get_args(Asked)
+REQUIREMENTS: tuple[Kind, ...] = get_args(Kind)
 
 
 class Settings(StudySettings):
@@ -31,7 +31,7 @@ class Settings(StudySettings):
         return self
 
     @property
-    def requirement(self) -> dict[Asked, float]:
+    def requirement(self) -> dict[Kind, float]:
         """The requirement on the filter, by name; empty, or one entry."""
         given = {name: getattr(self, name) for name in REQUIREMENTS}
         return {name: value for name, value in given.items() if value is not None}

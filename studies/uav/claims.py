@@ -241,8 +241,8 @@ def determined(field: Field, solutions: Solutions, *, law: Tuned) -> Iterator[Co
         quantity, where = f"uav.{law}.{name}", "determined by the flight that is tuned on"
         unit = found.parameters[name].unit
         if about or bound or rises is None:
-            said = [*about, *(f"{label} ended at its bound" for label in bound)]
-            note = "; ".join(said) or "the deviation does not curve there as at a minimum"
+            notes = [*about, *(f"{label} ended at its bound" for label in bound)]
+            note = "; ".join(notes) or "the deviation does not curve there as at a minimum"
             yield undecided(quantity, where, ours=value, unit=unit, note=note)
         else:
             note = range_in_words(rises, found.parameters[name].interval_kind)

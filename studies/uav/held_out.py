@@ -141,8 +141,8 @@ def claims_held_out(field: Field) -> tuple[Claim, ...]:
         if not _flights(field, how):
             continue
         needs: tuple[str, ...] = (LAW,) if how == "one" else (fold_name("*"),)
-        said = {"uav.tuning_gain": helps, "uav.*_gain_m": predicts}
-        for name, rows in said.items():
+        judgements = {"uav.tuning_gain": helps, "uav.*_gain_m": predicts}
+        for name, rows in judgements.items():
             found.append(Claim(f"{name}.{how}.*", partial(rows, how=how), needs))
     if field.left_out:
         needs = (LAW, fold_name("*"), alone_name("*"))

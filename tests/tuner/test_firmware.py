@@ -490,7 +490,7 @@ def test_the_commands_of_its_page_write_what_they_say(cli, here):
     page = Path(__file__).parents[2] / "docs" / "firmware.md"
     lines = re.findall(r"^tuner (export .+)$", page.read_text(), re.MULTILINE)
     (here / "runs").mkdir()
-    save_run("runs/rest-001", *three_axes(), axis("acc", "m/s^2", 2e-3, 3e-4))
+    save_run("imu", *three_axes(), axis("acc", "m/s^2", 2e-3, 3e-4))
     save_run("runs/fit-001", (tracked(), vertical()[1]))
     for line in lines:
         code, _, err = cli(*shlex.split(line, comments=True))

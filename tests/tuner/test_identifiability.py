@@ -31,7 +31,7 @@ from tests.strategies import seeds
 from tuner import Covariance, Fixed, Positive, Problem, Space
 from tuner.identifiability.determined import determined, with_known_start
 from tuner.identifiability.linear_form import NoiseModel
-from tuner.identifiability.rank import rank_of, said
+from tuner.identifiability.rank import rank_of, sentences
 from tuner.identifiability.windows import differences
 
 LIKELY = InnovationLikelihood()
@@ -168,13 +168,13 @@ def test_what_is_not_determined_is_said():
 
 def test_sentences():
     names = ("Q11", "Q22", "R")
-    assert said(rank_of_null([0, 0, 0]), names, names) == ()
-    (one,) = said(rank_of_null([[0.0, 1.0, 0.0]]), names, names)
+    assert sentences(rank_of_null([0, 0, 0]), names, names) == ()
+    (one,) = sentences(rank_of_null([[0.0, 1.0, 0.0]]), names, names)
     assert one.startswith("Q22 leaves no trace in what is measured: it is not determined; fix it,")
-    (two,) = said(rank_of_null([[0.5, -1.0, 0.0]]), names, ("", "", ""))
+    (two,) = sentences(rank_of_null([[0.5, -1.0, 0.0]]), names, ("", "", ""))
     assert "only Q11 + 0.5 Q22 is determined; fix one" in two
     assert "--fix" not in two
-    (three,) = said(rank_of_null([[1.0, -1.0, 0.0], [0.0, 1.0, 2.0]]), names, names)
+    (three,) = sentences(rank_of_null([[1.0, -1.0, 0.0], [0.0, 1.0, 2.0]]), names, names)
     assert three.startswith("Q11, Q22 and R cannot be told apart by what is measured: only ")
     assert three.endswith(" is determined; fix 2, --fix R=VALUE")
 

@@ -21,8 +21,8 @@ app = typer.Typer(
 )
 
 
-def _version(asked: bool) -> None:
-    if asked:
+def _version(requested: bool) -> None:
+    if requested:
         from importlib.metadata import version
 
         print(f"filter-tuner {version('filter-tuner')}")
@@ -87,13 +87,13 @@ def invoke(arguments: list[str], *, alone: bool = False) -> int:
     from tuner.cli.common_options import CommonOptions
     from tuner.cli.exit_code import exit_code_of
 
-    asked = CommonOptions.of(arguments)
+    options = CommonOptions.of(arguments)
 
     def run() -> int:
-        with asked.bounded(alone=alone):
-            return _commanded(asked.rest or ["--help"])
+        with options.bounded(alone=alone):
+            return _commanded(options.rest or ["--help"])
 
-    return exit_code_of(run, with_traceback=asked.traceback)
+    return exit_code_of(run, with_traceback=options.traceback)
 
 
 def _commanded(arguments: list[str]) -> int:

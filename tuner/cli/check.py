@@ -127,17 +127,17 @@ def _of_run(run: Path, request: Request) -> InUse:
             beside it, and one whose class is in a Python file that is not named.
     """
     result = read_result(run)
-    asked, own = request.filter_option, own_file(str(result.settings.get("filter")))
-    same = own is not None and asked.file is not None and asked.file.reference == own.reference
-    if request.sets or (asked.named and not same):
+    option, own = request.filter_option, own_file(str(result.settings.get("filter")))
+    same = own is not None and option.file is not None and option.file.reference == own.reference
+    if request.sets or (option.named and not same):
         raise ValueError(f"{run} contains its filter and values; leave out --filter and --set")
     if result.study != STUDY.name:
         raise ValueError(
             f"{run} is a run of {result.study} and not of tuner fit; give its filter and values "
             "with --filter NAME --set NAME=VALUE"
         )
-    refuse_code({"settings": result.settings}, asked, run, f"tuner check {run}")
-    settings = FitSettings.model_validate(result.settings | asked.settings())
+    refuse_code({"settings": result.settings}, option, run, f"tuner check {run}")
+    settings = FitSettings.model_validate(result.settings | option.settings())
     choice = settings.choice
     solutions = {(s.problem, s.solver): s.solution() for s in result.solutions}
     found = best(choice.name.replace("-", "_"), solutions)
@@ -152,7 +152,7 @@ def _of_run(run: Path, request: Request) -> InUse:
         settings.options,
         settings.objective,
         read_recipe(recipe).log if recipe.exists() else None,
-        (*file_changes(result.settings, asked), *untrusted),
+        (*file_changes(result.settings, option), *untrusted),
     )
 
 

@@ -8,7 +8,7 @@ from tuner.atomic import write_bytes
 from tuner.cli.export_request import ExportRequest
 from tuner.cli.exported import at_rate, check_converged, choose, tuned_of
 from tuner.export import Tuned
-from tuner.firmware import Asked, Target, Wish, amounts, read_maps
+from tuner.firmware import FileRequest, Target, Wish, amounts, read_maps
 from tuner.firmware.choice import Axes
 from tuner.run.result import Result, read_result
 
@@ -22,25 +22,25 @@ def write_firmware(run: Path, target: Target, request: ExportRequest) -> None:
         ValueError: where the target is another filter and that was not accepted, and for numbers
             that have no meaning there, or more than one.
     """
-    asked = _asked(run, target, request)
+    file_request = _request_of(run, target, request)
     if target.filter and not request.approximate:
-        names = ", ".join(dict.fromkeys(each.filter for each in asked.tuned))
+        names = ", ".join(dict.fromkeys(each.filter for each in file_request.tuned))
         raise ValueError(
             f"{target.filter} is another filter than {names}, so these are initial values to be "
             "tried; --accept-approximate writes them"
         )
-    text = target.written(asked)
-    said = list(text.notes)
+    text = target.written(file_request)
+    notes = list(text.notes)
     if request.output == "-":
         sys.stdout.write(text.text)
     else:
         path = Path(request.output or target.file)
         write_bytes(path, text.text.encode("ascii"), overwrite=request.force)
-        said.append(f"wrote {path}: {text.numbers} parameters")
-    print(*said, sep="\n", end="\n" * bool(said), file=sys.stderr)
+        notes.append(f"wrote {path}: {text.numbers} parameters")
+    print(*notes, sep="\n", end="\n" * bool(notes), file=sys.stderr)
 
 
-def _asked(run: Path, target: Target, request: ExportRequest) -> Asked:
+def _request_of(run: Path, target: Target, request: ExportRequest) -> FileRequest:
     axes = _AXES.get(request.axes or "")
     if request.axes is not None and axes is None:
         raise ValueError(f"--axes is {request.axes!r}; give {' or '.join(_AXES)}")
@@ -55,7 +55,9 @@ def _asked(run: Path, target: Target, request: ExportRequest) -> Asked:
     found = tuple(amounts(tuned, result.findings, limits))
     log_rate = result.log.rate_hz
     log_rate = log_rate if log_rate and math.isfinite(log_rate) else 0.0
-    return Asked(tuned, found, parameters, Wish(read_maps(request.maps), axes), rate, log_rate)
+    return FileRequest(
+        tuned, found, parameters, Wish(read_maps(request.maps), axes), rate, log_rate
+    )
 
 
 def _parameters(

@@ -17,19 +17,19 @@ def interruptible() -> Iterator[Callable[[], None]]:
     there: a Ctrl-C at that moment would do nothing. Outside the main thread, which alone hears of
     signals, the check does nothing.
     """
-    asked: list[int] = []
+    signals: list[int] = []
 
     def interrupt(number: int, frame: FrameType | None) -> None:
         if is_importing(frame):
             later(number)
             return
-        asked.append(number)
+        signals.append(number)
         heed(leave)  # whoever asks a second time waits for nothing
         raise KeyboardInterrupt(number)
 
     def check() -> None:
-        if asked:
-            raise KeyboardInterrupt(asked[0])
+        if signals:
+            raise KeyboardInterrupt(signals[0])
 
     if threading.current_thread() is not threading.main_thread():
         yield check

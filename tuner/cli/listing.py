@@ -28,8 +28,8 @@ def show(what: str, name: str | None = None, *, json: bool = False, md: bool = F
         show_settings(name, json=json, md=md)
         return
     if what != "filters" and (name is not None or md):
-        asked = "--md" if name is None else repr(name)
-        raise ValueError(f"only filters have a page of facts; leave out {asked}")
+        option = "--md" if name is None else repr(name)
+        raise ValueError(f"only filters have a page of facts; leave out {option}")
     if json and md:
         raise ValueError("--json and --md exclude each other; give one of them")
     if name is not None or md:

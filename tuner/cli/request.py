@@ -49,7 +49,7 @@ class Request:
     json: bool = False
 
 
-def asked(
+def request_from(
     study: str, options: Mapping[str, Any], values: Mapping[str, Any] = MappingProxyType({})
 ) -> Request:
     """The request that a command's options make.

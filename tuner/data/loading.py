@@ -46,14 +46,14 @@ class Timed:
     drop_repeats: bool
 
     @cached_property
-    def asked(self) -> Mapped | None:
+    def mapped_time(self) -> Mapped | None:
         """The time columns before any file is looked into."""
         return None if self.time is None else parse_maps(f"time={self.time}", None)[0]
 
     def check_somewhere(self, tables: Sequence[Table]) -> None:
         """Refuse time columns that are in none of several files."""
-        if self.asked and all(table.find_parts(self.asked) is None for table in tables):
-            _resolved(tables[0], self.asked)
+        if self.mapped_time and all(table.find_parts(self.mapped_time) is None for table in tables):
+            _resolved(tables[0], self.mapped_time)
 
 
 def loaded(
@@ -70,16 +70,16 @@ def loaded(
         LogError: where a column is missing or cannot be read.
     """
     parts = [part for one in file.wanted for part in one.parts]
-    time = file.table.find_parts(timed.asked) if timed.asked else None
-    if timed.asked and time is None and not optional:
-        time = _resolved(file.table, timed.asked)
+    time = file.table.find_parts(timed.mapped_time) if timed.mapped_time else None
+    if timed.mapped_time and time is None and not optional:
+        time = _resolved(file.table, timed.mapped_time)
     if time is not None:
         return load_columns(file.table, [*parts, *time], ()), time
     return load_columns(file.table, parts, timing_names(file.table)), None
 
 
-def _resolved(table: Table, asked: Mapped) -> tuple[Mapping, ...]:
-    return tuple(table.resolve(part) for part in asked.parts)
+def _resolved(table: Table, time: Mapped) -> tuple[Mapping, ...]:
+    return tuple(table.resolve(part) for part in time.parts)
 
 
 def has_time(table: Table, named: Sequence[Mapping] | None) -> bool:

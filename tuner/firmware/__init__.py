@@ -3,7 +3,7 @@
 from tuner.firmware.amount import Amount, amounts
 from tuner.firmware.choice import Wish
 from tuner.firmware.maps import read_maps
-from tuner.firmware.target import Asked, Target, Text
+from tuner.firmware.target import FileRequest, Target, Text
 from tuner.firmware.targets import TARGETS
 
-__all__ = ["TARGETS", "Amount", "Asked", "Target", "Text", "Wish", "amounts", "read_maps"]
+__all__ = ["TARGETS", "Amount", "FileRequest", "Target", "Text", "Wish", "amounts", "read_maps"]

@@ -5,7 +5,7 @@ adds (T sigma)^2 in T = EKF_TARGET_DT, so sigma = N / sqrt(T).
 """
 
 from tuner.firmware.key import Key
-from tuner.firmware.target import Asked, Target, Text, commented, head, how, keyed
+from tuner.firmware.target import FileRequest, Target, Text, commented, head, how, keyed
 
 _PREDICTION_S = 0.012
 _LEAST = "the least that is taken where the receiver reports its accuracy"
@@ -29,11 +29,11 @@ KEYS = (
 )
 
 
-def written(asked: Asked) -> Text:
+def written(request: FileRequest) -> Text:
     """The file: a line for each parameter, with name and value."""
-    T = _PREDICTION_S if asked.rate_hz is None else 1 / asked.rate_hz
-    found, notes = keyed(asked, KEYS, T, "ArduPilot")
-    lines = commented(head(asked, "ArduPilot", TARGET.filter, notes))
+    T = _PREDICTION_S if request.rate_hz is None else 1 / request.rate_hz
+    found, notes = keyed(request, KEYS, T, "ArduPilot")
+    lines = commented(head(request, "ArduPilot", TARGET.filter, notes))
     for each in found:
         lines += [*commented(how(each)), f"{each.key.name},{each.value:.9g}"]
     return Text("\n".join([*lines, ""]), len(found), notes)

@@ -4,7 +4,16 @@ Keys: kalibr, IMU noise model; densities of continuous time, as they are found a
 """
 
 from tuner.firmware.key import Key
-from tuner.firmware.target import Asked, Target, Text, commented, head, how, keyed, yaml_number
+from tuner.firmware.target import (
+    FileRequest,
+    Target,
+    Text,
+    commented,
+    head,
+    how,
+    keyed,
+    yaml_number,
+)
 
 KEYS = tuple(
     Key(name, unit, "density", export=name)
@@ -17,17 +26,17 @@ KEYS = tuple(
 )
 
 
-def written(asked: Asked) -> Text:
+def written(request: FileRequest) -> Text:
     """The file; missing numbers are comments, for kalibr needs all of them."""
-    found, notes = keyed(asked, KEYS, 1.0, "kalibr")
+    found, notes = keyed(request, KEYS, 1.0, "kalibr")
     there = {each.key.name for each in found}
     missing = [key.name for key in KEYS if key.name not in there]
-    rate = asked.rate_hz or asked.log_rate_hz
+    rate = request.rate_hz or request.log_rate_hz
     if missing:
         notes += (f"kalibr needs {', '.join(missing)} too: fill it in",)
     if not rate:
         notes += ("the rate of the record is not known: give --rate HZ, or fill update_rate in",)
-    lines = commented(head(asked, "kalibr", "", notes))
+    lines = commented(head(request, "kalibr", "", notes))
     for each in found:
         lines += [*commented(how(each)), f"{each.key.name}: {yaml_number(each.value)}"]
     lines += [f"#{name}:" for name in missing]

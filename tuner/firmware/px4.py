@@ -5,7 +5,7 @@ covariance.cpp adds (T sigma)^2 in a prediction of T = EKF2_PREDICT_US, so sigma
 """
 
 from tuner.firmware.key import Key
-from tuner.firmware.target import Asked, Target, Text, commented, head, how, keyed
+from tuner.firmware.target import FileRequest, Target, Text, commented, head, how, keyed
 
 _PREDICTION_S = 0.01
 _REAL = 9  # MAVLink's MAV_PARAM_TYPE_REAL32
@@ -28,11 +28,11 @@ KEYS = (
 )
 
 
-def written(asked: Asked) -> Text:
+def written(request: FileRequest) -> Text:
     """The file: a line for each parameter, with vehicle, component, name, value and type."""
-    T = _PREDICTION_S if asked.rate_hz is None else 1 / asked.rate_hz
-    found, notes = keyed(asked, KEYS, T, "PX4")
-    above = ["Onboard parameters for Vehicle 1", "", *head(asked, "PX4", TARGET.filter, notes)]
+    T = _PREDICTION_S if request.rate_hz is None else 1 / request.rate_hz
+    found, notes = keyed(request, KEYS, T, "PX4")
+    above = ["Onboard parameters for Vehicle 1", "", *head(request, "PX4", TARGET.filter, notes)]
     above += [f"At EKF2_PREDICT_US = {1e6 * T:.0f}.", *(line for s in found for line in how(s))]
     lines = commented([*above, "", "Vehicle-Id Component-Id Name Value Type"])
     lines += [f"1\t1\t{each.key.name}\t{each.value:.9g}\t{_REAL}" for each in found]

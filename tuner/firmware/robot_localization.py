@@ -10,7 +10,7 @@ import numpy as np
 
 from tuner.export.tuned import Tuned
 from tuner.firmware.amount import density
-from tuner.firmware.target import Asked, Target, Text, commented, head, yaml_number
+from tuner.firmware.target import FileRequest, Target, Text, commented, head, yaml_number
 from tuner.names import unknown
 
 # The default of each.
@@ -24,20 +24,20 @@ PLACES = {name: (i, _UNITS[i]) for i, name in enumerate(_DEFAULTS)}
 """The states in their order, with their units."""
 
 
-def written(asked: Asked) -> Text:
+def written(request: FileRequest) -> Text:
     """The file: the whole matrix, with its own defaults where nothing was tuned."""
     matrix, comments = np.diag(list(_DEFAULTS.values())), list[str]()
-    (tuned,) = asked.tuned
-    mapped = {key: _place(key) for keys in asked.wish.maps.values() for key in keys}
+    (tuned,) = request.tuned
+    mapped = {key: _place(key) for keys in request.wish.maps.values() for key in keys}
     if not mapped:
         raise ValueError(_ask(tuned))
-    states = {state: keys for state, keys in asked.wish.maps.items() if state in tuned.states}
-    comments += _of_states(asked, states, matrix)
-    for name, keys in asked.wish.maps.items():
-        comments += [] if name in states else _of_density(asked, name, keys, matrix)
+    states = {state: keys for state, keys in request.wish.maps.items() if state in tuned.states}
+    comments += _of_states(request, states, matrix)
+    for name, keys in request.wish.maps.items():
+        comments += [] if name in states else _of_density(request, name, keys, matrix)
     rest = [name for name in PLACES if name not in mapped]
     notes = (f"{', '.join(rest)} have robot_localization's own defaults",) if rest else ()
-    lines = commented([*head(asked, "robot_localization", TARGET.filter, notes), *comments])
+    lines = commented([*head(request, "robot_localization", TARGET.filter, notes), *comments])
     lines += ["ekf_filter_node:", "  ros__parameters:"]
     if states:
         lines += [f"    frequency: {yaml_number(1 / tuned.dt)}"]
@@ -57,7 +57,7 @@ def _ask(tuned: Tuned) -> str:
 
 
 def _of_states(
-    asked: Asked, states: dict[str, tuple[str, ...]], matrix: np.ndarray
+    request: FileRequest, states: dict[str, tuple[str, ...]], matrix: np.ndarray
 ) -> Iterator[str]:
     """Q / T at the places of the states that are mapped."""
     if not states:
@@ -65,8 +65,8 @@ def _of_states(
     for state, keys in states.items():
         if len(keys) > 1:
             raise ValueError(f"{state} is one state; map it to one of {' and '.join(keys)}")
-    (tuned,) = asked.tuned
-    Q = _covariance(tuned, asked.parameters) / tuned.dt
+    (tuned,) = request.tuned
+    Q = _covariance(tuned, request.parameters) / tuned.dt
     places, rows = [], []
     for state, keys in states.items():
         places.append(_place(keys[0])[0])
@@ -103,12 +103,12 @@ def _alike(tuned: Tuned, side: int, axes: int) -> bool:
 
 
 def _of_density(
-    asked: Asked, name: str, keys: tuple[str, ...], matrix: np.ndarray
+    request: FileRequest, name: str, keys: tuple[str, ...], matrix: np.ndarray
 ) -> Iterator[str]:
     """A density on the diagonal."""
-    amounts = {amount.name: amount for amount in asked.amounts}
+    amounts = {amount.name: amount for amount in request.amounts}
     if name not in amounts:
-        raise unknown("state or number", name, [*asked.tuned[0].states, *asked.parameters])
+        raise unknown("state or number", name, [*request.tuned[0].states, *request.parameters])
     amount = amounts[name]
     for key in keys:
         place, unit = _place(key)

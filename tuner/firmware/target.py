@@ -11,7 +11,7 @@ from tuner.firmware.key import Key
 
 
 @dataclass(frozen=True)
-class Asked:
+class FileRequest:
     """A request for a firmware's file.
 
     Attributes:
@@ -70,17 +70,17 @@ class Target:
     file: str
     about: str
     filter: str
-    written: Callable[[Asked], Text]
+    written: Callable[[FileRequest], Text]
     of_model: bool = False
 
 
 def keyed(
-    asked: Asked, keys: Sequence[Key], T: float, name: str
+    request: FileRequest, keys: Sequence[Key], T: float, name: str
 ) -> tuple[list[Setting], tuple[str, ...]]:
     """The parameters, and notes.
 
     Args:
-        asked: the request.
+        request: the request.
         keys: of the firmware.
         T: time of its predictions, s.
         name: of the firmware, for messages.
@@ -88,20 +88,20 @@ def keyed(
     Raises:
         ValueError: where no number has a meaning there, and as ``settings`` of the choice.
     """
-    found, notes = settings(keys, asked.amounts, asked.wish, T)
-    searched = [amount for amount in asked.amounts if asked.parameters.get(amount.name)]
-    ways = list(candidates(keys, searched, asked.wish, T))
+    found, notes = settings(keys, request.amounts, request.wish, T)
+    searched = [amount for amount in request.amounts if request.parameters.get(amount.name)]
+    ways = list(candidates(keys, searched, request.wish, T))
     if not found:
-        ways = ways or list(candidates(keys, asked.amounts, asked.wish, T))
+        ways = ways or list(candidates(keys, request.amounts, request.wish, T))
         more = "; ".join([*notes, *ways]) or "by their units none is the size of such a noise"
-        raise ValueError(f"nothing says which numbers of {asked.source} {name} takes: {more}")
+        raise ValueError(f"nothing says which numbers of {request.source} {name} takes: {more}")
     warnings = [setting.warning for setting in found if setting.warning]
     return found, (*warnings, *notes, *(f"left out: {way}" for way in ways))
 
 
-def head(asked: Asked, target: str, filter: str, notes: Iterable[str]) -> Iterator[str]:
+def head(request: FileRequest, target: str, filter: str, notes: Iterable[str]) -> Iterator[str]:
     """Lines of comment above the numbers, without the sign that begins them."""
-    yield f"Noise for {target}, written by filter-tuner from {asked.source}"
+    yield f"Noise for {target}, written by filter-tuner from {request.source}"
     if filter:
         yield f"{filter} is another filter than the one that was tuned: values to begin with."
     yield from notes

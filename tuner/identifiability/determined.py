@@ -8,7 +8,7 @@ from objectives import HeavyTails, PartlyWrong, kind_of
 from tuner.identifiability.least_squares import Estimate, estimate, estimate_of_most
 from tuner.identifiability.linear_form import linear_problem
 from tuner.identifiability.noise import Entry, NoModelError
-from tuner.identifiability.rank import rank_of, said
+from tuner.identifiability.rank import rank_of, sentences
 from tuner.identifiability.windows import differences
 from tuner.problem.parameters import Bounded, Covariance, Limited, Parameter, Positive
 from tuner.problem.problem import Problem
@@ -85,7 +85,7 @@ def determined(problem: Problem) -> Determined:
         names,
         rank.rank,
         rank.undetermined,
-        said(rank, names, single),
+        sentences(rank, names, single),
         dict(zip(names, found.values.tolist(), strict=True)),
         dict(zip(names, found.deviations.tolist(), strict=True)),
         _start(problem, linear.entries, found),

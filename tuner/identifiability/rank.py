@@ -60,7 +60,7 @@ def _reduced(rows: np.ndarray) -> np.ndarray:
     return np.where(np.abs(left) > _ZERO, left, 0.0)
 
 
-def said(rank: Rank, names: tuple[str, ...], fixable: tuple[str, ...]) -> tuple[str, ...]:
+def sentences(rank: Rank, names: tuple[str, ...], fixable: tuple[str, ...]) -> tuple[str, ...]:
     """Undetermined parameters, a sentence for each group that can replace each other.
 
     Args:
@@ -69,7 +69,7 @@ def said(rank: Rank, names: tuple[str, ...], fixable: tuple[str, ...]) -> tuple[
         fixable: those of the names, or of their parameters, that can be held at a value.
 
     >>> only_sum = Rank(1, np.array([[1.0, -1.0]]))
-    >>> said(only_sum, ("Q22", "R"), ("", "R"))[0].partition(": ")[2]
+    >>> sentences(only_sum, ("Q22", "R"), ("", "R"))[0].partition(": ")[2]
     'only Q22 + R is determined; fix one, --fix R=VALUE'
     """
     left = set(range(len(rank.undetermined)))

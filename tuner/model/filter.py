@@ -139,7 +139,7 @@ class ModelFilter:
             "write its entries with dt, make it continuous, or give --rate HZ"
         )
 
-    def said(self, estimate: AnyEstimate, innovation: Array, variance: Array) -> Any:
+    def output_of(self, estimate: AnyEstimate, innovation: Array, variance: Array) -> Any:
         """The outputs."""
         x = estimate.x
         return self.outputs(*(x[i] for i in range(len(x))), innovation, variance, estimate.P)

@@ -76,7 +76,7 @@ class LinearFilter(ModelFilter):
         found, innovation, variance = taken(model, there, ahead, R, z)
         # A stored step stays as it is, so that the state has one structure.
         moved = ModelState(found, held_of(model, now.inputs), state.step)
-        return moved, self.said(found, innovation, variance)
+        return moved, self.output_of(found, innovation, variance)
 
 
 def driving_names(model: Model) -> list[str]:

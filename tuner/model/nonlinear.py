@@ -146,10 +146,10 @@ class NonlinearFilter(ModelFilter):
         before = dict(zip(driving_names(model), state.held, strict=True))
         known = Known(params, self.dt, state.step if model.kept and self.static else None)
         sample = ExtendedSample(z, Given(before, now.inputs))
-        asked = ExtendedModel(known, R, state.estimate.x, state.estimate.P)
-        found, outputs = atom(model).step(asked, state.estimate, sample)
+        extended = ExtendedModel(known, R, state.estimate.x, state.estimate.P)
+        found, outputs = atom(model).step(extended, state.estimate, sample)
         moved = ModelState(found, held_of(model, now.inputs), state.step)
-        return moved, self.said(found, outputs.innovation, outputs.variance)
+        return moved, self.output_of(found, outputs.innovation, outputs.variance)
 
 
 def atom(model: Model) -> Any:

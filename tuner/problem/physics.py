@@ -134,11 +134,11 @@ def check_start(name: str, space: Any, build: Any, filter: Any) -> None:
 def _check_start(name: str, space: Any, build: Any, filter: Any) -> None:
     z = jax.ShapeDtypeStruct((space.size,), jnp.float64)
     shapes = jax.eval_shape(lambda at: build(space.constrain(at)), z)
-    said = _said(filter)
-    if not any(True for _ in _covariances(shapes, said)):
+    declared = _said(filter)
+    if not any(True for _ in _covariances(shapes, declared)):
         return
     params = in_numpy(build, in_numpy(Method(space, "constrain"), space.start()))
-    for field, value in _covariances(params, said):
+    for field, value in _covariances(params, declared):
         fault = _fault(np.asarray(value))
         if fault:
             raise ValueError(f"the {field} of {name} {fault}")
@@ -153,7 +153,7 @@ def _said(filter: AnyFilter | None) -> frozenset[str]:
     return frozenset(n for n, fact in facts.items() if fact.meaning.startswith(_WORDS))
 
 
-def _covariances(params: Any, said: frozenset[str]) -> Iterator[tuple[str, Any]]:
+def _covariances(params: Any, declared: frozenset[str]) -> Iterator[tuple[str, Any]]:
     """The fields that hold variances: those declared so, and R, Q, P0 of this package's tuples."""
     if not isinstance(params, tuple):
         return
@@ -161,8 +161,8 @@ def _covariances(params: Any, said: frozenset[str]) -> Iterator[tuple[str, Any]]
     for field in getattr(params, "_fields", ()):
         value = getattr(params, field)
         if isinstance(value, tuple):
-            yield from _covariances(value, said)
-        elif value is not None and (field in said or (ours and field in _COVARIANCES)):
+            yield from _covariances(value, declared)
+        elif value is not None and (field in declared or (ours and field in _COVARIANCES)):
             yield field, value
 
 

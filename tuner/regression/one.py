@@ -76,12 +76,12 @@ def tanaka(t: ArrayLike, x: ArrayLike, h: float = 0.0, e: ArrayLike | None = Non
     >>> found.center.round(9).tolist(), found.unique
     ([4.45, 1.833333333], True)
     """
-    asked = window(t, x, h, e)
-    point = solve(asked)
-    center, spread = asked.restored(point.z)
-    of, m, factor = asked.of, len(asked.values), asked.size / (1 - h)
+    task = window(t, x, h, e)
+    point = solve(task)
+    center, spread = task.restored(point.z)
+    of, m, factor = task.of, len(task.values), task.size / (1 - h)
     objective = point.cost * factor
-    status, message = _ended(asked, point)
+    status, message = _ended(task, point)
     if not isfinite(sum(center.tolist(), objective) + sum(spread.tolist())):
         status = Outcome.INEXACT
         message = "a coefficient is larger than any number; give t, or x, in another unit"
@@ -97,13 +97,13 @@ def tanaka(t: ArrayLike, x: ArrayLike, h: float = 0.0, e: ArrayLike | None = Non
         above=point.multipliers[:m] / (1 - h),
         below=point.multipliers[m : 2 * m] / (1 - h),
         least=least,
-        violation=max(point.violation, 0.0) * asked.size,
+        violation=max(point.violation, 0.0) * task.size,
         gap=point.gap * factor,
     )
 
 
-def _ended(asked: Window, point: Point) -> tuple[Outcome, str]:
-    n = asked.of.columns.shape[1]
+def _ended(task: Window, point: Point) -> tuple[Outcome, str]:
+    n = task.of.columns.shape[1]
     if not point.error <= EXACT:
         return Outcome.INEXACT, (
             f"the point found is right to {point.error:.1g} of the data's range only; check "
@@ -114,9 +114,9 @@ def _ended(asked: Window, point: Point) -> tuple[Outcome, str]:
             "an optimum was found, but not whether there are others; check t for regressors, or "
             "samples, that hardly differ"
         )
-    if asked.of.rank < n:
+    if task.of.rank < n:
         return Outcome.UNDETERMINED, (
-            f"t has rank {asked.of.rank} with the intercept and does not determine {n} "
+            f"t has rank {task.of.rank} with the intercept and does not determine {n} "
             "coefficients; the shortest center that fits is given: take more, or other, samples"
         )
     if not point.unique:

@@ -40,20 +40,20 @@ def tanaka_simplex(
     """
     from scipy.optimize import linprog
 
-    asked = window(t, x, h, e)
-    of = asked.of
+    task = window(t, x, h, e)
+    of = task.of
     bounds = [(None, None)] * of.rank + [(0, None)] * (len(of.cost) - of.rank)
-    rows = 2 * len(asked.values)  # the rest are the bounds
+    rows = 2 * len(task.values)  # the rest are the bounds
     found = linprog(
         of.cost,
         A_ub=-of.rows[:rows],
-        b_ub=-asked.sides[:rows],
+        b_ub=-task.sides[:rows],
         bounds=bounds,
         method="highs-ds",
         options={"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10},
     )
     if found.status:
         raise ArithmeticError(f"HiGHS did not converge: {found.message}")
-    center, spread = asked.restored(np.asarray(found.x))
+    center, spread = task.restored(np.asarray(found.x))
     determined = of.rank == len(center)
-    return Vertex(center, spread, float(found.fun) * asked.size / (1 - h), determined)
+    return Vertex(center, spread, float(found.fun) * task.size / (1 - h), determined)

@@ -133,15 +133,15 @@ def _check_density(name: str, at: str, values: Mapping[str, Any], filter: Any) -
 
 
 def _averaged(
-    filter: Any, values: Mapping[str, Any], units: Mapping[str, str], asked: Collection[str]
+    filter: Any, values: Mapping[str, Any], units: Mapping[str, str], densities: Collection[str]
 ) -> list[str]:
     known = [
         each.name for each in noise_parameters(filter, values, units) if each.kind == "variance"
     ]
-    for name in asked:
+    for name in densities:
         if name not in known:
             raise unknown("variance of a sample", name, known)
-    return [name for name in known if name in asked]
+    return [name for name in known if name in densities]
 
 
 def _renewed(

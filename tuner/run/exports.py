@@ -174,8 +174,8 @@ def _in_single_precision(problem: Problem, solution: Solution) -> list[SingleRec
     try:
         checks = problem.single_precision(solution)
     except TypeError as error:
-        said = f"single precision was not checked: {error}"
-        checks = (SinglePrecision("full", "", np.inf, np.inf, 0, np.inf, said),)
+        note = f"single precision was not checked: {error}"
+        checks = (SinglePrecision("full", "", np.inf, np.inf, 0, np.inf, note),)
     return [SingleRecord(problem=problem.name, **asdict(check)) for check in checks]
 
 

@@ -72,8 +72,8 @@ class RunFolder:
     def _artifacts(self) -> list[str]:
         """The files below folders that a finished run here says it wrote."""
         try:
-            said = json.loads((self.path / "result.json").read_bytes())["artifacts"]
-            return [name for name in said if _BELOW.fullmatch(name)]
+            listed = json.loads((self.path / "result.json").read_bytes())["artifacts"]
+            return [name for name in listed if _BELOW.fullmatch(name)]
         except (OSError, ValueError, KeyError, TypeError, RecursionError):
             return []
 

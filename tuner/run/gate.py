@@ -68,10 +68,10 @@ def with_noise(
     """
     if "noise" not in options or "noise" in {each.name for each in fields(cls)}:
         return cls, dict(options)
-    asked = options["noise"]
-    words = [asked] if isinstance(asked, str) else asked
+    named = options["noise"]
+    words = [named] if isinstance(named, str) else named
     if not isinstance(words, list | tuple) or not words or not set(words) <= set(NOISES):
-        raise ValueError(f"noise is {asked!r}; give {', '.join(NOISES[:-1])} or {NOISES[-1]}")
+        raise ValueError(f"noise is {named!r}; give {', '.join(NOISES[:-1])} or {NOISES[-1]}")
     made = {"level": level_noise, "sigma": channel_noise}
     for word in (each for each in NOISES if each in words):
         key = cast("Hashable", cls)
@@ -86,25 +86,25 @@ def care_of(cls: type[Any], options: Mapping[str, Any]) -> tuple[Care, dict[str,
         ValueError: for a value that is none.
     """
     own = {each.name for each in fields(cls)}
-    asked = {name: value for name, value in options.items() if name in NAMES and name not in own}
-    if "gate" in asked:
-        asked["gate"] = _number("gate", asked["gate"], "deviations")
-    if "student" in asked:
-        asked["student"] = _number("student", asked["student"], "degrees of freedom")
-    if "stretches" in asked:
-        asked["stretches"] = _number("stretches", asked["stretches"], "times the usual deviation")
-        if asked["stretches"] < 2:
+    given = {name: value for name, value in options.items() if name in NAMES and name not in own}
+    if "gate" in given:
+        given["gate"] = _number("gate", given["gate"], "deviations")
+    if "student" in given:
+        given["student"] = _number("student", given["student"], "degrees of freedom")
+    if "stretches" in given:
+        given["stretches"] = _number("stretches", given["stretches"], "times the usual deviation")
+        if given["stretches"] < 2:
             raise ValueError(
-                f"stretches={asked['stretches']:g} rejects correct measurements; give 3 to 7"
+                f"stretches={given['stretches']:g} rejects correct measurements; give 3 to 7"
             )
-    if "gate" in asked and "student" in asked:
+    if "gate" in given and "student" in given:
         raise ValueError("gate and student guard against the same outliers; give one of them")
-    if "patience" in asked:
-        if not {"gate", "student"} & asked.keys():
+    if "patience" in given:
+        if not {"gate", "student"} & given.keys():
             raise ValueError("patience needs a gate; give --set gate=4 with it")
-        if not isinstance(asked["patience"], int) or isinstance(asked["patience"], bool):
-            raise ValueError(f"patience is {asked['patience']!r}; give a whole number of samples")
-    return Care(**asked), {name: v for name, v in options.items() if name not in asked}
+        if not isinstance(given["patience"], int) or isinstance(given["patience"], bool):
+            raise ValueError(f"patience is {given['patience']!r}; give a whole number of samples")
+    return Care(**given), {name: v for name, v in options.items() if name not in given}
 
 
 def _number(name: str, value: Any, of: str) -> float:

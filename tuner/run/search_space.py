@@ -99,8 +99,8 @@ def space_of(
         if given not in facts:
             raise unknown("parameter", given, facts)
     scale, own = scale_of(cls, timeline), own_unit(cls, timeline)
-    asked = wishes.start.keys() | wishes.fix.keys() | wishes.bound.keys()
-    without = {name for group in optional_groups(cls) if not group & asked for name in group}
+    named = wishes.start.keys() | wishes.fix.keys() | wishes.bound.keys()
+    without = {name for group in optional_groups(cls) if not group & named for name in group}
     chosen = {
         name: _parameter(
             name, _sized(_in_data(fact, scale, own, timeline, cls), fact, sizes.get(name)), wishes

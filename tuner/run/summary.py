@@ -173,10 +173,10 @@ def _trust(solution: Solution, judged: Judged) -> Iterator[str]:
                 f"{found.verdict}){_lag(found.lag_one)}"
             )
     now = judged.diagnostics[1]
-    said = {"size"} if now.verdict != "consistent" else set()
+    explained = {"size"} if now.verdict != "consistent" else set()
     if now["full turns"].verdict == "failed":  # they are the outliers
-        said.add("outliers")
-    yield from (found.sentence for found in now.failed if found.test not in said)
+        explained.add("outliers")
+    yield from (found.sentence for found in now.failed if found.test not in explained)
 
 
 def _lag(correlation: float) -> str:

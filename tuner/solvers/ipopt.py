@@ -229,21 +229,21 @@ def _once(
     low, high = problem.space.box()
     found = solver(x0=z, lbx=low, ubx=high, lbg=-np.inf, ubg=0.0)
     point = np.clip(found["x"].full().ravel(), low, high)
-    said = solver.stats()
+    stats = solver.stats()
     return Minimum(
         z=point,
         value=problem.value(point),
-        evaluations=_evaluations(said, problem, numeric=statement.hessian is not None),
-        finished=bool(said["success"]),
-        message=f"ipopt: {said['return_status'].replace('_', ' ').lower()}",
+        evaluations=_evaluations(stats, problem, numeric=statement.hessian is not None),
+        finished=bool(stats["success"]),
+        message=f"ipopt: {stats['return_status'].replace('_', ' ').lower()}",
         excess=float(problem.excesses(point)[0].max(initial=-np.inf)),
     )
 
 
-def _evaluations(said: dict[str, Any], problem: Problem, *, numeric: bool) -> int:
+def _evaluations(stats: dict[str, Any], problem: Problem, *, numeric: bool) -> int:
     """How often values and gradients were asked for; second derivatives by differences count."""
     values, gradients, hessians = (
-        int(said.get(f"n_call_nlp_{name}", 0)) for name in ("f", "grad_f", "hess_l")
+        int(stats.get(f"n_call_nlp_{name}", 0)) for name in ("f", "grad_f", "hess_l")
     )
     # CasADi's gradient brings the value along; the last value is looked at once more.
     return values + 2 * gradients + (2 * problem.space.size * hessians if numeric else 0) + 1

@@ -69,10 +69,10 @@ def run(
 
     Writes a folder with results, report and exports.
     """
-    from tuner.cli.request import asked
+    from tuner.cli.request import request_from
     from tuner.cli.run import execute
 
-    raise typer.Exit(execute(asked(study, ctx.params)))
+    raise typer.Exit(execute(request_from(study, ctx.params)))
 
 
 def fit(
@@ -128,10 +128,10 @@ def fit(
     Writes a folder with results, report and exports.
     """
     from tuner.cli.pairs import wishes
-    from tuner.cli.request import asked
+    from tuner.cli.request import request_from
     from tuner.cli.run import execute
 
-    raise typer.Exit(execute(asked("fit", ctx.params, wishes(ctx.params))))
+    raise typer.Exit(execute(request_from("fit", ctx.params, wishes(ctx.params))))
 
 
 def worker(
@@ -154,8 +154,8 @@ def worker(
     from tuner.cli.filter_option import FilterOption
     from tuner.cli.worker import Worker, execute
 
-    asked = Worker(storage, study, tuple(logs or ()), FilterOption(filter), jobs, leashed)
-    raise typer.Exit(execute(asked))
+    request = Worker(storage, study, tuple(logs or ()), FilterOption(filter), jobs, leashed)
+    raise typer.Exit(execute(request))
 
 
 def check(
@@ -191,6 +191,6 @@ def check(
 ) -> None:
     """Check values in use on a recording that they were not tuned on."""
     from tuner.cli.check import show
-    from tuner.cli.request import asked
+    from tuner.cli.request import request_from
 
-    raise typer.Exit(show(run, asked("fit", ctx.params), objective))
+    raise typer.Exit(show(run, request_from("fit", ctx.params), objective))
