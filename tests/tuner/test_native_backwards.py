@@ -12,7 +12,7 @@ from tests.tuner.code.compiled import needed
 from tests.tuner.test_native import Weighed, at_end, quickly
 from tuner import Positive, Problem, Space
 from tuner.code.refused import NoCounterpartError
-from tuner.native import backwards, passes, passes_choice
+from tuner.native import backwards, passes
 from tuner.native.backwards import Backwards
 from tuner.native.compiler import library
 
@@ -167,12 +167,12 @@ def test_arrays_have_the_same_gradients_as_scalars(name, monkeypatch, tmp_path):
     def found():
         native = Backwards(case.filter, Weighed(), case.build, len(z), data, tmp_path / "code")
         value, gradient = native.value_and_gradient(z, native.rows(data), data)
-        return np.array([value, *gradient])
+        return native, np.array([value, *gradient])
 
-    scalars = found()
-    monkeypatch.setattr(passes_choice, "FEW", -1)
+    _, scalars = found()
     monkeypatch.setattr(passes, "MOST", 0)
-    arrays = found()
+    by_rows, arrays = found()
+    assert by_rows._code.options
     np.testing.assert_allclose(arrays, scalars, rtol=1e-11, atol=1e-11 * np.abs(scalars).max())
 
 

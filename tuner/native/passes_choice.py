@@ -11,11 +11,13 @@ from tuner.native.array_passes import array_passes
 from tuner.native.passes import passes
 from tuner.native.passes_frame import Code
 from tuner.native.passes_text import code
-from tuner.native.reversal import Before, reversal
+from tuner.native.reversal import MOST_TRACED, Before, reversal
 from tuner.native.runner import Runner
 
 FEW = 4000
-"""Operations of scalars for which arrays are not tried: their code is small and fast."""
+"""Operations of scalars that are taken in any case: their code is small and fast."""
+_FOLDED = 2
+"""Share of traced operations on scalars that may turn out constant: beyond it arrays are chosen."""
 
 
 def shortest(runner: Runner, build: Callable[[Array], Any], size: int) -> tuple[Before, Code]:
@@ -34,21 +36,20 @@ def shortest(runner: Runner, build: Callable[[Array], Any], size: int) -> tuple[
         TooLargeError: for too many operations.
     """
     before = Before(runner, build, size)
-    refused: ValueError
-    try:
-        traced = reversal(runner, before)
-        flat = code(passes(traced), [real for _, real in traced.kept])
-    except (NoCounterpartError, TooLargeError) as error:
-        flat, refused = None, error
-    if flat is not None and flat.operations < FEW:
-        return before, flat
     by_arrays = before.by_arrays()
+    refused: ValueError | None = None
     try:
         rows = array_passes(runner, by_arrays)
-    except NoCounterpartError:
-        rows = None
-    if rows is not None and (flat is None or rows.operations < flat.operations):
+    except NoCounterpartError as error:
+        rows, refused = None, error
+    most = MOST_TRACED if rows is None else _FOLDED * max(FEW, rows.operations)
+    try:
+        traced = reversal(runner, before, min(most, MOST_TRACED))
+        flat = code(passes(traced), [real for _, real in traced.kept])
+    except (NoCounterpartError, TooLargeError) as error:
+        if rows is None:
+            raise error from refused
         return by_arrays, rows
-    if flat is None:
-        raise refused
-    return before, flat
+    if rows is None or flat.operations < max(FEW, rows.operations):
+        return before, flat
+    return by_arrays, rows

@@ -26,7 +26,7 @@ from tuner.code.program import symmetric
 from tuner.native.active import moved
 from tuner.native.runner import Runner, is_real
 
-MOST_TRACED = 25_000
+MOST_TRACED = 60_000
 """Most operations of a traced iteration with its way back, of which many may turn out constant."""
 
 
@@ -129,17 +129,22 @@ class Before:
         return jnp.concatenate([part.astype(float) for part in parts])
 
 
-def reversal(runner: Runner, before: Before) -> Reversal:
+def reversal(runner: Runner, before: Before, most: int = MOST_TRACED) -> Reversal:
     """Trace a loop with its way back.
+
+    Args:
+        runner: the loop.
+        before: what precedes it.
+        most: limit of operations, constant ones included.
 
     Raises:
         NoCounterpartError: names the operation that has no counterpart among scalars.
-        TooLargeError: for an iteration of more than :data:`MOST_TRACED` operations.
+        TooLargeError: for an iteration of more operations.
     """
     halves = {k for k, even in enumerate(before.even) if even and not runner.wanted[k]}
     closed = traced(runner, before)
     while True:
-        found, wrong = _attempt(runner, before, closed, halves)
+        found, wrong = _attempt(runner, before, closed, halves, most)
         if not wrong:
             return found
         halves -= wrong
@@ -162,10 +167,10 @@ def traced(runner: Runner, before: Before) -> Any:
 
 
 def _attempt(
-    runner: Runner, before: Before, closed: Any, halves: set[int]
+    runner: Runner, before: Before, closed: Any, halves: set[int], most: int
 ) -> tuple[Reversal, set[int]]:
     """The iteration if these matrices are symmetric, and which of them turn out not to be."""
-    graph, size, count = Graph(most=MOST_TRACED), len(before.fixed), len(before.start)
+    graph, size, count = Graph(most=most), len(before.fixed), len(before.start)
     numbers = [
         _numbers(graph, leaf, place)
         for leaf, place in zip([*before.fixed, *before.start], before.places, strict=True)
