@@ -118,6 +118,8 @@ _SAME: dict[str, Callable[..., Any]] = {
     "or": np.bitwise_or,
     "xor": np.bitwise_xor,
     "not": np.invert,
+    "real": np.real,
+    "imag": np.imag,
     "clamp": lambda low, x, high: np.minimum(np.maximum(x, low), high),
     "copy": np.array,
     "copy_p": np.array,

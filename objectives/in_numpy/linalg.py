@@ -66,6 +66,21 @@ def _cholesky(x: np.ndarray, **_: Any) -> tuple[np.ndarray]:
         return (np.full_like(x, np.nan),)
 
 
+def _eigen(
+    x: np.ndarray, *, compute_left_eigenvectors: bool, compute_right_eigenvectors: bool, **_: Any
+) -> tuple[np.ndarray, ...]:
+    """Eigenvalues, and eigenvectors of length 1; of what is not finite NaN, as in JAX."""
+    wanted = compute_left_eigenvectors + compute_right_eigenvectors
+    if not np.isfinite(x).all():
+        return np.full(len(x), complex(np.nan, np.nan)), *wanted * [x * complex(np.nan, np.nan)]
+    if not wanted:
+        return (np.linalg.eigvals(x).astype(complex),)
+    from scipy.linalg import eig
+
+    values, *vectors = eig(x, left=compute_left_eigenvectors, right=compute_right_eigenvectors)
+    return values, *(each.astype(complex) for each in vectors)
+
+
 def _only(function: Callable[..., list[np.ndarray]]) -> Callable[..., np.ndarray]:
     return lambda *given, **params: function(*given, **params)[0]
 
@@ -74,4 +89,5 @@ LINALG: dict[str, Callable[..., Any]] = {
     "lu": _stacked(_lu),
     "triangular_solve": _only(_stacked(_triangular)),
     "cholesky": _only(_stacked(_cholesky)),
+    "eig": _stacked(_eigen),
 }

@@ -8,17 +8,16 @@ so variances are those before a measurement.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from numpy.typing import ArrayLike
 
 from filters import LinearModel, Transition, van_loan
+from objectives.in_numpy import in_numpy
 from objectives.linear_systems.checks import check_shapes, is_definite, noise
 from objectives.linear_systems.lyapunov import lyapunov, stein
 
-_stein, _lyapunov, _van_loan = jax.jit(stein), jax.jit(lyapunov), jax.jit(van_loan)
 _TINY = float(np.finfo(np.float64).tiny)
 
 
@@ -109,19 +108,20 @@ class LinearSystem:
 
     def covariance(self, L: np.ndarray) -> np.ndarray:
         """Steady covariance of the error under a gain, ``(n, n)``; NaN without stability."""
-        solve = _stein if self.discrete else _lyapunov
-        P = np.asarray(solve(jnp.asarray(self.A - L @ self.C), self._driving(L)))
+        solve = stein if self.discrete else lyapunov
+        P = in_numpy(solve, self.A - L @ self.C, self._driving(L))
         return np.asarray((P + P.T) / 2)
 
     def steady(self, L: Array) -> Array:
         """The covariance as :meth:`covariance`, differentiable in L ``(n, m)``."""
         solve = stein if self.discrete else lyapunov
-        return solve(jnp.asarray(self.A - L @ self.C), self._driving(L))
+        return solve(jnp.asarray(self.A - L @ self.C), jnp.asarray(self._driving(L)))
 
-    def _driving(self, L: Array | np.ndarray) -> Array:
+    def _driving(self, L: Array | np.ndarray) -> Array | np.ndarray:
         """Covariance of the noise that drives the error, w - L v, ``(n, n)``."""
         shared = self.S @ L.T
-        return jnp.asarray(self.W + L @ self.V @ L.T - shared - shared.T)
+        driving: Array | np.ndarray = self.W + L @ self.V @ L.T - shared - shared.T
+        return driving
 
     def in_units(self, states: np.ndarray, measurements: np.ndarray, time: float) -> "LinearSystem":
         """The same system in other units: x = ``states`` x', y = ``measurements`` y', t = time t'.
@@ -170,7 +170,7 @@ class LinearSystem:
                 f"the system is discrete, with samples of {self.dt:g} s; sample a continuous one"
             )
         self._refuse_shared("be sampled")
-        step = _van_loan(self.A, np.eye(len(self.A)), self.W, dt)
+        step = in_numpy(van_loan, self.A, np.eye(len(self.A)), self.W, dt)
         return LinearSystem(step.F, self.C, step.Q, V, dt=dt, states=self.states)
 
     def filter_model(self, P0: ArrayLike, x0: ArrayLike | None = None) -> LinearModel:

@@ -1,6 +1,7 @@
 """The paper's vertical channel with its numbers, and its error dynamics."""
 
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import jax
@@ -24,6 +25,7 @@ from filters import (
     vertical_channel,
 )
 from objectives import LinearSystem
+from objectives.in_numpy import in_numpy
 from studies.ha1981 import paper
 from studies.ha1981.settings import Settings
 from tuner.limits import check_amount
@@ -98,14 +100,18 @@ class Channel:
 
     def model(self, Ts: float) -> LinearModel:
         """(11) and (12): exact Phi, Q of white noise (Van Loan); the one printed has no Ts."""
-        numbers = (self.q_a, self.q_b, self.sigma2_ab, self.sigma2_hr, self.k_gh)
-        made: LinearModel = _model(numbers, Ts)
+        made: LinearModel = model_of(self.numbers, Ts)
         return made
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """The numbers that a model is made of: q_a, q_b, sigma^2_AB, sigma^2_hr and k_gh."""
+        return self.q_a, self.q_b, self.sigma2_ab, self.sigma2_hr, self.k_gh
 
     def loop(self, gains: "Gains", dt: float) -> LinearModel:
         """(10) in error coordinates over one step; nothing is measured."""
         start = (self.sigma2_ab, 0.0, 0.0, self.sigma2_hr)
-        made: LinearModel = _loop(gains.loop(self.k_gh), self.k_gh, self.q_a, start, dt)
+        made: LinearModel = in_numpy(_loop, gains.loop(self.k_gh), self.k_gh, self.q_a, start, dt)
         return made
 
 
@@ -138,7 +144,7 @@ class Gains:
     @property
     def error(self) -> np.ndarray:
         """The loop's dynamics without the given altitude's error, ``(3, 3)``."""
-        return np.asarray(_error(self.loop(0.0), 0.0))[:3, :3]
+        return np.asarray(in_numpy(loop_error, self.loop(0.0), 0.0))[:3, :3]
 
 
 FORMS = {
@@ -168,8 +174,11 @@ def times(seconds: float, Ts: float) -> np.ndarray:
     return np.arange(int(np.floor(seconds / Ts + 1e-9)) + 1) * Ts
 
 
-# Compiled for a few lengths only: a longer history costs less than another compilation.
+# Compiled for a few lengths only: a longer history costs less than another compilation, and a fast
+# one would take longer to compile than all of them to run.
 SHORTEST = 256
+QUICKLY = {"xla_backend_optimization_level": 0}
+_quickly = partial(jax.jit, compiler_options=QUICKLY)
 
 
 def _counted(samples: int) -> np.ndarray:
@@ -195,7 +204,7 @@ def riccati_history(channel: Channel, dt: float, seconds: float) -> History:
 
 def replayed(truth: LinearModel, K: np.ndarray) -> np.ndarray:
     """(19): P11(+) when gains ``(N, 3, 1)`` are applied to a given truth, ``(N,)``."""
-    return np.asarray(variance(truth, lengthened(K)))[: len(K)]
+    return np.asarray(_variance(truth, lengthened(K)))[: len(K)]
 
 
 def lengthened(K: np.ndarray) -> np.ndarray:
@@ -211,7 +220,8 @@ def loop_history(channel: Channel, gains: Gains, dt: float, seconds: float) -> n
 
 
 @jax.jit
-def _model(numbers: tuple[Array, ...], Ts: Array) -> LinearModel:
+def model_of(numbers: tuple[Array, ...], Ts: Array) -> LinearModel:
+    """The model of a channel's numbers, differentiable in them."""
     q_a, q_b, sigma2_ab, sigma2_hr, k_gh = numbers
     F, G = vertical_channel(k_gh), jnp.asarray(ENTERS)
     return LinearModel(
@@ -223,7 +233,6 @@ def _model(numbers: tuple[Array, ...], Ts: Array) -> LinearModel:
     )
 
 
-@jax.jit
 def _loop(
     gains: LoopGains, k_gh: Array, q_a: Array, start: tuple[Array, ...], dt: Array
 ) -> LinearModel:
@@ -243,19 +252,18 @@ def _kalman(model: LinearModel, count: Array) -> Uncertainty:
     return found
 
 
-@jax.jit
 def variance(model: LinearModel, K: Array) -> Array:
     """P11(+) of a model under gains, ``(N,)``."""
     found: Array = run(GainCovariance(), model, K)[1].P[:, 0, 0]
     return found
 
 
-@jax.jit
+_variance = _quickly(variance)
+
+
+@_quickly
 def _riccati(parts: tuple[Array, ...], dt: Array, P0: Array, count: Array) -> Array:
     A, C, W, V = parts
     flow = Flow(riccati_flow(A, C, W, V, dt), P0)
     found: Array = run(RiccatiCovariance(), flow, count)[1]
     return found
-
-
-_error = jax.jit(loop_error)

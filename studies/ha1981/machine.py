@@ -13,6 +13,7 @@ from filters import (
     StoredGains,
     loop_step,
 )
+from objectives.in_numpy import in_numpy
 from studies.ha1981 import scheme
 from studies.ha1981.channel import Channel, Gains
 from studies.ha1981.conventional import Loop, poles
@@ -53,7 +54,8 @@ def _loop_quantities(channel: Channel, params: Loop) -> tuple[Quantity, ...]:
 
 def _loop_runs(channel: Channel, params: Loop) -> dict[str, Trial]:
     at = np.arange(0, 5 / channel.eta, LOOP_DT)
-    step = loop_step(_gains(params).loop(channel.k_gh), LOOP_DT, channel.k_gh)
+    gains = _gains(params).loop(channel.k_gh)
+    step = in_numpy(loop_step, gains, LOOP_DT, channel.k_gh)
     return {
         "loop": Trial(Weighed(ConventionalLoop(), BIAS), step, _uncorrected_altitude(channel, at))
     }

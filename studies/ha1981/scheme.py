@@ -13,10 +13,12 @@ from studies.ha1981 import paper
 from studies.ha1981.channel import (
     ERRORS,
     MEASURED,
+    QUICKLY,
     Channel,
     History,
     kalman_history,
     lengthened,
+    model_of,
     replayed,
     times,
     variance,
@@ -209,11 +211,11 @@ def sensitivities(channel: Channel, Ts: float, seconds: float) -> dict[str, np.n
 _UNCERTAIN = ("q_a", "q_b", "sigma2_ab")
 
 
-@jax.jit(static_argnums=(0, 1))
+@jax.jit(static_argnums=(0, 1), compiler_options=QUICKLY)
 def _sensitivities(channel: Channel, Ts: float, gains: Array) -> Array:
     def logarithm(logs: Array) -> Array:
         numbers = {n: getattr(channel, n) * jnp.exp(logs[i]) for i, n in enumerate(_UNCERTAIN)}
-        return jnp.log(variance(replace(channel, **numbers).model(Ts), gains))
+        return jnp.log(variance(model_of(replace(channel, **numbers).numbers, Ts), gains))
 
     slopes: Array = jax.jacfwd(logarithm)(jnp.zeros(3))
     return slopes

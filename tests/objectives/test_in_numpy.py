@@ -67,7 +67,10 @@ def _products(a: Array) -> Any:
     solved = (jnp.linalg.solve(a, C.T), jnp.linalg.inv(many), jnp.linalg.det(a))
     factor = jnp.linalg.cholesky(a @ a.T + jnp.eye(4))
     triangle = jax.scipy.linalg.solve_triangular(factor, a, lower=True, trans=1)
-    return (*solved, factor, triangle, jnp.einsum("kij,kjl->lki", many, many), jnp.diag(a))
+    poles, directions = jnp.linalg.eig(a)
+    modes = (jnp.linalg.eigvals(many), poles.real, poles.imag, directions)
+    products = (jnp.einsum("kij,kjl->lki", many, many), jnp.diag(a))
+    return (*solved, factor, triangle, *modes, *products)
 
 
 def _loops(a: Array) -> Any:
@@ -178,6 +181,7 @@ def test_missing_numbers_stay_missing() -> None:
 
 def test_a_matrix_without_a_factor_has_none() -> None:
     assert np.isnan(in_numpy(jnp.linalg.cholesky, -np.eye(2))[np.tril_indices(2)]).all()
+    assert np.isnan(in_numpy(jnp.linalg.eigvals, np.full((2, 2), np.nan))).all()
 
 
 def test_what_is_called_often_is_compiled(monkeypatch):
