@@ -1,4 +1,4 @@
-"""Unknown names are errors that list the near ones."""
+"""Words of messages: numbers of things, lists of faults, unknown names with the near ones."""
 
 import difflib
 from collections.abc import Iterable
@@ -6,6 +6,15 @@ from itertools import islice
 
 MOST = 12
 """Largest number of faults that are listed."""
+
+
+def counted(number: int, noun: str) -> str:
+    """A number of things.
+
+    >>> counted(1, "row"), counted(2, "row")
+    ('1 row', '2 rows')
+    """
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def listed(faults: Iterable[str]) -> str:

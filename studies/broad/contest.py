@@ -16,6 +16,7 @@ from objectives.attitude import Part
 from studies.broad.contestants import LEVEL, SPACES, Build, filter_of, group, takes_field
 from studies.broad.trials import Trial
 from tuner.data.source import Source
+from tuner.names import counted
 from tuner.problem.problem import Problem
 
 
@@ -102,7 +103,7 @@ class Contest:
     def source(self) -> Source:
         """The files."""
         parts = [trial.source for trial in self.trials]
-        return Source.joined(f"{len(parts)} trials of BROAD", parts)
+        return Source.joined(f"{counted(len(parts), 'trial')} of BROAD", parts)
 
     def judged(self, name: str, values: dict[str, Array]) -> Outcome:
         """A filter's errors with parameters that all trials share."""

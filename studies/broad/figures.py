@@ -8,6 +8,7 @@ from studies.broad.contest import Contest
 from studies.broad.contestants import has_lead
 from studies.broad.other_filters import judged_at, left_out
 from studies.broad.problems import Case
+from tuner.names import counted
 from tuner.run.figure import Chart, Figure, Line
 from tuner.run.study import Solutions
 
@@ -35,7 +36,7 @@ def _figures(case: Case, solutions: Solutions, names: Sequence[str], end: str) -
     errors = {name: float(np.mean(one.inclination)) for name, one in found.items()}
     yield Chart(
         name=f"by_trial{end}",
-        title=f"Mean inclination error of {len(at)} trials, {lead}: {_ranked(errors)}",
+        title=f"Mean inclination error of {counted(len(at), 'trial')}, {lead}: {_ranked(errors)}",
         x_label=label,
         y_label="inclination, RMSE in motion, deg",
         lines=tuple(lines),

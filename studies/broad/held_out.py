@@ -10,7 +10,7 @@ from studies.broad.contestants import LABELS, SPACES, start
 from studies.broad.no_filter import accelerometers, gyroscopes
 from studies.broad.other_filters import REACH, beaten, by_trial, each, left_out, needed, room
 from studies.broad.problems import Case, alone_name, fold_name
-from tuner.report.words import counted
+from tuner.names import counted
 from tuner.run.comparison import Comparison, claim, undecided
 from tuner.run.study import Claim, Solutions
 

@@ -9,7 +9,7 @@ from studies.broad.contest import Contest, Outcome
 from studies.broad.contestants import LABELS, SPACES, has_lead, start, takes_field
 from studies.broad.peers import vqf
 from studies.broad.problems import Case, fold_name
-from tuner.report.words import counted
+from tuner.names import counted
 from tuner.run.comparison import Comparison, claim, undecided
 from tuner.run.study import Solutions, best, tuned_values
 

@@ -19,6 +19,7 @@ from studies.ha1981.channel import (
 )
 from studies.ha1981.conventional import gains_of
 from studies.ha1981.settings import Settings
+from tuner.names import counted
 from tuner.run.figure import Chart, Figure, Line
 from tuner.run.study import Solutions, best, tuned_values
 
@@ -115,7 +116,8 @@ def _schemes(channel: Channel, settings: Settings) -> Iterator[Chart]:
         peak = max(int(np.argmax(line.y[1:])) + 1 for line in gains)
         yield Chart(
             name=f"fig{6 + i}_K{i + 1}",
-            title=f"Kalman gain K{i + 1} is largest within the first {peak} samples, whatever Ts",
+            title=f"Kalman gain K{i + 1} is largest within the first {counted(peak, 'sample')}, "
+            "whatever Ts",
             x_label="time, s",
             y_label=f"K{i + 1}, {unit}",
             lines=tuple(replace(line, x=line.x[1:], y=line.y[1:]) for line in gains),

@@ -14,6 +14,7 @@ from tuner.data.record import Record
 from tuner.data.source import Source
 from tuner.data.stillness import check_at_rest
 from tuner.limits import check_amount
+from tuner.names import counted
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,8 +113,8 @@ def _whole(source: Source, sensor: Sensor, line: Timeline) -> np.ndarray:
     missing = int(np.isnan(values).sum())
     if missing:
         raise ValueError(
-            f"{sensor.channel} of {source.name} misses {missing} samples, and a spectrum needs "
-            "all; cut them out or interpolate first"
+            f"{sensor.channel} of {source.name} misses {counted(missing, 'sample')}, and a "
+            "spectrum needs all; cut them out or interpolate first"
         )
     if np.ptp(values) == 0:
         raise ValueError(

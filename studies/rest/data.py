@@ -11,6 +11,7 @@ from tuner.data.signal import Floats, Signal
 from tuner.data.source import Source
 from tuner.data.stillness import check_at_rest
 from tuner.data.units import Unit
+from tuner.names import counted
 
 LEAST = 100
 """The fewest samples that determine a noise."""
@@ -86,7 +87,9 @@ def _axis(record: Record, name: str, signal: Signal, values: Floats) -> Axis:
     _check_whole(label, signal, values)
     rate = signal.running.rate_hz
     if len(values) < LEAST:
-        raise LogError(f"{label} has {len(values)} samples; its noise takes {LEAST} or more")
+        raise LogError(
+            f"{label} has {counted(len(values), 'sample')}; its noise takes {LEAST} or more"
+        )
     if np.ptp(values) == 0:
         raise LogError(
             f"{label} is constant, {values[0]:g} in every sample; map a column that changes"
@@ -109,7 +112,7 @@ def _check_whole(label: str, signal: Signal, values: Floats) -> None:
     )
     at = int(np.argmax(np.diff(cuts)))
     first, last = int(np.floor(cuts[at])) + 1, int(np.ceil(cuts[at + 1])) - 1
-    what = f"misses {missing} samples" if missing else "has gaps or an uneven clock"
+    what = f"misses {counted(missing, 'sample')}" if missing else "has gaps or an uneven clock"
     if last - first < LEAST:
         raise LogError(f"{label} {what}, and no part of {LEAST} samples has none; record it again")
     raise LogError(

@@ -16,6 +16,7 @@ from studies.uav.flights import Flight
 from studies.uav.problems import Build, Tuned, data, filter_of, livelier, quaternion, space
 from studies.uav.settings import Angle
 from tuner.data.source import Source
+from tuner.names import counted
 from tuner.problem.problem import Problem
 
 LEVEL = (0.0, 0.0, 0.0)
@@ -83,7 +84,7 @@ def joint(
         objective=InnovationLikelihood(),
         data=Data(inputs, inputs.sample.angles),
         known_starts=(livelier(law, measured),),
-        source=Source.joined(f"{len(flights)} flights", [each.source for each in flights]),
+        source=Source.joined(counted(len(flights), "flight"), [each.source for each in flights]),
     )
 
 

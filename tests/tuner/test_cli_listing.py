@@ -1,6 +1,7 @@
 """tuner list: what is installed, and the facts of a filter in words, JSON and Markdown."""
 
 import json
+import re
 import sys
 import tomllib
 from dataclasses import dataclass
@@ -174,6 +175,24 @@ def test_the_page_in_docs_is_what_filters_declare():
     ours = sorted(table["project"]["entry-points"]["tuner.filters"])
     sheets = [datasheet_of(name, catalogue.find("tuner.filters", name)) for name in ours]
     assert made.read_text(encoding="utf-8") == page(sheets)
+
+
+def test_every_format_says_what_it_is(cli, monkeypatch):
+    formats = json.loads(cli("list", "formats", "--json")[1])["formats"]
+    assert all(re.fullmatch(r"\S+: \S.+", line) for line in formats.values()), formats
+    monkeypatch.setenv("COLUMNS", "50")
+    assert max(map(len, cli("list", "formats")[1].splitlines())) <= 50
+
+
+@pytest.mark.parametrize(
+    ("words", "end"),
+    [
+        (["fit"], "missing argument 'LOG'; see tuner fit --help"),
+        (["fi"], "no such command 'fi'. Did you mean 'fit'? See tuner --help"),
+    ],
+)
+def test_refused_usage_names_the_help_of_its_command(cli, words, end):
+    assert cli(*words)[2].strip().endswith(end)
 
 
 def test_every_study_says_how_long_it_takes():

@@ -74,7 +74,7 @@ def test_of_a_long_result_what_is_met_is_counted(here, capsys):
     rows = made.study().comparisons * 12
     show_result(made.study().model_copy(update={"comparisons": rows}), here, whole=False)
     out = capsys.readouterr().out
-    assert "not shown: 0 searches, 24 rows that are met" in out
+    assert "not shown: 0 searches, 24 rows met" in out
     assert "differs" in out
     assert "claim holds" not in out
 

@@ -34,8 +34,7 @@ def test_description_of_a_record(tmp_path):
     assert (table[2].split()[4], table[2].split()[-1]) == ("3", "-")
     low = turn == -90
     assert lines[13:] == [
-        f"omega: {low.sum()} samples rest at the end of the range; "
-        "the sensor may have been saturated",
+        f"omega: {low.sum()} samples at the end of the range; the sensor may have been saturated",
         "z: constant, 0.5 in every sample",
         "z: no unit given, left as it is",
     ]

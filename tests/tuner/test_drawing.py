@@ -200,6 +200,20 @@ def test_a_map_on_logarithmic_axes(log):
     assert picture(Map("m", "t", "x", "y", "z", x, y, z, log=log))[:4] == b"\x89PNG"
 
 
+@pytest.mark.parametrize(
+    ("last", "labels"),
+    [(12.0, {"0.2", "0.5", "1", "2", "5", "10"}), (0.5, {"0.2", "0.3", "0.4", "0.5"})],
+)
+def test_a_short_logarithmic_axis_has_plain_numbers(last, labels):
+    canvas = new_canvas((8, 5))
+    axes = canvas.subplots()
+    x = np.geomspace(0.2, last, 9)
+    draw(Chart("c", "c", "x", "y", (Line("a", x, x),), log="xy"), canvas, axes)
+    for axis in (axes.xaxis, axes.yaxis):
+        assert {t.get_text() for t in axis.get_ticklabels()} >= labels
+        assert not any(t.get_text() for t in axis.get_ticklabels(minor=True))
+
+
 def test_numbers_stand_at_equal_distances():
     """Trials 1, 2 and 30 are drawn as 1, 2 and 3 would be, but for their labels."""
     charts = [

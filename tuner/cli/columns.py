@@ -5,11 +5,12 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from tuner.data.logs.clock import Clock
-from tuner.data.logs.error import LogError, counted
+from tuner.data.logs.error import LogError
 from tuner.data.logs.formats import open_table
 from tuner.data.logs.table import Raw, Table
 from tuner.data.logs.timing import find_clock
 from tuner.data.logs.values import Columns, load_columns
+from tuner.names import counted
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from tuner.cli.exported import at_rate, check_converged, choose, tuned_of
 from tuner.export import Tuned
 from tuner.firmware import FileRequest, Target, Wish, amounts, read_maps
 from tuner.firmware.choice import Axes
+from tuner.names import counted
 from tuner.run.result import Result, read_result
 
 _AXES: dict[str, Axes] = {"largest": "largest", "rms": "rms"}
@@ -36,7 +37,7 @@ def write_firmware(run: Path, target: Target, request: ExportRequest) -> None:
     else:
         path = Path(request.output or target.file)
         write_bytes(path, text.text.encode("ascii"), overwrite=request.force)
-        notes.append(f"wrote {path}: {text.numbers} parameters")
+        notes.append(f"wrote {path}: {counted(text.numbers, 'parameter')}")
     print(*notes, sep="\n", end="\n" * bool(notes), file=sys.stderr)
 
 

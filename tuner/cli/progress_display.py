@@ -17,7 +17,7 @@ _PLANNING = "reading and planning"
 
 @contextmanager
 def show_progress(check: Callable[[], None]) -> Iterator[Progress]:
-    """Tell how far a run is, from the first second on.
+    """Show how far a run is, from the first second on.
 
     Args:
         check: called at every step.
@@ -28,7 +28,7 @@ def show_progress(check: Callable[[], None]) -> Iterator[Progress]:
 
 @contextmanager
 def show_planning() -> Iterator[None]:
-    """Tell that a run is read and planned."""
+    """Show that a run is read and planned."""
     if sys.stderr.isatty():
         print("reading and planning ...", file=sys.stderr)
         yield

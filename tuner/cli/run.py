@@ -16,6 +16,7 @@ from tuner.cli.request import Request, from_toml, load_records, log_entries, thr
 from tuner.cli.settings import parse_settings
 from tuner.data.record import Record
 from tuner.export import FORMATS
+from tuner.names import counted
 from tuner.problem.problem import Problem
 from tuner.report.report_json import kept_facts
 from tuner.run.cache import use_cache
@@ -152,7 +153,7 @@ def describe(records: tuple[Record, ...]) -> None:
     for record in records[:SHOWN]:
         print("\n".join(record.describe()), file=sys.stderr)
     if len(records) > SHOWN:
-        print(f"... and {len(records) - SHOWN} recordings more", file=sys.stderr)
+        print(f"... and {counted(len(records) - SHOWN, 'more recording')}", file=sys.stderr)
 
 
 def _chosen(plan: Plan, request: Request) -> Plan:

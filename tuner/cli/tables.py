@@ -17,6 +17,7 @@ from tuner.certificate.solution import Status
 from tuner.certificate.table import range_in_words
 from tuner.cli.blocks import WIDE, blocks, broken, crowded, widths
 from tuner.cli.width import piped_width, width_is_known
+from tuner.names import counted
 from tuner.report.lines import five_lines
 from tuner.run.comparison import Verdict
 from tuner.run.finding import Finding
@@ -141,9 +142,8 @@ def show_result(result: Result, folder: Path, *, whole: bool = True) -> None:
     out = console()
     if long:
         left = len(result.solutions) - len(solutions), len(result.comparisons) - len(rows)
-        out.print(
-            f"not shown: {left[0]} searches, {left[1]} rows that are met; tuner show {folder}"
-        )
+        searches = "1 search" if left[0] == 1 else f"{left[0]} searches"
+        out.print(f"not shown: {searches}, {counted(left[1], 'row')} met; tuner show {folder}")
     show_findings(result.findings)
     for export in result.exports:
         if abs(export.relative_change or 0.0) > 1e-12:

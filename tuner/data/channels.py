@@ -8,13 +8,14 @@ import numpy as np
 
 from tuner.data.geodesy import east, height, north
 from tuner.data.logs.clock import Clock
-from tuner.data.logs.error import LogError, counted
+from tuner.data.logs.error import LogError
 from tuner.data.logs.mapping import Mapping as Column
 from tuner.data.logs.table import Floats, Raw
 from tuner.data.logs.timing import find_clock
 from tuner.data.logs.values import Columns, pick, pick_whole, rounded, to_float
 from tuner.data.mapped_channels import MappedChannel
 from tuner.data.units import Unit, change
+from tuner.names import counted
 
 _IN_BRACKETS = re.compile(r".*[(\[]([^()\[\]]*)[)\]]\s*")
 _ROWS = 4096

@@ -7,9 +7,9 @@ import numpy as np
 
 from tuner.data.findings import find
 from tuner.data.logs.clock import Clock
-from tuner.data.logs.error import counted
 from tuner.data.signal import Floats, Signal
 from tuner.data.source import Source
+from tuner.names import counted
 
 _GAPS_SHOWN = 5
 _HEADER = ("channel", "column", "unit", "Hz", "missing", "mean", "std", "min", "max", "step")
@@ -124,7 +124,7 @@ def _row(label: str, source: str, signal: Signal, values: Floats) -> tuple[tuple
     note = f"{label}: constant, {found.mean:.6g} in every sample" if found.constant else ""
     if found.saturated and not label.startswith(_TRUTH):
         note = (
-            f"{label}: {found.saturated} samples rest at the end of the range; "
+            f"{label}: {counted(found.saturated, 'sample')} at the end of the range; "
             "the sensor may have been saturated"
         )
     return (label, source, signal.unit or "-", *rest), note

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from tuner.data.logs.clock import Clock
-from tuner.data.logs.error import LogError, counted, quoted
+from tuner.data.logs.error import LogError, quoted
 from tuner.data.record import Record
 from tuner.data.signal import Floats, Signal
 from tuner.limits import check_amount
+from tuner.names import counted
 
 _FASTER = 2.0
 _NEAR_S = 0.1

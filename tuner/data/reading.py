@@ -14,7 +14,7 @@ import numpy as np
 from tuner.data.channels import Reading, read_channels, unit_in_name
 from tuner.data.cut import cut
 from tuner.data.loading import File, Timed, has_time, labels_in, loaded, once_each
-from tuner.data.logs.error import LogError, counted, quoted
+from tuner.data.logs.error import LogError, quoted
 from tuner.data.logs.formats import open_table
 from tuner.data.logs.table import Table
 from tuner.data.mapped_channels import (
@@ -30,6 +30,7 @@ from tuner.data.record import Record
 from tuner.data.signal import Signal
 from tuner.data.source import Source, file_digests
 from tuner.data.splitting import split
+from tuner.names import counted
 
 _BLOCK = 1 << 15
 Paths: TypeAlias = "str | PathLike[str] | Sequence[str | PathLike[str]]"

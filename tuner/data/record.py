@@ -15,6 +15,7 @@ from tuner.data.logs.error import LogError, quoted, suggest
 from tuner.data.signal import Floats, Signal
 from tuner.data.source import Source
 from tuner.data.units import change
+from tuner.names import counted
 
 if TYPE_CHECKING:
     from filters.declared import Channel
@@ -186,7 +187,9 @@ def _clock(
         return Clock.rated(samples, float(rate_hz)), 0.0
     seconds = np.asarray(own, np.float64)
     if seconds.shape != (samples,):
-        raise LogError(f"{name!r} has {samples} samples and times {seconds.shape}; give as many")
+        raise LogError(
+            f"{name!r} has {counted(samples, 'sample')} and times {seconds.shape}; give as many"
+        )
     steps = np.diff(seconds)
     if not (steps > 0).all() or not np.isfinite(seconds).all():
         row = int(np.argmin(steps > 0)) + 1

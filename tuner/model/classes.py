@@ -14,6 +14,7 @@ from tuner.model.linear import LinearFilter
 from tuner.model.nonlinear import NonlinearFilter
 from tuner.model.parameters import Parameter
 from tuner.model.quantities import Quantity
+from tuner.names import counted
 
 
 def _reduced(self: Any) -> tuple[Any, ...]:
@@ -42,7 +43,8 @@ def class_of(model: Model) -> type[Any]:
         "inputs": named(f"{name}Sample", [_channel(each) for each in _channels(model)]),
         "outputs": named(f"{name}Outputs", _outputs(model)),
         "states": {each.name: _state(each) for each in model.states},
-        "__doc__": model.title or f"The {model.method} filter of a model of {len(model.f)} states.",
+        "__doc__": model.title
+        or f"The {model.method} filter of a model of {counted(len(model.f), 'state')}.",
         "__module__": __name__,
         "__reduce__": _reduced,
         **more,

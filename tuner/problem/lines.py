@@ -75,7 +75,7 @@ class Lines:
         return OneRecord(static, data, tuple(each * i for i in range(1, len(self.parts))))
 
     def _each(self, evaluate: Callable[[Data], T]) -> list[T]:
-        """What is found of each part, each in a thread."""
+        """The result of each part, each in a thread."""
         if len(self.parts) == 1:
             return [evaluate(self.parts[0])]
         with ThreadPoolExecutor(min(len(self.parts), os.cpu_count() or 1)) as pool:

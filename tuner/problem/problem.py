@@ -131,7 +131,7 @@ class Problem:
         return float(value_of(self.scored, z, values, given, self.data))
 
     def _at(self, z: np.ndarray) -> tuple[Any, ...]:
-        """What the objective at z is worked out from."""
+        """The parameters and data from which the objective at z follows."""
         return self.scored, np.asarray(z, float), self._begun, np.False_, self.data
 
     @cached_property

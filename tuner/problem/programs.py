@@ -1,4 +1,4 @@
-"""What is compiled for problems: functions of a static part, shared by equal problems."""
+"""The compiled programs of problems: functions of a static part, shared by equal problems."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

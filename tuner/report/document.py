@@ -2,12 +2,13 @@
 
 from pathlib import Path
 
+from tuner.names import counted
 from tuner.report.answer import bars, follows, values
 from tuner.report.blocks import Report
 from tuner.report.report_json import Kept
 from tuner.report.sections import sections
 from tuner.report.verdict import verdict, worth
-from tuner.report.words import counted, number
+from tuner.report.words import number
 from tuner.run.result import Result
 
 

@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 
 from tuner.certificate.table import range_in_words
+from tuner.names import counted
 from tuner.report.answer import best, searched
 from tuner.report.verdict import verdict
-from tuner.report.words import counted
 from tuner.run.comparison import Verdict
 from tuner.run.result import ParameterRecord, Result
 

@@ -4,12 +4,13 @@ import shlex
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from tuner.names import counted
 from tuner.report.answer import searched
 from tuner.report.blocks import Block, Commands, Listed, Table, Words
 from tuner.report.pictures import pictures
 from tuner.report.report_json import Kept
 from tuner.report.verdict import main_solution
-from tuner.report.words import amount, counted, label, number, percent, sentence, size, unit
+from tuner.report.words import amount, label, number, percent, sentence, size, unit
 from tuner.run.comparison import Comparison
 from tuner.run.result import Result, SingleRecord, SolutionRecord
 

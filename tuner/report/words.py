@@ -127,15 +127,6 @@ def percent(share: float | None) -> str:
     return f"{text.replace('-', MINUS) if abs(value) >= 10 else number(value, 2)}{HARD}%"
 
 
-def counted(count: int, word: str) -> str:
-    """So many of a thing.
-
-    >>> counted(1, "row"), counted(3, "row")
-    ('1 row', '3 rows')
-    """
-    return f"{count} {word}{'' if count == 1 else 's'}"
-
-
 def size(count: int) -> str:
     """Bytes as people read them.
 

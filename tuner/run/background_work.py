@@ -17,7 +17,7 @@ from tuner.run.threads import at_once
 LONG_RECORD = 1_000_000
 """Samples from which a trial run takes longer than compiling."""
 REPORT_PACKAGES = ("matplotlib.figure", "matplotlib.backends.backend_agg", "contourpy", "jinja2")
-"""What draws pictures and writes reports."""
+"""Modules that draw pictures and write reports."""
 
 
 @contextmanager

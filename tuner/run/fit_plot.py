@@ -94,10 +94,11 @@ def _panel(
     else:
         lines.append(Line("predicted", t[rows], level[rows]))
     called = name or "measurement"
+    inside = 100 * np.mean(np.abs(y[seen]) <= spread[seen]) if seen.any() else np.nan
+    of = f" of {name}" * bool(name) + ", first recording," * (found.value.shape[1] > 1)
     return Chart(
         name=called,
-        title=f"{posed.problem.name}: {called}, and the tuned filter's estimate of it"
-        + ("; first recording" if found.value.shape[1] > 1 else ""),
+        title=f"{inside:.3g} % of the measurements{of} lie in the band where 95 % are expected",
         x_label="time, s",
         y_label=f"{called}, {found.unit}" if found.unit else called,
         lines=tuple(lines),

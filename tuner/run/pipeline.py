@@ -241,7 +241,7 @@ def _solved(task: Task) -> tuple[Solution, str]:
 
 
 def _agreement(solutions: Solutions) -> dict[tuple[str, str], Solution]:
-    """Tell every solution how the other methods did on its problem."""
+    """The solutions, each with what the other methods reached on its problem."""
     agreed = {}
     for key, own in solutions.items():
         others = [s for s in solutions.values() if s.problem == own.problem and s is not own]

@@ -35,7 +35,7 @@ def _truth(value: object) -> bool:
 
 
 def reason_of(error: Mapping[str, Any]) -> str:
-    """What is wrong with a value, as the other messages say it."""
+    """The fault of a value, as the other messages say it."""
     reason = str(error["msg"]).removeprefix("Value error, ")
     for words, ours in _WORDS.items():
         reason = reason.replace(words, ours)

@@ -50,7 +50,7 @@ class Together:
 
     @property
     def tasks(self) -> tuple[Task, ...]:
-        """What is solved."""
+        """The tasks that are solved."""
         return self.plan.tasks
 
     @classmethod

@@ -136,7 +136,7 @@ def number_of(trial: "optuna.trial.FrozenTrial") -> int:
 
 
 def solution_of(trial: "optuna.trial.FrozenTrial") -> Solution:
-    """What a finished trial tells.
+    """The solution in a finished trial.
 
     Raises:
         ValueError: where the task was refused.

@@ -10,7 +10,7 @@ import numpy as np
 
 from tuner.certificate.solution import Solution
 from tuner.code_version import code_version
-from tuner.names import unknown
+from tuner.names import counted, unknown
 from tuner.problem.problem import Problem
 from tuner.solvers.conclude import conclude
 from tuner.solvers.minimum import Minimum
@@ -71,7 +71,7 @@ class Sampler:
             value=_scored_again(problem, best),
             evaluations=len(found) + 1,
             finished=True,
-            message=f"best of {len(found)} trials, Optuna {optuna.__version__}",
+            message=f"best of {counted(len(found), 'trial')}, Optuna {optuna.__version__}",
         )
         return conclude(problem, self.name, [end], begun)
 

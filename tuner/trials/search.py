@@ -151,7 +151,7 @@ class Trials:
         return sum(t.state.name != "FAIL" for t in self.known() if t.number < number)
 
     def _tell(self, trial: "optuna.Trial", value: float) -> None:
-        """Tell a value; one that comes after the trial was given to another process is left.
+        """Store a value; one that comes after the trial was given to another process is left.
 
         Optuna's own ``tell`` reads the trial three times for what samplers with constraints do
         after it: a third of the time that a trial takes the database.

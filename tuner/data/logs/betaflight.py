@@ -7,10 +7,11 @@ from functools import partial
 from pathlib import Path
 
 from tuner.data.logs.csv import open_csv
-from tuner.data.logs.error import LogError, counted
+from tuner.data.logs.error import LogError
 from tuner.data.logs.home import Home
 from tuner.data.logs.mapping import Mapping
 from tuner.data.logs.table import Loaded, Raw, Table
+from tuner.names import counted
 
 MAGICS = (
     b"H Product:Blackbox", b'"H Product:Blackbox', b'"Product","Blackbox', b'"Firmware revision",',

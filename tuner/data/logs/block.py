@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from tuner.data.logs.cells import is_missing, read_cell
-from tuner.data.logs.error import LogError, counted
+from tuner.data.logs.error import LogError
 from tuner.data.logs.grid import Grid, find_cells
 from tuner.data.logs.layout import Layout
 from tuner.data.logs.moments import is_moment
+from tuner.names import counted
 
 INSIDE = "\x1f"
 """The substitute for a delimiter inside quotes."""

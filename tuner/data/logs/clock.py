@@ -7,11 +7,12 @@ from fractions import Fraction
 import numpy as np
 
 from tuner.data.logs.epoch import proposed
-from tuner.data.logs.error import counted, quoted
+from tuner.data.logs.error import quoted
 from tuner.data.logs.mapping import Mapping
 from tuner.data.logs.table import Floats
 from tuner.data.logs.ticks import read_times
 from tuner.data.logs.values import Columns
+from tuner.names import counted
 
 _GAP = 1.5
 _SLOW_S = 1.5

@@ -14,13 +14,14 @@ from pathlib import Path
 import numpy as np
 
 from tuner.data.logs.block import Block, read_rows, tidied
-from tuner.data.logs.error import LogError, counted
+from tuner.data.logs.error import LogError
 from tuner.data.logs.kinds import Chosen
 from tuner.data.logs.layout import Layout, read_layouts
 from tuner.data.logs.parts import Part, mend, read_part, reader_of, text_of
 from tuner.data.logs.store import Store
 from tuner.data.logs.stream import lines
 from tuner.data.logs.table import Loaded, Raw, Table, together
+from tuner.names import counted
 
 _AT_ONCE = min(4, os.cpu_count() or 1)
 _NEWLINE = ord("\n")

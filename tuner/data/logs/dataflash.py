@@ -23,8 +23,9 @@ from tuner.data.logs.dataflash_formats import (
     group_of,
     plain_text,
 )
-from tuner.data.logs.error import LogError, counted
+from tuner.data.logs.error import LogError
 from tuner.data.logs.table import Raw, Table
+from tuner.names import counted
 
 _MAGIC = b"\xa3\x95"
 _HEAD = 3

@@ -14,8 +14,9 @@ from tuner.data.logs.dataflash_formats import (
     Scales,
     group_of,
 )
-from tuner.data.logs.error import LogError, counted
+from tuner.data.logs.error import LogError
 from tuner.data.logs.table import Raw, Table
+from tuner.names import counted
 
 _TEXTS = "nNZ"
 Counts = dict[tuple[str, str], int]

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from tuner.data.logs.cells import decimal_mark, is_number
-from tuner.data.logs.error import LogError, counted, quoted
+from tuner.data.logs.error import LogError, quoted
 from tuner.data.logs.heading import (
     Head,
     check_names,
@@ -23,6 +23,7 @@ from tuner.data.logs.heading import (
 from tuner.data.logs.kinds import Chosen, Lines, kinds_of
 from tuner.data.logs.moments import is_moment
 from tuner.data.logs.stream import Encoding, is_content, read_head, split
+from tuner.names import counted
 
 _WIDEST = 100_000
 _DELIMITERS = "\t;,|"

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from tuner.data.logs.date_columns import past_midnight, read_dates
 from tuner.data.logs.epoch import since_1970
-from tuner.data.logs.error import counted
 from tuner.data.logs.mapping import Mapping
 from tuner.data.logs.moments import Ticks
 from tuner.data.logs.table import Floats, Raw
 from tuner.data.logs.timename import UNITS, unit_of
 from tuner.data.logs.values import Columns, check_finite, factor_of, pick
+from tuner.names import counted
 
 _DIGITS = 9
 _BLOCK = 1 << 15

@@ -8,12 +8,13 @@ from numpy.typing import NDArray
 
 from tuner.data.logs.clock import Clock, read_clock
 from tuner.data.logs.date_columns import date_and_time
-from tuner.data.logs.error import LogError, counted, quoted, suggest
+from tuner.data.logs.error import LogError, quoted, suggest
 from tuner.data.logs.mapping import Mapping
 from tuner.data.logs.table import Table
 from tuner.data.logs.ticks import read_times, same_as_before
 from tuner.data.logs.timename import fraction_of, is_time
 from tuner.data.logs.values import Columns, pick, scalar
+from tuner.names import counted
 
 RESTART = "restart"
 """The word of --by for recordings that begin where the time runs back."""

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from tuner.data.logs.contents import Contents, Group
-from tuner.data.logs.error import LogError, counted
+from tuner.data.logs.error import LogError
 from tuner.data.logs.table import Raw
+from tuner.names import counted
 
 _ELEMENT = re.compile(r"(.+)\[(\d+)\]")
 _FORMAT = "PX4 ULog"

@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tuner.data.logs.error import LogError, counted, suggest
+from tuner.data.logs.error import LogError, suggest
 from tuner.data.logs.mapping import Mapping
 from tuner.data.logs.table import Floats, Loaded, Raw, Table
+from tuner.names import counted
 
 _EXACT = 1 << 53
 _HUGE = 1e150
