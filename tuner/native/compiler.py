@@ -160,7 +160,7 @@ def library(source: str, folder: Path, more: Sequence[str] = ()) -> ctypes.CDLL:
     """
     found = compiler()
     more = _supported(found.command, tuple(more))
-    effort = ["-O1" if source.count("\n") > LONG else "-O2", *more]
+    effort = ["-O2", *more, *(["-O1"] if source.count("\n") > LONG else [])]
     key = _digest("\0".join([source, *effort, found.key]).encode())
     if own(folder):
         for kept in folder.glob(f"{key}-*.so"):
