@@ -201,6 +201,18 @@ def test_a_shorter_way_back_is_xla_s(monkeypatch):
     assert back.told == "XLA: its way back through the loop is shorter than C's"
 
 
+def test_constant_gains_go_first(monkeypatch):
+    needed("cc")
+    monkeypatch.setenv("TUNER_NATIVE", "auto")
+    monkeypatch.setattr(route, "PAYS", -np.inf)
+    problem = posed()
+    exact = problem.by_xla, problem.value_by_xla
+    long = route.Route(problem.static, problem.data, 3, *exact, settled=0.9)
+    assert long.value_and_gradient(np.zeros(3)) is None
+    assert long.value(np.zeros(3)) is None
+    assert long.told == "XLA: constant gains take less than C does"
+
+
 def test_without_a_compiler_nothing_changes(monkeypatch):
     monkeypatch.setenv("TUNER_NATIVE", "on")
     monkeypatch.setenv("PATH", "/nowhere")

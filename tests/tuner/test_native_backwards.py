@@ -157,7 +157,7 @@ def test_dense_matrices_go_by_rows():
     np.testing.assert_allclose(gradient, slopes, rtol=1e-11, atol=1e-11 * np.abs(slopes).max())
 
 
-@pytest.mark.parametrize("name", ["extended, two rates", "Mahony, field", "several records"])
+@pytest.mark.parametrize("name", ["extended, two rates", "Madgwick, field", "several records"])
 def test_arrays_have_the_same_gradients_as_scalars(name, monkeypatch, tmp_path):
     case = next(case for case in CASES if case.name == name)
     z, truth = np.asarray(case.point, float), 1.0 + np.arange(len(case.measured))

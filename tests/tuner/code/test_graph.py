@@ -57,6 +57,7 @@ FUNCTIONS = {
     "places": lambda x: jnp.roll(x, 1) + x[::-1] + x[jnp.array([2, 0, 1])] + jnp.argmax(x),
     "matrices": lambda x: jnp.outer(x, x) @ x + jnp.eye(3) @ x + jnp.diag(x).sum(axis=0),
     "set": lambda x: x.at[1].set(x[0]).at[2].add(x[1]) + jnp.pad(x, 1)[1:4],
+    "padded with less": lambda x: jax.lax.pad(x, 2.0, [(-1, 3, 1)])[:3] + x,
     "decisions": lambda x: jnp.where(x > 0.2, x, -x) + jnp.clip(x, -0.5, 0.5) + jnp.abs(x),
     "rounding": lambda x: jnp.floor(3 * x) + jnp.round(2 * x) + jnp.fmod(x, 0.3),
     "a branch": lambda x: jax.lax.cond(x[0] > 0, lambda: x, lambda: 2 * x),
