@@ -20,6 +20,7 @@ from filters import (
 )
 from objectives import Data, InnovationLikelihood
 from tuner import Fixed, Positive, Problem, Space
+from tuner.problem.paths import way_of
 
 N, STATES = 30, 4
 NAMES = ("q0", "q1", "q2", "q3", "r")
@@ -85,6 +86,23 @@ def test_many_parameters_go_backwards_and_few_forwards():
     assert problem(free=NAMES[:4]).gradient_way == "forwards"
     assert KINDS["several records"].gradient_way == "backwards"
     assert KINDS["extended"].gradient_way == "forwards"
+
+
+@pytest.mark.parametrize(
+    ("states", "free", "way"),
+    [
+        (4, 5, "forwards"),
+        (4, 6, "backwards in parts"),
+        (8, 3, "forwards"),
+        (8, 4, "backwards in parts"),
+        (9, 2, "forwards"),
+        (9, 3, "backwards in parts"),
+    ],
+)
+def test_an_extended_filter_goes_backwards_where_that_pays_for_its_compilation(states, free, way):
+    zero, one = np.zeros(states), np.ones(states)
+    model = ExtendedModel(one, np.ones(1), zero, np.diag(one))
+    assert way_of(ExtendedKalman(moved, disturbed, seen), model, free) == way
 
 
 def test_a_way_may_be_forced_and_a_gate_goes_forwards():
