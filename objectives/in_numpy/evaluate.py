@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import jax
 import numpy as np
@@ -18,13 +18,25 @@ Evaluate = Callable[..., Any]
 
 
 OFTEN = 100_000
-"""Operations from which a function would have been compiled in less time."""
+"""Operations from which a small function would have been compiled in less time."""
+AS_MANY = 250
+"""So many operations take as long as it takes to compile one."""
 LOOP = 10
 """Passes that are counted of a loop of unknown length."""
 Orders: TypeAlias = dict[frozenset[str], list[str]]
 """The order of results' names, for each set of names."""
-Taken: TypeAlias = dict[Any, tuple[int, int]]
-"""The operations of a call, and of all calls so far, for each trace."""
+
+
+class _Taken(NamedTuple):
+    """Operations of a call, those from which compiling pays, and those of all calls so far."""
+
+    each: int
+    most: int
+    so_far: int = 0
+
+
+Taken: TypeAlias = dict[Any, _Taken]
+"""The operations that each trace has taken."""
 
 
 class _UnknownError(Exception):
@@ -54,7 +66,7 @@ def in_numpy(function: Callable[..., Any], *arguments: Any) -> Any:
 
     Numbers differ from those of ``jax.jit`` by rounding alone. A function that cannot be traced is
     called as it is. One with an operation that is not known here is compiled, and so is one of
-    which calls with the same shapes have taken 100 000 operations.
+    which calls with the same shapes have taken longer than its compilation.
 
     Args:
         function: of arrays and tuples of such; equal ones are traced once.
@@ -71,9 +83,9 @@ def in_numpy(function: Callable[..., Any], *arguments: Any) -> Any:
         found = function(*arguments)
         return _in_order(jax.tree.map(np.asarray, found), _order(found))
     closed, shapes = traced.jaxpr, traced.out_info
-    each, so_far = taken.get(closed) or (_operations(closed), 0)
-    taken[closed] = each, so_far + each
-    if so_far + each > OFTEN:
+    count = taken.get(closed) or _Taken(_operations(closed), _most(closed))
+    taken[closed] = count = count._replace(so_far=count.so_far + count.each)
+    if count.so_far > count.most:
         return _in_order(jax.tree.map(np.asarray, jitted(*arguments)), orders)
     leaves = [np.asarray(leaf) for leaf in jax.tree.leaves(arguments)]
     try:
@@ -97,16 +109,22 @@ def _jitted(function: Callable[..., Any]) -> tuple[Any, Orders, Taken]:
     return jax.jit(called), orders, {}
 
 
-def _operations(program: Any) -> int:
-    """About how many operations a traced program takes."""
+def _operations(program: Any, *, once: bool = False) -> int:
+    """About how many operations a traced program takes; once: how many it is written with."""
     count = 0
     for equation in getattr(program, "jaxpr", program).eqns:
         params = equation.params
         passes = params.get("length", LOOP if equation.primitive.name == "while" else 1)
         held = [each for value in params.values() for each in _several(value)]
         inner = [each for each in held if hasattr(each, "eqns") or hasattr(each, "jaxpr")]
-        count += 1 + passes * sum(map(_operations, inner))
+        inside = sum(_operations(each, once=once) for each in inner)
+        count += 1 + (1 if once else passes) * inside
     return count
+
+
+def _most(program: Any) -> int:
+    """Operations from which compiling a traced program would have taken less time."""
+    return max(OFTEN, AS_MANY * _operations(program, once=True))
 
 
 def _several(value: Any) -> tuple[Any, ...]:

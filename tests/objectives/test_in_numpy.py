@@ -189,6 +189,7 @@ def test_what_is_called_often_is_compiled(monkeypatch):
         return {"root": jnp.sqrt(a), "a": a}
 
     monkeypatch.setattr(evaluate, "OFTEN", 4)
+    monkeypatch.setattr(evaluate, "AS_MANY", 0)
     compiled = evaluate._jitted(root)[0]
     for calls in range(1, 7):
         assert [*in_numpy(root, np.array(4.0)).items()] == [("root", 2.0), ("a", 4.0)]
