@@ -166,7 +166,7 @@ def test_an_interrupted_run_goes_on_with_its_file(cli, here, log, robot, monkeyp
         patch.setattr(Gradient, "__call__", interrupt)
         code, _, err = cli("fit", log, "--filter", told, "--map", "z=z", *QUICK, "--out", "one")
     assert code == 130
-    words = shlex.split(err.splitlines()[-1].partition("go on with: tuner ")[2])
+    words = shlex.split(err.splitlines()[-1].removeprefix("tuner "))
     assert words[-3:] == ["--filter", told, "--resume"]
     shutil.copy(robot, here / "kept.py")
     robot.write_text(SOURCE + "\n# changed\n")

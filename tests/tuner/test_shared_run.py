@@ -143,7 +143,7 @@ def test_a_run_that_lost_its_database_goes_on(cli, here, offer):
     assert code == 2
     assert err.splitlines()[-1].startswith(
         "tuner: the database of --storage cannot be used: it went away; finished parts are saved; "
-        "go on with: tuner run a/study.toml --out a --resume and the same --storage"
+        "go on with: tuner run a/study.toml --out a --resume --storage ..."
     )
     kept = json.loads((here / "a" / "progress.json").read_text())["finished"]
     assert len(kept) == 2

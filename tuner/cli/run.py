@@ -75,11 +75,13 @@ def execute(request: Request) -> int:
         try:
             solutions, result = _solve_and_write(run, request, recipe, begun, study.takes)
         except KeyboardInterrupt as stopped:
-            how = [*_saved(request, folder), NOTHING][0]
-            print(f"tuner: {how}", file=sys.stderr)
+            # On a line of its own the command can be copied as a whole.
+            how = [f"{_GO_ON}:\n{again}" for again in _again(request, folder)] or [NOTHING]
+            print(f"tuner: {how[0]}", file=sys.stderr)
             return code_of(stopped)
         except DatabaseError as error:
-            raise ValueError("; ".join([str(error), *_saved(request, folder)])) from None
+            how = [f"{_GO_ON}: {again}" for again in _again(request, folder)]
+            raise ValueError("; ".join([str(error), *how])) from None
     with _all_is_saved(folder):
         _show(result, folder, request)
     return 0 if trusted(plan, solutions) else 1
@@ -207,16 +209,19 @@ def _own_database(folder: RunFolder) -> str:
     return f"sqlite:///{folder.path / 'trials.sqlite3'}"
 
 
-def _saved(request: Request, folder: RunFolder) -> Iterator[str]:
-    """How to go on with what is saved, where anything is."""
+_GO_ON = "finished parts are saved; go on with"
+
+
+def _again(request: Request, folder: RunFolder) -> Iterator[str]:
+    """The command that goes on with what is saved, where anything is."""
     if not (folder.path / "study.toml").exists():
         return
     words = ["tuner", "run", str(folder.path / "study.toml"), "--out", str(folder.path)]
     words += [word for log in request.logs for word in ("--log", str(log))]
     if request.filter_option.file is not None:
         words += ["--filter", str(request.filter_option.filter)]
-    again = f"finished parts are saved; go on with: {shlex.join([*words, '--resume'])}"
-    yield again + (" and the same --storage" if request.storage else "")
+    # The database's address may hold a password: it is not repeated.
+    yield shlex.join([*words, "--resume"]) + (" --storage ..." if request.storage else "")
 
 
 def _say_notes(plan: Plan) -> None:

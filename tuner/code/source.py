@@ -10,6 +10,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
+from tuner.syntax import parsed
+
 Span: TypeAlias = tuple[int, int, int, int]
 """First line and column of a value, last line and column."""
 
@@ -69,7 +71,7 @@ def _assigned(file: str) -> dict[Span, Said]:
     """Names that a file assigns, by the position of the value; no name for returned values."""
     try:
         text = Path(file).read_text("utf-8")
-        tree = ast.parse(text)
+        tree = parsed(text)
     except (OSError, SyntaxError, ValueError):
         return {}
     lines = text.encode().splitlines()

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from tuner.names import unknown
+from tuner.syntax import parsed
 
 LONGEST, DEEPEST, LARGEST = 1000, 40, 400
 """Limits of one expression: characters, levels, and parts."""
@@ -72,7 +73,7 @@ def parse(text: str) -> Node:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            tree = ast.parse(text.strip().replace("^", "**"), mode="eval")
+            tree = parsed(text.strip().replace("^", "**"), mode="eval")
     except SyntaxError as error:
         raise ExpressionError(f"{_shown(text)} is not an expression: {error.msg}") from None
     except (ValueError, RecursionError, MemoryError):

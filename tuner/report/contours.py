@@ -90,7 +90,9 @@ def _filled(
 
     made = contour_generator(across, up, np.ma.masked_invalid(z.T), fill_type=FillType.OuterOffset)
     found = []
-    for fill, low, high in zip(fills, levels[:-1], levels[1:], strict=True):
+    # Where z lies at the lowest level itself, it would not be filled.
+    edges = [2 * levels[0] - levels[1], *levels[1:]]
+    for fill, low, high in zip(fills, edges[:-1], edges[1:], strict=True):
         if not high > low:
             continue
         polygons, offsets, *_ = cast("Any", made.filled(low, high))
