@@ -123,8 +123,8 @@ def by_c(n: int, m: int, samples: int = SAMPLES) -> dict[str, Callable[[], Any]]
     with native("on"):
         one.value_and_gradient(z)
         one.value(z)
-    if not one.route.told.startswith("C, "):
-        raise AssertionError(f"the gradient of {n} states goes by {one.route.told}")
+    if not one.route.choice.startswith("C, "):
+        raise AssertionError(f"the gradient of {n} states goes by {one.route.choice}")
     return {"value": lambda: one.value(z), "gradient": lambda: one.value_and_gradient(z)}
 
 

@@ -146,8 +146,8 @@ def _gradient(name: str, problem: Problem, target: float | None) -> list[Row]:
         "C": lambda: problem.value_and_gradient(z),
         "XLA": lambda: problem.by_xla(z),
     }
-    if not apart <= AGREED or not problem.route.told.startswith("C, "):
-        raise AssertionError(f"{name}: differs by {apart:.1g}; {problem.route.told}")
+    if not apart <= AGREED or not problem.route.choice.startswith("C, "):
+        raise AssertionError(f"{name}: differs by {apart:.1g}; {problem.route.choice}")
     note = f"gradients differ by {apart:.0e} of the largest at most"
     found = [_row(name, calls, target, note, f", {problem.gradient_way}")]
     if problem.gradient_way != "forwards" and target is not None:
@@ -175,8 +175,8 @@ def _over_a_value(n: int) -> list[Row]:
         gradient = problem.value_and_gradient(z)[1]
         problem.value(z)
     apart = float(np.abs(gradient - problem.by_xla(z)[1]).max() / np.abs(gradient).max())
-    if not apart <= AGREED or not problem.route.told.startswith("C, "):
-        raise AssertionError(f"{n} states: differs by {apart:.1g}; {problem.route.told}")
+    if not apart <= AGREED or not problem.route.choice.startswith("C, "):
+        raise AssertionError(f"{n} states: differs by {apart:.1g}; {problem.route.choice}")
     calls: dict[str, Callable[[], object]] = {
         "gradient": lambda: problem.value_and_gradient(z),
         "XLA": lambda: problem.value_by_xla(z),

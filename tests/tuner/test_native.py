@@ -125,7 +125,7 @@ def test_a_problem_goes_by_c_and_says_so(objective, forced):
         right = problem.by_xla(z)
         assert value == pytest.approx(right[0], rel=1e-12)
         np.testing.assert_allclose(gradient, right[1], rtol=1e-11, atol=1e-11)
-    assert problem.route.told.startswith("C, compiled by ")
+    assert problem.route.choice.startswith("C, compiled by ")
 
 
 def test_many_points_side_by_side(forced, monkeypatch):
@@ -144,7 +144,7 @@ def test_more_coordinates_than_lanes(forced):
     z = np.linspace(-1, 1, 11)
     right = problem.by_xla(z)[1]
     np.testing.assert_allclose(problem.value_and_gradient(z)[1], right, rtol=1e-11)
-    assert problem.route.told.startswith("C")
+    assert problem.route.choice.startswith("C")
 
 
 def test_a_search_ends_at_the_same_point(forced, monkeypatch):
@@ -159,7 +159,7 @@ def test_a_search_ends_at_the_same_point(forced, monkeypatch):
 def test_what_is_not_a_number_is_none(forced):
     problem = posed()
     assert problem.value_and_gradient(np.full(3, np.nan))[0] == np.inf
-    assert problem.route.told == ""
+    assert problem.route.choice == ""
 
 
 # Which way.
@@ -171,7 +171,7 @@ def refused(problem):
     right = problem.by_xla(np.zeros(problem.space.size))
     assert value == right[0]
     assert gradient.tolist() == right[1].tolist()
-    return problem.route.told
+    return problem.route.choice
 
 
 def test_a_short_record_goes_by_xla(monkeypatch):
@@ -186,7 +186,7 @@ def test_a_long_record_goes_by_c(monkeypatch):
     z = np.tile(measured(), (40, 1))
     long = posed(data=Data(Sample(z), np.zeros(len(z))))
     long.value_and_gradient(np.zeros(3))
-    assert long.route.told.startswith("C, compiled by ")
+    assert long.route.choice.startswith("C, compiled by ")
 
 
 def test_a_shorter_way_back_is_xla_s(monkeypatch):
@@ -198,7 +198,7 @@ def test_a_shorter_way_back_is_xla_s(monkeypatch):
     exact = problem.by_xla, problem.value_by_xla
     back = route.Route(problem.static, problem.data, 3, *exact, route.BACKWARDS)
     assert back.value_and_gradient(np.zeros(3)) is None
-    assert back.told == "XLA: its way back through the loop is shorter than C's"
+    assert back.choice == "XLA: its way back through the loop is shorter than C's"
 
 
 def test_constant_gains_go_first(monkeypatch):
@@ -210,7 +210,7 @@ def test_constant_gains_go_first(monkeypatch):
     long = route.Route(problem.static, problem.data, 3, *exact, settled=0.9)
     assert long.value_and_gradient(np.zeros(3)) is None
     assert long.value(np.zeros(3)) is None
-    assert long.told == "XLA: constant gains take less than C does"
+    assert long.choice == "XLA: constant gains take less than C does"
 
 
 def test_without_a_compiler_nothing_changes(monkeypatch):

@@ -99,10 +99,10 @@ def compiler() -> Compiler:
 def _asked(program: tuple[str, ...]) -> Compiler | NoCodeError:
     """A compiler's own description; it is asked once."""
     try:
-        told = _ran([*program, "--version"]).decode(errors="replace").splitlines()
+        lines = _ran([*program, "--version"]).decode(errors="replace").splitlines()
     except NoCodeError as error:
         return error
-    name = told[0].strip() if told else Path(program[0]).name
+    name = lines[0].strip() if lines else Path(program[0]).name
     refused = NoCodeError("")
     for here in (HERE, ()):
         command = (*program, *FLAGS, *here)

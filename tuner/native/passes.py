@@ -189,7 +189,7 @@ def _depends(graph: Graph, groups: Iterable[str]) -> set[int]:
 
 
 def _stored(graph: Graph, ends: list[int], back: set[int]) -> list[int]:
-    """What the pass back reads of a sample: what it needs and cannot compute at once."""
+    """The numbers stored of a sample: those that the pass back needs and cannot compute at once."""
     nodes = graph.nodes
     reached = [k for k in graph.reached(ends) if k in back]
     needed = {part for k in reached for part in nodes[k].args} | set(ends)

@@ -88,7 +88,7 @@ class _Writer:
         return Back(before, self._taken(), "\n".join(ends))
 
     def around(self) -> Around:
-        """What is around both."""
+        """The statements around both."""
         one, passes, nodes = self.scalars, self.passes, self.graph.nodes
         one.begin()
         self._inputs("p")
@@ -131,7 +131,7 @@ class _Writer:
         self.scalars.state(order)
 
     def _reached_back(self, roots: Iterable[int]) -> list[int]:
-        """What the pass back computes, with its inputs."""
+        """The nodes of the pass back, with its inputs."""
         stored, seen, open_ = set(self.passes.stored), set[int](), list(roots)
         while open_:
             k = open_.pop()

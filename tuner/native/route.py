@@ -73,8 +73,8 @@ class Route:
         backwards: price in passes, where XLA goes backwards through the loop; 0: forwards.
         at: samples where the loop begins anew, and another thread takes over.
         settled: share of the samples that XLA takes with constant gains.
-        told: the choice in words; "" before it is made.
-        values_told: that values without a gradient go by C; "" where they do not.
+        choice: the choice in words; "" before it is made.
+        values_by: that values without a gradient go by C; "" where they do not.
     """
 
     static: Static
@@ -85,8 +85,8 @@ class Route:
     backwards: int = 0
     at: tuple[int, ...] = ()
     settled: float = 0.0
-    told: str = ""
-    values_told: str = ""
+    choice: str = ""
+    values_by: str = ""
     _single: "Native | Backwards | None" = None
     _valued: "Backwards | bool" = True
     _many: bool | None = None
@@ -100,9 +100,9 @@ class Route:
 
     def value_and_gradient(self, z: np.ndarray) -> Both | None:
         """Both at z ``(n,)`` by C; None where XLA has to compute them."""
-        if not self.told:
+        if not self.choice:
             with self._lock:  # of several threads one decides
-                if not self.told:
+                if not self.choice:
                     return self._decided(z)
         if self._single is None:
             return None
@@ -116,9 +116,9 @@ class Route:
             if not self._agrees(found, z):
                 return None
         except _FAILURES as error:
-            self.told = f"XLA: {error}"
+            self.choice = f"XLA: {error}"
             return None
-        self._single, self.told = native, f"C, compiled by {compiler().name}"
+        self._single, self.choice = native, f"C, compiled by {compiler().name}"
         return found
 
     def value(self, z: np.ndarray) -> float | None:
@@ -141,7 +141,7 @@ class Route:
             return False
         if not abs(found - right) <= AGREED * abs(right):
             return False
-        self.values_told = f"values by C, compiled by {compiler().name}"
+        self.values_by = f"values by C, compiled by {compiler().name}"
         return native
 
     def values_and_gradients(self, Z: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:

@@ -169,7 +169,7 @@ class Problem:
         Of values alone, where they go by C: that they do.
         """
         forced = "XLA: forced" if self.way is not None else ""
-        route = self.route.told or self.route.values_told or forced
+        route = self.route.choice or self.route.values_by or forced
         share = f", constant gains for {self.settled:.1%}" if self.settled else ""
         return route.replace("XLA:", f"XLA, {self.gradient_way}{share}:", 1)
 
