@@ -48,6 +48,13 @@ compiled = jax.jit(noted, static_argnums=0)
 quickly = partial(jax.jit, compiler_options={"xla_backend_optimization_level": 0})
 
 
+def evaluated(function, *arguments):
+    """Evaluated by NumPy, however many operations it takes: compilation takes longer."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(evaluate, "OFTEN", np.inf)
+        return in_numpy(function, *arguments)
+
+
 def run_case(case: Case, point=None, measured=None):
     point = case.point if point is None else point
     measured = case.measured if measured is None else measured
@@ -206,7 +213,7 @@ def test_facts_are_whole(case):
 def test_vmap_over_parameters_equals_a_loop(case):
     points = case.point + np.array([[0.0], [0.3], [-0.5]])
     inputs = case.inputs(case.measured)
-    lanes = quickly(jax.vmap(lambda p: run(case.filter, case.build(p), inputs)[1]))(points)
+    lanes = evaluated(jax.vmap(lambda p: run(case.filter, case.build(p), inputs)[1]), points)
     for i, point in enumerate(points):
         alone = run_case(case, point)[1]
         for lane, single in zip(jax.tree.leaves(lanes), jax.tree.leaves(alone), strict=True):
@@ -240,7 +247,7 @@ def test_compiled_equals_uncompiled(case):
 def gradients(case: Case):
     """The value, its gradient backwards and its slope along (1, 1, ...) forwards, traced once.
 
-    In NumPy: to compile both loops takes ten times longer than the few samples.
+    To compile both loops would take three times as long.
     """
 
     def value(point, inputs):
@@ -250,12 +257,7 @@ def gradients(case: Case):
         ahead = jax.jvp(lambda p: value(p, inputs), (point,), (jnp.ones_like(point),))
         return *jax.value_and_grad(value)(point, inputs), ahead[1]
 
-    def evaluated(point, inputs):
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(evaluate, "OFTEN", np.inf)  # however many operations it takes
-            return in_numpy(both_ways, point, inputs)
-
-    return evaluated
+    return partial(evaluated, both_ways)
 
 
 @pytest.mark.parametrize(
