@@ -5,8 +5,10 @@ python3 bootstrap.py test                 any arguments of pytest may follow
 """
 
 import os
+import re
 import subprocess
 import sys
+import tempfile
 import venv
 from pathlib import Path
 
@@ -35,15 +37,28 @@ def install(locked: str) -> None:
     new = not PYTHON.exists()
     if new:
         venv.create(HOME, with_pip=True)
-    pip = (PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check")
-    if new:  # all processors compile at once what pip compiles file by file
+    pip = (PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps")
+    if new:  # Python compiles what is imported, less than half of it
         pip += ("--no-compile",)
     # Hashes cannot be checked for a folder, so the project itself comes in a second step.
-    for step in (("--require-hashes", "-r", locked), ("--no-deps", "--no-build-isolation", ".")):
-        if call(*pip, *step, folder=ROOT):
-            sys.exit("the installation failed; the lines above say why")
-    if new:  # some packages hold templates that are no Python: no fault
-        call(PYTHON, "-m", "compileall", "-qq", "-j", "0", HOME, folder=ROOT)
+    if failed(pip, locked) or call(*pip, "--no-build-isolation", ".", folder=ROOT):
+        sys.exit("the installation failed; the lines above say why")
+    if new and sys.dont_write_bytecode:  # some packages hold templates that are no Python: no fault
+        call(PYTHON, "-m", "compileall", "-qq", "-j", "0", "-x", "/tests/", HOME, folder=ROOT)
+
+
+def failed(pip: tuple[str | Path, ...], locked: str) -> bool:
+    """Install the locked versions by two processes side by side: each needs no other package."""
+    text = (ROOT / locked).read_text(encoding="utf-8")
+    packages = re.split(r"\n(?=\w)", text)
+    with tempfile.TemporaryDirectory() as folder:
+        running = []
+        for k in range(2):
+            half = Path(folder) / f"{k}.txt"
+            half.write_text("\n".join(packages[k::2]) + "\n", encoding="utf-8")
+            command = [*map(str, pip), "--require-hashes", "-r", str(half)]
+            running.append(subprocess.Popen(command, cwd=ROOT))
+        return sum(abs(process.wait()) for process in running) > 0
 
 
 def call(*command: str | Path, folder: Path) -> int:

@@ -13,6 +13,7 @@ import pytest
 import filters
 from filters import Timed, TimedSample, run
 from filters.declared import assembled, channel_facts, output, parameter_facts
+from objectives.in_numpy import evaluate, in_numpy
 from tests.filters.battery import CASES, Case, N
 from tests.oracles import central_difference
 
@@ -45,6 +46,13 @@ def noted(filter, params, inputs):
 compiled = jax.jit(noted, static_argnums=0)
 # Without the compiler's optimisation, which changes no formula and takes half of the time.
 quickly = partial(jax.jit, compiler_options={"xla_backend_optimization_level": 0})
+
+
+def evaluated(function, *arguments):
+    """Evaluated by NumPy, however many operations it takes: compilation takes longer."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(evaluate, "OFTEN", np.inf)
+        return in_numpy(function, *arguments)
 
 
 def run_case(case: Case, point=None, measured=None):
@@ -205,7 +213,7 @@ def test_facts_are_whole(case):
 def test_vmap_over_parameters_equals_a_loop(case):
     points = case.point + np.array([[0.0], [0.3], [-0.5]])
     inputs = case.inputs(case.measured)
-    lanes = quickly(jax.vmap(lambda p: run(case.filter, case.build(p), inputs)[1]))(points)
+    lanes = evaluated(jax.vmap(lambda p: run(case.filter, case.build(p), inputs)[1]), points)
     for i, point in enumerate(points):
         alone = run_case(case, point)[1]
         for lane, single in zip(jax.tree.leaves(lanes), jax.tree.leaves(alone), strict=True):
@@ -237,7 +245,10 @@ def test_compiled_equals_uncompiled(case):
 
 @cache
 def gradients(case: Case):
-    """The value, its gradient backwards and its slope along (1, 1, ...) forwards, compiled once."""
+    """The value, its gradient backwards and its slope along (1, 1, ...) forwards, traced once.
+
+    To compile both loops would take three times as long.
+    """
 
     def value(point, inputs):
         return loss(run(case.filter, case.build(point), inputs)[1])
@@ -246,7 +257,7 @@ def gradients(case: Case):
         ahead = jax.jvp(lambda p: value(p, inputs), (point,), (jnp.ones_like(point),))
         return *jax.value_and_grad(value)(point, inputs), ahead[1]
 
-    return quickly(both_ways)
+    return partial(evaluated, both_ways)
 
 
 @pytest.mark.parametrize(
@@ -261,7 +272,7 @@ def test_gradient_equals_central_differences(case, record):
         return loss(jax.tree.map(np.asarray, compiled(case.filter, case.build(point), inputs)[1]))
 
     difference = central_difference(by_numpy, case.point, 1e-5)
-    value, backwards, forwards = gradients(case)(jnp.asarray(case.point), inputs)
+    value, backwards, forwards = gradients(case)(case.point, inputs)
     assert np.isfinite(value)
     # A step h = 1e-5 leaves h^2 = 1e-10 of truncation and eps/h = 2e-11 of rounding, each times
     # a factor of order ten.

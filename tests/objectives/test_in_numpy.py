@@ -28,6 +28,7 @@ def _shapes(a: Array) -> Any:
         jnp.kron(a, a[:2]),
         jnp.stack([jnp.tril(a), jnp.roll(a, 1, 0)], axis=1),
         jnp.split(a, [1, 3]),
+        jnp.unstack(a, axis=1),
         jnp.broadcast_to(a[:, None], (4, 2, 4)),
     )
 
@@ -89,7 +90,16 @@ def _slopes(a: Array) -> Any:
     def whole(a: Array) -> Array:
         return jnp.sum(jnp.log(abs(jnp.linalg.solve(a, C.T)))) + jnp.sum(jnp.exp(a @ a))
 
-    return jax.grad(whole)(a), jax.jvp(whole, (a,), (a,)), jax.hessian(lambda a: (a**3).sum())(a)
+    def of_rows(a: Array) -> Array:
+        first, *_ = a
+        return jax.lax.scan(lambda x, row: (jnp.sin(x * row), x @ row), first, a)[1].sum()
+
+    return (
+        jax.grad(whole)(a),
+        jax.grad(of_rows)(a),
+        jax.jvp(whole, (a,), (a,)),
+        jax.hessian(lambda a: (a**3).sum())(a),
+    )
 
 
 @pytest.mark.parametrize(
