@@ -2,7 +2,8 @@
 
 Each number in the C of every filter of the conformance battery is changed by a thousandth, in
 double and in float, and the self-test is run. One compilation serves all numbers of a filter: they
-stand in memory, where the test's own program changes one after another.
+stand in memory, where the test's own program changes one after another. What the numbers do that no
+test sees is found out one by one (:mod:`benchmarks.effects`), and printed with names given.
 """
 
 import re
@@ -13,14 +14,15 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import jax
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.without_effect import without_effect
+from benchmarks.effects import Effect, Kind, effects
+from benchmarks.numbers_in_c import Changed, changeable
 from tests.filters.battery import CASES
 from tests.tuner.export_cases import tuned
 from tuner.code.array_step import Step
@@ -29,7 +31,7 @@ from tuner.code.form import ready
 from tuner.code.literal import Precision
 from tuner.code.refused import NoCounterpartError
 
-_NUMBER = r"(?<![\w.])(\d+\.\d*(?:e[-+]?\d+)?|\d+e[-+]?\d+)f?\b"
+_KINDS: tuple[Kind, ...] = get_args(Kind)
 _DRIVER = """
 #include "{stem}_selftest.c"
 #include <stdio.h>
@@ -59,9 +61,7 @@ class Seen:
         seen: those that it shows.
         formulas: constants in the formulas of a step, each where it is used; 0: not searched.
         shown: those that its single steps show.
-        proven: those of the rest that no result depends on.
-        idle: number of those that had no effect in any step that was looked at, not even doubled.
-        hidden: lines of C with numbers that it does not show.
+        effects: of the numbers in its C that it does not show.
         seconds: of the processor, taken to write it.
     """
 
@@ -72,9 +72,7 @@ class Seen:
     seen: int
     formulas: int
     shown: int
-    proven: int
-    idle: int
-    hidden: list[str]
+    effects: list[Effect]
     seconds: float
 
 
@@ -90,6 +88,7 @@ def judged(case: Any, precision: Precision) -> Seen:
     source, lines = changeable(text.source, precision)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
+        implemented = (form.implementation, text.header, source, folder)
         (folder / f"{stem}.h").write_text(text.header)
         (folder / f"{stem}.c").write_text(source)
         (folder / f"{stem}_selftest.c").write_text(text.selftest)
@@ -97,14 +96,17 @@ def judged(case: Any, precision: Precision) -> Seen:
         command = ["cc", "-std=c99", "-O1", "-w", f"{stem}.c", "main.c", "-o", "main", "-lm"]
         subprocess.run(command, cwd=folder, check=True)
         told = subprocess.run(["./main"], cwd=folder, check=True, capture_output=True, text=True)
-    rows = [tuple(map(int, line.split())) for line in told.stdout.splitlines()]
-    if rows[0] != (0, 0) or len(rows) != 1 + len(lines):
-        raise AssertionError(
-            f"{case.name}, {precision}: {rows[0]}, {len(rows) - 1} of {len(lines)}"
-        )
-    steps = form.reference.steps
-    step = Step(found.program) if found.program is not None else None
-    proven = without_effect(step, steps.undetected) if step and steps else set()
+        rows = [tuple(map(int, line.split())) for line in told.stdout.splitlines()]
+        if rows[0] != (0, 0) or len(rows) != 1 + len(lines):
+            raise AssertionError(
+                f"{case.name}, {precision}: {rows[0]}, {len(rows) - 1} of {len(lines)}"
+            )
+        steps = form.reference.steps
+        hidden = {k: line for k, line in enumerate(lines) if rows[1 + k][1] == 0}
+        rest: list[Effect] = []
+        if hidden and steps and found.program is not None:
+            plain, wide = Changed(*implemented), Changed(*implemented, wide=True)
+            rest = list(effects(Step(found.program), steps.around, plain, wide, hidden))
     return Seen(
         case.name,
         precision,
@@ -113,53 +115,9 @@ def judged(case: Any, precision: Precision) -> Seen:
         sum(both != 0 for _, both in rows[1:]),
         steps.constants if steps else 0,
         steps.detected if steps else 0,
-        len(proven),
-        steps.idle if steps else 0,
-        [line for line, (_, both) in zip(lines, rows[1:], strict=True) if both == 0],
+        rest,
         taken,
     )
-
-
-def changeable(source: str, real: Precision) -> tuple[str, list[str]]:
-    """The same C with its numbers in memory, and the line of each of them.
-
-    >>> text, lines = changeable("double twice(double x) { return 2.0 * x; }", "double")
-    >>> text.splitlines()[1:3]
-    ['double twice(double x) { return numbers[0] * x; }', 'double *place(int k)']
-    """
-    source = re.sub(r"/\*.*?\*/", "", source, flags=re.DOTALL)
-    source = re.sub(rf"static const {real} (\w+)\[", rf"static {real} \1[", source)
-    numbers: list[str] = []
-    places: list[str] = []
-    lines: list[str] = []
-
-    def line_of(found: re.Match[str]) -> str:
-        text = found.string
-        return text[text.rfind("\n", 0, found.start()) + 1 : text.find("\n", found.end())].strip()
-
-    def in_memory(found: re.Match[str]) -> str:
-        if float(found[1]) == 0:
-            return found[0]
-        places.append(f"&numbers[{len(numbers)}]")
-        numbers.append(found[0])
-        lines.append(line_of(found))
-        return f"numbers[{len(numbers) - 1}]"
-
-    tables = re.compile(rf"static {real} (\w+)\[\d+\] = {{(.*?)}};", re.DOTALL)
-    parts, end = [], 0
-    for table in tables.finditer(source):
-        parts += [re.sub(_NUMBER, in_memory, source[end : table.start()]), table[0]]
-        end = table.end()
-        for k, entry in enumerate(table[2].split(",")):
-            value = re.search(_NUMBER, entry)
-            if value and float(value[1]) != 0:
-                places.append(f"&{table[1]}[{k}]")
-                lines.append(f"{table[1]}[{k}] = {value[0]}")
-    parts.append(re.sub(_NUMBER, in_memory, source[end:]))
-    head = f"static {real} numbers[] = {{{', '.join(numbers) or '0'}}};"
-    ends = [f"{real} *place(int k)", "{"]
-    ends += [f"    static {real} *const places[] = {{{', '.join([*places, '0'])}}};"]
-    return "\n".join([head, "".join(parts), *ends, "    return places[k];", "}", ""]), lines
 
 
 def all_judged(names: list[str]) -> Iterator[Seen]:
@@ -177,30 +135,34 @@ def all_judged(names: list[str]) -> Iterator[Seen]:
 def main(names: list[str]) -> None:
     """Print what is seen and what is not."""
     console = Console(width=140)
-    table = Table(
-        *("filter", "in", "numbers", "by samples", "seen", "formulas", "shown", "proven"),
-        *("idle", "CPU s"),
-    )
+    table = Table("filter", "in", "numbers", "by samples", "seen", *_KINDS, "CPU s")
     rows = []
     for row in all_judged(names):
         rows.append(row)
-        of = (row.constants, row.by_samples, row.seen, row.formulas, row.shown, row.proven)
-        table.add_row(row.name, row.precision, *map(str, of), str(row.idle), f"{row.seconds:.1f}")
+        counts = (row.constants, row.by_samples, row.seen, *_counted(row))
+        table.add_row(row.name, row.precision, *map(str, counts), f"{row.seconds:.1f}")
         if names:
-            console.print(*row.hidden, sep="\n", markup=False, highlight=False)
+            for one in row.effects:
+                text = f"{one.kind}, {one.multiple:.2g} x tolerance: {one.line}"
+                console.print(text, markup=False, highlight=False)
     console.print(table)
     for precision in ("double", "float"):
         own = [row for row in rows if row.precision == precision]
-        total, before, seen, formulas, shown, proven, idle = (
+        total, before, seen, formulas, shown = (
             sum(getattr(row, part) for row in own)
-            for part in ("constants", "by_samples", "seen", "formulas", "shown", "proven", "idle")
+            for part in ("constants", "by_samples", "seen", "formulas", "shown")
         )
+        kinds = np.sum([_counted(row) for row in own], axis=0)
+        rest = ", ".join(f"{count} {kind}" for count, kind in zip(kinds, _KINDS, strict=True))
         console.print(
             f"{precision}: {seen} of {total} numbers in C are seen, {before} by samples in a row; "
-            f"{shown} of {formulas} constants in formulas show in single steps, {proven} have no "
-            f"effect by proof, {idle} had none in any step looked at; "
-            f"{max(row.seconds for row in own):.1f} s of a processor at most"
+            f"of the rest: {rest}; {shown} of {formulas} constants in formulas show in single "
+            f"steps; {max(row.seconds for row in own):.1f} s of a processor at most"
         )
+
+
+def _counted(row: Seen) -> list[int]:
+    return [sum(one.kind == kind for one in row.effects) for kind in _KINDS]
 
 
 if __name__ == "__main__":

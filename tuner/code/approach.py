@@ -16,8 +16,8 @@ steps that are closer than 1e-3."""
 _BEYOND = 1e-3
 """Distance from a limit, over it, from which a step is well beyond."""
 _ROUNDS, _KEPT, _CHILDREN, _HALVINGS = 32, 4, 12, 26
-Compared: TypeAlias = tuple[int, int, int]
-"""What compares, the number that is compared, and its limit."""
+Compared: TypeAlias = tuple[int, int, int | float]
+"""What compares, the number that is compared, and its limit: a node, or a half for rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,8 @@ def _above(step: Step, own: int, steps: Arrays, bases: Bases) -> np.ndarray:
     for at, pair in enumerate(pairs):
         lanes = slice(at * each, (at + 1) * each)
         for side, k in enumerate(pair):
-            found[side, lanes] = np.broadcast_to(values[k], count)[lanes]
+            one = values[k] if isinstance(k, int) else k
+            found[side, lanes] = np.broadcast_to(one, count)[lanes]
     return found
 
 

@@ -78,6 +78,18 @@ class Step:
         return [(x, y) for x, y in sorted(compared) if nodes[x].kind == nodes[y].kind == "real"]
 
     @cached_property
+    def to_whole(self) -> list[int]:
+        """The numbers that are rounded to whole ones."""
+        return sorted(
+            {
+                x
+                for k in self.order
+                if self.graph.nodes[k].op == "round"
+                for x in self.graph.nodes[k].args
+            }
+        )
+
+    @cached_property
     def mutants(self) -> list[Mutant]:
         """The constants of a step."""
         return list(mutants_of(self.graph, self.order))

@@ -1,5 +1,6 @@
 """Whether a constant that is changed shows in the results of a step, beyond rounding."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,6 +54,7 @@ def plain(step: Step, given: Given, watched: dict[int, np.ndarray] | None = None
 def expected(step: Step, given: Given, draw: np.random.Generator) -> Expected:
     """The results of steps, and by how much rounding errors change them."""
     decided = {k: np.zeros(1) for pair in step.decisions for k in pair}
+    decided |= {k: np.zeros(1) for k in step.to_whole}
     noisy = dict(decided)
     exact = plain(step, given, decided).exact
     noise = Noise(draw, EPS[step.program.precision], _REPEATS)
@@ -60,13 +62,24 @@ def expected(step: Step, given: Given, draw: np.random.Generator) -> Expected:
     with np.errstate(all="ignore"):
         apart = [np.abs(run - right) for run, right in zip(runs, exact, strict=True)]
     strays = np.array([np.max(np.atleast_2d(one), axis=0) for one in apart]).reshape(exact.shape)
-    steady = np.ones(exact.shape[1], bool)
-    with np.errstate(all="ignore"):
-        for x, y in step.decisions:
-            margin = decided[x] - decided[y]
-            moved = np.abs(np.atleast_2d(noisy[x] - noisy[y] - margin)).max(axis=0)
-            steady &= ~((moved > 0) & (np.abs(margin) < _MARGIN * moved))
+    steady = _steady(step, decided, noisy, exact.shape[1])
     return Expected(exact, np.where(np.isnan(exact), 0, strays), steady)
+
+
+def _steady(
+    step: Step, decided: Mapping[int, np.ndarray], noisy: Mapping[int, np.ndarray], count: int
+) -> np.ndarray:
+    """Whether no decision is within rounding of what is decided."""
+    steady = np.ones(count, bool)
+    with np.errstate(all="ignore"):
+        margins = [(decided[x] - decided[y], noisy[x] - noisy[y]) for x, y in step.decisions]
+        for x in step.to_whole:
+            half = np.floor(decided[x]) + 0.5
+            margins.append((decided[x] - half, noisy[x] - half))
+        for margin, other in margins:
+            moved = np.abs(np.atleast_2d(other - margin)).max(axis=0)
+            steady &= ~((moved > 0) & (np.abs(margin) < _MARGIN * moved))
+    return steady
 
 
 def allowed(step: Step, right: Expected) -> np.ndarray:
@@ -74,6 +87,17 @@ def allowed(step: Step, right: Expected) -> np.ndarray:
     size = EPS[step.program.precision] * np.abs(np.nan_to_num(right.exact))
     strays = IN_LOOPS if len(step.order) > LONG else STRAYS
     return np.asarray(strays * right.strays + SHARE * size)
+
+
+def agree(step: Step, right: Expected, found: np.ndarray) -> np.ndarray:
+    """Which steps of another implementation are well within the tolerance, ``(B,)``.
+
+    Its operations may be in another order, as those of C with loops are.
+    """
+    with np.errstate(invalid="ignore"):
+        apart = np.nan_to_num(np.abs(found - right.exact), posinf=0, neginf=0)
+    same = (np.isnan(found) == np.isnan(right.exact)).all(axis=0)
+    return np.asarray(same & (apart <= allowed(step, right) / 4).all(axis=0))
 
 
 def detected(
@@ -92,7 +116,7 @@ def detected(
             if row.ndim == 2:
                 apart = np.abs(row.astype(float) - right.exact[k])
                 found |= (apart > most[k]) | (np.isnan(row) != np.isnan(right.exact[k]))
-    return np.asarray(found & _compared(step, right))
+    return np.asarray(found & comparable(step, right))
 
 
 def moves(
@@ -102,7 +126,7 @@ def moves(
 
     The root of the sum of squares, ``(B,)``; 0 in steps that are not compared.
     """
-    good = _compared(step, right)
+    good = comparable(step, right)
     found = sensitivities(step, given, allowed(step, right), draw)
     return {one: np.where(good, size, 0.0) for one, size in found.items()}
 
@@ -129,7 +153,7 @@ def _unseen(mutants: list[Mutant], shows: np.ndarray) -> list[Mutant]:
     return [one for one, row in zip(mutants, shows, strict=True) if not row.any()]
 
 
-def _compared(step: Step, right: Expected) -> np.ndarray:
+def comparable(step: Step, right: Expected) -> np.ndarray:
     """The steps to a finite state of numbers that are not too large."""
     own = sum(field.size for field in step.program.state)
     good = np.isfinite(right.exact[:own]).all(axis=0) & np.isfinite(right.strays).all(axis=0)

@@ -47,11 +47,11 @@ def beside_limits(
 
 
 def _compared(step: Step, wanted: Collection[int] | None) -> list[Compared]:
-    """Real numbers that are compared, the second no zero and not infinite.
+    """Real numbers that are compared, the second no zero and not infinite, and rounded ones.
 
     In a long step only early ones: the others take too long.
     """
-    nodes, found = step.graph.nodes, []
+    nodes, found = step.graph.nodes, list[Compared]()
     for k in step.order if wanted is None else sorted(wanted):
         if nodes[k].op in COMPARE or nodes[k].op in ("max", "min"):
             x, limit = nodes[k].args
@@ -60,9 +60,11 @@ def _compared(step: Step, wanted: Collection[int] | None) -> list[Compared]:
             real = nodes[x].kind == nodes[limit].kind == "real"
             if real and not any(step.graph.is_constant(limit, one) for one in (0.0, np.inf)):
                 found.append((k, x, limit))
+        elif nodes[k].op == "round":
+            found += [(k, nodes[k].args[0], half) for half in (-0.5, 0.5)]
     if len(step.order) <= LONG:
         return found
-    return [one for one in found if len(step.graph.reached(one[1:])) <= _EARLY]
+    return [one for one in found if len(step.graph.reached(one[1:2])) <= _EARLY]
 
 
 def _bases(
@@ -71,7 +73,7 @@ def _bases(
     """Steps in which these decisions matter; where there is none, others."""
     own, chosen, steps = len(around.states), list[Compared](), list[Arrays]()
     long = len(step.order) > LONG
-    count, most = (_FEW, 1) if long else (_POOL, _BASES)
+    count, most = (_FEW, 3) if long else (_POOL, _BASES)
     for turn in range(_POOLS):
         missing = [one for one in compared if one not in chosen]
         if not missing:
@@ -86,7 +88,7 @@ def _bases(
             if len(at):
                 chosen += [one] * len(at)
                 steps.append([x[at] for x in pool])
-    before = step.graph.reached(k for one in chosen for k in one[1:])
+    before = step.graph.reached(k for one in chosen for k in one[1:] if isinstance(k, int))
     return Bases(chosen, [np.concatenate(column) for column in zip(*steps, strict=True)], before)
 
 

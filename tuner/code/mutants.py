@@ -32,7 +32,11 @@ class Mutant(NamedTuple):
     limit: bool = False
 
 
-_OTHERWISE: Mapping[str, Callable[..., Any]] = {"max": np.minimum, "min": np.maximum}
+_OTHERWISE: Mapping[str, Callable[..., Any]] = {
+    "max": np.minimum,
+    "min": np.maximum,
+    "round": lambda x: np.rint(x) + 1,
+}
 Lanes: TypeAlias = Mapping[Mutant, Sequence[int]]
 """The rows of an array in which a constant is changed."""
 

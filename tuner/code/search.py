@@ -1,25 +1,30 @@
 """Steps in which a wrong constant shows: a search from states near a filter's own and far off."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from itertools import islice
+from typing import TypeAlias
 
 import numpy as np
 
 from tuner.code.array_step import Given, Step
-from tuner.code.detection import LONG, detected, expected, moves, plain
+from tuner.code.detection import LONG, Expected, agree, detected, expected, moves, plain
 from tuner.code.fields import Field
 from tuner.code.limits import beside_limits
 from tuner.code.literal import Precision
 from tuner.code.mutants import Mutant, is_limit
 from tuner.code.states import Around, Arrays, placed
 
-_BATCH, _ROUNDS, _FEW = 64, 8, 4
-"""States looked at together, and how often; of a long step, and beside its limits."""
+_BATCH, _ROUNDS, _FEW, _TWICE = 64, 12, 4, 2
+"""States looked at together, and how often: at most, in the longest steps, and beside limits."""
+_OPERATIONS = 72_000
+"""Operations that are looked at in all rounds together."""
 _TOGETHER = 32
 """Limits of a long step that are changed together."""
 _CLEAR = 10.0
 """The move over its tolerance, of the results together, from which one of them probably shows."""
+Results: TypeAlias = Callable[[Arrays, Arrays], np.ndarray]
+"""The roots of steps from states and samples, ``(roots, B)``."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,41 +54,49 @@ class _Hidden:
     idle: set[Mutant]
 
 
-def search(step: Step, around: Around, most: int) -> Found:
+def search(step: Step, around: Around, most: int, by_jax: Results) -> Found:
     """At most so many steps that together show as many constants as can be.
 
     Args:
         step: the filter's.
         around: where states are drawn.
         most: number of steps.
+        by_jax: JAX's results of steps, with which those of a long step have to agree.
     """
-    draw, tried, chosen = np.random.default_rng(0), 0, list[Arrays]()
+    draw, tried, chosen, gains = np.random.default_rng(0), 0, list[Arrays](), list[int]()
     program, hidden = step.program, _Hidden(list(step.mutants), set(step.mutants))
-    look = _by_derivatives if len(step.order) > LONG else _by_changes
     for drawn in _batches(step, around, draw, hidden):
-        if not hidden.mutants or len(chosen) == most:
+        if not hidden.mutants:
             break
-        states, samples = (_rounded(part, program.precision) for part in drawn)
+        states, samples = (rounded(part, program.precision) for part in drawn)
         given = placed(program, states, samples)
         tried += len(next(iter(given.values()), ()))
-        shows = look(step, given, hidden, draw)
-        while len(chosen) < most:
+        if len(step.order) > LONG:
+            right = expected(step, given, draw)
+            right = replace(
+                right, steady=right.steady & agree(step, right, by_jax(states, samples))
+            )
+            shows = _by_derivatives(step, given, right, hidden, draw)
+        else:
+            shows = _by_changes(step, given, hidden, draw)
+        while shows.any():
             best = int(shows.sum(axis=0).argmax())
-            if not shows[:, best].any():
-                break
+            gains.append(int(shows[:, best].sum()))
             chosen.append([x[best] for x in (*states, *samples)])
-            kept = np.logical_not(shows[:, best])
-            pairs = zip(hidden.mutants, kept, strict=True)
+            rest = np.logical_not(shows[:, best])
+            pairs = zip(hidden.mutants, rest, strict=True)
             hidden.mutants = [one for one, stays in pairs if stays]
-            shows = shows[kept]
+            shows = shows[rest]
         hidden.idle &= set(hidden.mutants)
+
+    kept = np.sort(np.argsort(-np.array(gains, int), kind="stable")[:most])
     fields = [*program.state, *program.inputs]
     whole = [
-        np.array([one[k] for one in chosen]).reshape(len(chosen), *f.shape)
+        np.array([chosen[at][k] for at in kept]).reshape(len(kept), *f.shape)
         for k, f in enumerate(fields)
     ]
     own = len(program.state)
-    return Found(whole[:own], whole[own:], len(chosen), tried, len(hidden.idle))
+    return Found(whole[:own], whole[own:], len(kept), tried, len(hidden.idle))
 
 
 def _by_changes(step: Step, given: Given, hidden: _Hidden, draw: np.random.Generator) -> np.ndarray:
@@ -105,10 +118,9 @@ def _by_changes(step: Step, given: Given, hidden: _Hidden, draw: np.random.Gener
 
 
 def _by_derivatives(
-    step: Step, given: Given, hidden: _Hidden, draw: np.random.Generator
+    step: Step, given: Given, right: Expected, hidden: _Hidden, draw: np.random.Generator
 ) -> np.ndarray:
     """The same by derivatives, which take one pass for all constants; limits have none."""
-    right = expected(step, given, draw)
     found = moves(step, given, right, draw)
     shows = np.array([found[one] > _CLEAR for one in hidden.mutants])
     limits = [k for k, one in enumerate(hidden.mutants) if is_limit(step.graph, one)]
@@ -124,12 +136,15 @@ def _batches(
     step: Step, around: Around, draw: np.random.Generator, hidden: _Hidden
 ) -> Iterator[tuple[Arrays, Arrays]]:
     long = len(step.order) > LONG
-    yield from (around.drawn(draw, _BATCH) for _ in range(_FEW if long else _ROUNDS))
+    rounds = max(_FEW, min(_ROUNDS, _OPERATIONS // len(step.order)))
+    yield from (around.drawn(draw, _BATCH) for _ in range(rounds))
     if not long:
-        yield from beside_limits(step, around, draw)
+        for _ in range(_TWICE):
+            yield from beside_limits(step, around, draw)
     else:
         limits = {one.node for one in hidden.mutants if is_limit(step.graph, one)}
-        yield from islice(beside_limits(step, around, draw, limits), 2)
+        limits |= {k for k in step.order if step.graph.nodes[k].op == "round"}
+        yield from islice(beside_limits(step, around, draw, limits), rounds // 2)
 
 
 def unplaced(fields: list[Field], rows: np.ndarray) -> tuple[Arrays, np.ndarray]:
@@ -150,7 +165,7 @@ def _at(index: tuple[int, ...]) -> tuple[slice | int, ...]:
     return (slice(None), *index)
 
 
-def _rounded(arrays: Arrays, precision: Precision) -> Arrays:
+def rounded(arrays: Arrays, precision: Precision) -> Arrays:
     """Numbers that the precision has."""
     if precision == "double":
         return arrays

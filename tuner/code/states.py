@@ -10,7 +10,8 @@ from tuner.code.fields import Field
 from tuner.code.program import Program
 
 Arrays: TypeAlias = list[np.ndarray]
-_FAR, _NOTHING, _SPARSE, _SOME = 0.5, 0.03, 0.3, 0.7
+_FAR, _NOTHING, _SPARSE, _SOME = 0.5, 0.05, 0.3, 0.7
+_RESTING, _FIRST = 0.4, 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,13 +41,13 @@ class Around:
         return states, [_with_holes(draw, x) for x in samples]
 
     def _rows(self, draw: np.random.Generator, count: int) -> np.ndarray:
-        """Rows of the record or, as many, of those at rest."""
+        """Rows of the record, of those at rest, or the first, where some filters begin anew."""
         whole = next((len(x) for x in (*self.states, *self.samples)), 1)
-        moving = draw.integers(whole - self.resting, size=count)
-        if not self.resting:
-            return moving
-        still = whole - 1 - draw.integers(self.resting, size=count)
-        return np.where(draw.random(count) < 1 / 2, moving, still)
+        rows = draw.integers(whole - self.resting, size=count)
+        if self.resting:
+            still = whole - 1 - draw.integers(self.resting, size=count)
+            rows = np.where(draw.random(count) < _RESTING, still, rows)
+        return np.where(draw.random(count) < _FIRST, 0, rows)
 
 
 def _all_drawn(draw: np.random.Generator, fields: Sequence[Field], near: Arrays) -> Arrays:

@@ -9,16 +9,16 @@ import numpy as np
 
 from tuner.code.array_step import Step
 from tuner.code.at_rest import whereabouts
-from tuner.code.detection import LONG, Expected, allowed, expected, undetected
+from tuner.code.detection import LONG, Expected, agree, allowed, expected, undetected
 from tuner.code.fields import Field
 from tuner.code.mutants import Mutant
 from tuner.code.operations import kind_of
 from tuner.code.program import Program
 from tuner.code.reference_filter import SAMPLES, ReferenceFilter
 from tuner.code.search import Found, search, unplaced
-from tuner.code.states import Arrays, column, placed
+from tuner.code.states import Around, Arrays, column, placed
 
-STEPS, _UNSEARCHED = 16, 4
+STEPS, _UNSEARCHED = 24, 4
 """Most single steps, and their number where there are no formulas to search by."""
 
 
@@ -35,6 +35,7 @@ class Steps:
         idle: number of those that had no effect at all: not even doubled, or in a long step by
             their derivatives.
         looked_at: number of steps among which these were found.
+        around: where they were drawn.
     """
 
     states: Arrays
@@ -47,6 +48,7 @@ class Steps:
     undetected: list[Mutant]
     idle: int
     looked_at: int
+    around: Around
 
     @property
     def detected(self) -> int:
@@ -58,41 +60,51 @@ def searched_steps(
     own: ReferenceFilter, program: Program, met: Arrays, samples: Any, wanted: Sequence[int]
 ) -> Steps | None:
     """Steps in which constants show, with JAX's results."""
-    leaves, tree = jax.tree.flatten(samples)
     step = Step(program)
     around = whereabouts(own, program.state, program.inputs, met, samples)
-    found = search(step, around, STEPS)
+
+    def ran(states: Arrays, given: Arrays) -> tuple[Arrays, Arrays]:
+        return _ran(own, jax.tree.structure(samples), states, given, wanted)
+
+    found = search(step, around, STEPS, lambda *given: _roots(program, *ran(*given)))
     if found.count == 0:
         return None
-    states, outputs = own.run(
-        jax.tree.unflatten(
-            tree, [x.astype(leaf.dtype) for x, leaf in zip(found.samples, leaves, strict=True)]
-        ),
-        found.states,
-    )
-    return _judged(step, found, states, [outputs[k] for k in wanted])
+    return _judged(step, found, around, *ran(found.states, found.samples))
 
 
-def _judged(step: Step, found: Found, after: Arrays, outputs: Arrays) -> Steps:
+def _ran(
+    own: ReferenceFilter, tree: Any, states: Arrays, samples: Arrays, wanted: Sequence[int]
+) -> tuple[Arrays, Arrays]:
+    """The next states and the outputs by JAX, as many steps at once as were compiled."""
+    parts = []
+    count = len((states or samples)[0])
+    for at in range(0, count, SAMPLES):
+        rows = slice(at, at + SAMPLES)
+        given = jax.tree.unflatten(tree, [x[rows] for x in samples])
+        after, outputs = own.run(given, [x[rows] for x in states])
+        parts.append([*after, *(outputs[k] for k in wanted)])
+    whole = [np.concatenate(column) for column in zip(*parts, strict=True)]
+    return whole[: len(states)], whole[len(states) :]
+
+
+def _roots(program: Program, after: Arrays, outputs: Arrays) -> np.ndarray:
+    """The stored entries of states and outputs, ``(roots, B)``."""
+    fields = zip([*program.state, *program.outputs], [*after, *outputs], strict=True)
+    return np.array([column(x, i) for f, x in fields for i in f.entries()], float)
+
+
+def _judged(step: Step, found: Found, around: Around, after: Arrays, outputs: Arrays) -> Steps:
     """The steps with their tolerances, which take in how far JAX is from the formulas."""
     program = step.program
     given = placed(program, found.states, found.samples)
     right = expected(step, given, np.random.default_rng(1))
-    fields = [*program.state, *program.outputs]
-    by_jax = np.array(
-        [
-            column(x, i)
-            for f, x in zip(fields, [*after, *outputs], strict=True)
-            for i in f.entries()
-        ],
-        float,
-    )
+    by_jax = _roots(program, after, outputs)
     with np.errstate(invalid="ignore"):
         apart = np.nan_to_num(np.abs(by_jax - right.exact), posinf=0, neginf=0)
     same = (np.isnan(by_jax) == np.isnan(right.exact)).all(axis=0)
     same &= right.steady
     if len(step.order) > LONG:  # whose C with loops is another order of operations, as JAX is
-        same &= (apart <= allowed(step, right) / 4).all(axis=0)
+        same &= agree(step, right, by_jax)
     right = replace(right, strays=np.maximum(right.strays, apart))
     right = Expected(right.exact[:, same], right.strays[:, same], right.steady[same])
     most, rest = unplaced(program.state, allowed(step, right))
@@ -108,6 +120,7 @@ def _judged(step: Step, found: Found, after: Arrays, outputs: Arrays) -> Steps:
         undetected(step, {k: x[same] for k, x in given.items()}, right),
         found.idle,
         found.tried,
+        around,
     )
 
 
@@ -128,10 +141,8 @@ def drawn_steps(
         [Field("", x.shape[1:], kind_of(x.dtype)) for x in part] for part in (met, leaves)
     )
     draw = np.random.default_rng(0)
-    drawn = [
-        [_near(x, own.dtype, 0 * x) for x in part]
-        for part in whereabouts(own, state, inputs, met, samples).drawn(draw, SAMPLES)
-    ]
+    around = whereabouts(own, state, inputs, met, samples)
+    drawn = [[_near(x, own.dtype, 0 * x) for x in part] for part in around.drawn(draw, SAMPLES)]
 
     def ran(by: ReferenceFilter, errors: float) -> Arrays:
         before, given = (
@@ -154,7 +165,8 @@ def drawn_steps(
     right, most = ([x[which] for x in part] for part in (found, allowed))
     starts, given = ([x[which] for x in part] for part in drawn)
     n = len(met)
-    return Steps(starts, given, right[n:], right[:n], most[n:], most[:n], 0, [], 0, SAMPLES)
+    ends = right[n:], right[:n], most[n:], most[:n]
+    return Steps(starts, given, *ends, 0, [], 0, SAMPLES, around)
 
 
 def _near(x: np.ndarray, dtype: type[np.floating], errors: np.ndarray) -> np.ndarray:
