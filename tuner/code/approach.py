@@ -17,7 +17,7 @@ _BEYOND = 1e-3
 """Distance from a limit, over it, from which a step is well beyond."""
 _ROUNDS, _KEPT, _CHILDREN, _HALVINGS = 32, 4, 12, 26
 Compared: TypeAlias = tuple[int, int, int | float]
-"""What compares, the number that is compared, and its limit: a node, or a half for rounding."""
+"""A comparison, the number that is compared, and its limit: a node, or a half for rounding."""
 
 
 @dataclass(frozen=True, eq=False)

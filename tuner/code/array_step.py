@@ -152,7 +152,7 @@ class Step:
 
     @cached_property
     def functions(self) -> dict[int, Callable[..., Any] | None]:
-        """What makes each node of its operands; None for inputs and constants."""
+        """The function that makes each node of its operands; None for inputs and constants."""
         return {k: _function(self.graph.nodes[k], self.graph.nodes) for k in self.order}
 
     @cached_property

@@ -12,7 +12,7 @@ from tuner.code.literal import literal, type_of
 from tuner.code.memory import Held, Index, Lazy, Listed, View, view
 from tuner.code.names import in_comment
 from tuner.code.operations import Kind
-from tuner.code.source import Said, said
+from tuner.code.source import Assignment, assignment
 from tuner.code.tables import Tables
 
 _SIMPLE = re.compile(r"-?[\w.>+*\[\] -]+|\(-[\w.]+\)")
@@ -31,7 +31,7 @@ class Block:
         self.lines: list[str] = []
         self.locals: dict[str, tuple[int, Kind]] = {}
         self.depth, self._names = 1, 0
-        self._told: Said | None = None
+        self._origin: Assignment | None = None
         self._spare = spare
         self._free: set[str] = set()
 
@@ -41,10 +41,10 @@ class Block:
 
     def comment(self, source: Any, line: int) -> None:
         """Add a comment with the origin of the statements from a line on."""
-        told = said(source)
-        if told is not None and len(self.lines) > line and told != self._told:
-            self._told = told
-            words = in_comment(f"{told.where}: {told.text}", 110)
+        origin = assignment(source)
+        if origin is not None and len(self.lines) > line and origin != self._origin:
+            self._origin = origin
+            words = in_comment(f"{origin.where}: {origin.text}", 110)
             self.lines[line:line] = ["", "    " * self.depth + f"/* {words} */"]
 
     def fresh(self, stem: str) -> str:

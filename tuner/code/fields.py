@@ -72,9 +72,9 @@ def fields_of(filter: Any, part: str, tree: Any) -> list[Field]:
     for (path, leaf, note), own in zip(leaves, last, strict=True):
         # The inputs of a filter inside another may be one plain array.
         name = plain if path[-1:] == ("inputs",) else own
-        told = name if name and last.count(name) == 1 else "_".join(path) or plain
-        told = f"{plain}_{told}" if told[0].isdigit() else told
-        in_c = identifier(told, {field.name for field in found})
+        label = name if name and last.count(name) == 1 else "_".join(path) or plain
+        label = f"{plain}_{label}" if label[0].isdigit() else label
+        in_c = identifier(label, {field.name for field in found})
         meaning = _meaning(facts.get(name or plain), leaf.shape) or note
         found.append(Field(in_c, tuple(leaf.shape), kind_of(leaf.dtype), meaning))
     return found
@@ -87,9 +87,9 @@ def halved(fields: list[Field], which: set[str]) -> list[Field]:
 
 def _leaves(tree: Any, path: tuple[str, ...], note: str = "") -> Iterator[Any]:
     if hasattr(tree, "_fields"):
-        told = _notes(type(tree))
+        notes = _notes(type(tree))
         for name in tree._fields:
-            yield from _leaves(getattr(tree, name), (*path, name), told.get(name, note))
+            yield from _leaves(getattr(tree, name), (*path, name), notes.get(name, note))
     elif isinstance(tree, Mapping):
         for name in sorted(tree):
             yield from _leaves(tree[name], (*path, str(name)), note)

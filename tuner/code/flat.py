@@ -10,7 +10,7 @@ from tuner.code.graph import Graph
 from tuner.code.literal import Precision, type_of
 from tuner.code.names import identifier, in_comment
 from tuner.code.program import Label
-from tuner.code.source import Said, said
+from tuner.code.source import Assignment, assignment
 
 _LONGEST = 26
 _WIDTH = 100
@@ -59,10 +59,10 @@ class Statements:
                     self._declare(entry, None)
                 continue
             size[entry] = 1 + sum(size.get(k, 1) for k in node.args if k not in self.names)
-            told = self._name_source(entry) if entry in self.labels else None
-            named = told is not None and size[entry] > 2
+            origin = self._name_source(entry) if entry in self.labels else None
+            named = origin is not None and size[entry] > 2
             if uses[entry] > 1 or entry in wanted | alone or size[entry] > _LONGEST or named:
-                self._declare(entry, told)
+                self._declare(entry, origin)
 
     def _live(self, roots: Collection[int]) -> list[int]:
         """The entries that have yet to be computed."""
@@ -84,21 +84,21 @@ class Statements:
         node = self.graph.nodes[entry]
         return {"choose": node.args[1:], "max": node.args, "min": node.args}.get(node.op, ())
 
-    def _name_source(self, entry: int) -> tuple[Said, tuple[int, ...], int] | None:
+    def _name_source(self, entry: int) -> tuple[Assignment, tuple[int, ...], int] | None:
         for source, index, number in self.labels[entry]:
-            found = said(source)
+            found = assignment(source)
             if found is not None:
                 return found, index, number
         return None
 
-    def _declare(self, entry: int, told: tuple[Said, tuple[int, ...], int] | None) -> None:
+    def _declare(self, entry: int, origin: tuple[Assignment, tuple[int, ...], int] | None) -> None:
         text = self.expressions.text(entry)
         node = self.graph.nodes[entry]
-        if told is not None and told[0][1:] != self._before:
-            self._before = told[0][1:]
-            words = in_comment(f"{told[0].where}: {told[0].text}", 110)
+        if origin is not None and origin[0][1:] != self._before:
+            self._before = origin[0][1:]
+            words = in_comment(f"{origin[0].where}: {origin[0].text}", 110)
             self.lines += ["", f"    /* {words} */"]
-        name = self._plain() if told is None else self._named(*told)
+        name = self._plain() if origin is None else self._named(*origin)
         self._taken.add(name)
         self.names[entry] = name
         type_ = type_of(node.kind, self.precision)
@@ -107,9 +107,9 @@ class Statements:
     def _plain(self) -> str:
         return next(new for k in range(10**9) if (new := f"{self._stem}{k}") not in self._taken)
 
-    def _named(self, told: Said, index: tuple[int, ...], number: int) -> str:
+    def _named(self, origin: Assignment, index: tuple[int, ...], number: int) -> str:
         """A name with the entry's index, and a further letter where it is repeated."""
-        base = identifier(told.name)
+        base = identifier(origin.name)
         if (base, number) not in self._turns:
             turn = sum(1 for name, _ in self._turns if name == base)
             self._turns[base, number] = _letters(turn)

@@ -50,7 +50,7 @@ class Interpreter:
         moves: those of them that move numbers as well as entries.
         numbers: NumPy's functions for operations on real numbers.
         unrolls: whether loops are unrolled, or refused.
-        told: called with every operation of the function and its loops, and its results.
+        observer: called with every operation of the function and its loops, and its results.
     """
 
     algebra: Algebra
@@ -58,7 +58,7 @@ class Interpreter:
     moves: Mapping[str, Rule]
     numbers: Mapping[str, Callable[..., Any]]
     unrolls: bool = True
-    told: Callable[[Any, Arrays], None] | None = None
+    observer: Callable[[Any, Arrays], None] | None = None
 
     def closed(self, jaxpr: core.ClosedJaxpr, arguments: Sequence[np.ndarray]) -> Arrays:
         """The results of a traced function.
@@ -78,15 +78,15 @@ class Interpreter:
         for equation in jaxpr.jaxpr.eqns:
             found = self.equation(equation, [read(atom) for atom in equation.invars])
             known.update(zip(equation.outvars, found, strict=True))
-            if self.told is not None:
-                self.told(equation, found)
+            if self.observer is not None:
+                self.observer(equation, found)
         return [read(atom) for atom in jaxpr.jaxpr.outvars]
 
     def equation(self, equation: Any, given: Arrays) -> Arrays:
         """The results of one operation."""
         name, inner = equation.primitive.name, inner_of(equation)
         if inner is not None:  # JAX caches these, with the lines of their first caller
-            return replace(self, told=None).closed(inner, given)
+            return replace(self, observer=None).closed(inner, given)
         if all(array.dtype != object for array in given):
             return self.known(equation, given)
         if name == "scan" and self.unrolls:

@@ -8,15 +8,12 @@ from jax.extend import core
 
 from tuner.code.block import Block
 from tuner.code.bulk import BY_ENTRY, SUMS, by_entry, product, summed
-from tuner.code.flat import Statements
-from tuner.code.graph import Graph
-from tuner.code.interpreter import each, objects
-from tuner.code.memory import Held, Lazy, Listed, View, rows_first, times, total
+from tuner.code.memory import Held, Listed, View, rows_first, times, total
 from tuner.code.operations import kind_of
-from tuner.code.primitives import interpreter
 from tuner.code.refused import no_counterpart
 from tuner.code.straight_line import Atom, Operation, Slot, StraightLine, straight_line
 from tuner.code.strides import JOINED, MOVED, SCATTERED, joined, moved, scattered
+from tuner.code.written_out import written_out
 
 SMALL = 32
 """Largest arrays of a loop whose body is written entry by entry."""
@@ -159,43 +156,12 @@ class LoopStatements:
     ) -> Sequence[Held | Listed]:
         variables = (*closed.jaxpr.invars, *closed.jaxpr.outvars)
         if max((int(np.prod(v.aval.shape)) for v in variables), default=0) <= SMALL:
-            return self._written_out(closed, given)
+            return written_out(self.block, closed, given)
         slots = [Slot(v.aval.shape, np.dtype(v.aval.dtype)) for v in closed.jaxpr.invars]
         code = straight_line(closed, slots)
         return LoopStatements(self.block, held, self.writers).run(
             code, dict(zip(slots, given, strict=True))
         )
-
-    def _written_out(self, closed: core.ClosedJaxpr, given: list[Held]) -> list[Listed]:
-        """One iteration, entry by entry."""
-        graph = Graph(np.float64 if self.block.precision == "double" else np.float32)
-        entries = [_entries(graph, x) for x in given]
-        found = objects(graph, interpreter(graph).closed(closed, entries))
-        made = Statements(
-            graph,
-            {},
-            self.block.precision,
-            lambda value: str(value[1]),
-            stem=f"{self.block.fresh('s')}_",
-        )
-        made.add(int(k) for array in found for k in array.ravel())
-        pad = "    " * (self.block.depth - 1)
-        self.block.lines += [pad + line for text in made.lines for line in text.split("\n")]
-        kinds = [graph.nodes[int(array.flat[0])].kind for array in found]
-        texts = [each(lambda k: made.expressions.text(int(k)), array) for array in found]
-        return [Listed(*pair) for pair in zip(texts, kinds, strict=True)]
-
-
-def _entries(graph: Graph, x: Held) -> np.ndarray:
-    """Entries of an array as nodes of a graph."""
-    array = np.empty(x.shape, object)
-    for index in np.ndindex(x.shape):
-        if isinstance(x, Lazy) and x.number is not None:
-            number = {"real": float, "whole": int, "truth": bool}[x.kind](x.number)
-            array[index] = graph.constant(number)
-        else:
-            array[index] = graph.input(("state", x.at(index)), x.kind)
-    return array
 
 
 def _like(into: View, shape: tuple[int, ...]) -> View:

@@ -176,7 +176,7 @@ RULES: Mapping[str, Rule] = {
 
 def interpreter(
     algebra: Algebra,
-    told: Callable[[Any, Arrays], None] | None = None,
+    observer: Callable[[Any, Arrays], None] | None = None,
     *,
     unrolls: bool = True,
 ) -> Interpreter:
@@ -184,7 +184,7 @@ def interpreter(
 
     Args:
         algebra: of the entries.
-        told: called with every operation and its results.
+        observer: called with every operation and its results.
         unrolls: whether loops are unrolled, or refused.
     """
-    return Interpreter(algebra, RULES, MOVES, _NUMBERS, unrolls, told)
+    return Interpreter(algebra, RULES, MOVES, _NUMBERS, unrolls, observer)

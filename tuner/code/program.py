@@ -107,7 +107,7 @@ def _attempt(traced: Traced, half: set[str], tunable: bool, most: int | None) ->
     start = objects(graph, way.closed(traced.start, params))
     found = objects(graph, way.closed(traced.step, [*params, *before, *inputs]))
     after, out = found[: len(state)], found[len(state) :]
-    told = [
+    outputs = [
         Field(f.name, f.shape, f.kind, f.meaning, _square(f) and symmetric(graph, nodes))
         for f, nodes in zip(traced.outputs, out, strict=True)
     ]
@@ -117,7 +117,7 @@ def _attempt(traced: Traced, half: set[str], tunable: bool, most: int | None) ->
         traced.params,
         state,
         traced.inputs,
-        [told[k] for k in kept],
+        [outputs[k] for k in kept],
         {"params": params if tunable else [], "state": before, "in": inputs},
         start,
         after,
@@ -153,7 +153,7 @@ def _inputs(graph: Graph, group: str, field: Field) -> np.ndarray:
 def _labelling(graph: Graph, labels: dict[int, list[Label]]) -> Callable[[Any, Arrays], None]:
     count = itertools.count()
 
-    def told(equation: Any, found: Arrays) -> None:
+    def observer(equation: Any, found: Arrays) -> None:
         number = next(count)
         if equation.primitive.name in _VIEWS:
             return
@@ -165,4 +165,4 @@ def _labelling(graph: Graph, labels: dict[int, list[Label]]) -> Callable[[Any, A
                             (equation.source_info, index, number)
                         )
 
-    return told
+    return observer

@@ -133,8 +133,8 @@ def _with_holes(own: ReferenceFilter, samples: Any) -> Any:
 def _allowed(found: np.ndarray, others: Sequence[np.ndarray], share: float) -> np.ndarray:
     """Tolerance for another machine: the accumulated effect of rounding so far.
 
-    A filter may forget where it was told exactly (a direction that is normalised has none at rest);
-    its first samples still show a wrong constant.
+    A filter may forget its exact start (a direction that is normalised has none at rest); its
+    first samples still show a wrong constant.
     """
     with np.errstate(invalid="ignore"):
         apart = [np.abs(other.astype(float) - found) for other in others]

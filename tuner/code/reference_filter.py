@@ -21,7 +21,7 @@ _FAST_COMPILATION = {"xla_backend_optimization_level": 0, "xla_llvm_disable_expe
 
 @dataclass(frozen=True)
 class _Restarted:
-    """A filter that may be told its state before a sample; it puts out the next one as well."""
+    """A filter whose state before a sample may be given; its outputs hold the next one as well."""
 
     filter: Any
 

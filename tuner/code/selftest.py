@@ -109,7 +109,7 @@ def _steps(code: Implementation, steps: Steps, before: int) -> Iterator[str]:
         code.precision,
         len(steps.states[0] if steps.states else steps.samples[0]),
     )
-    yield from _told(steps)
+    yield from _comment(steps)
     yield f"static int {stem}_step_selftest(void)"
     yield "{"
     for name, fields, arrays in (
@@ -138,8 +138,8 @@ def _steps(code: Implementation, steps: Steps, before: int) -> Iterator[str]:
     yield from ("}", "")
 
 
-def _told(steps: Steps) -> Iterator[str]:
-    """What the single steps show, as a comment."""
+def _comment(steps: Steps) -> Iterator[str]:
+    """A comment on the single steps and the constants that show in them."""
     yield "/*"
     yield " * Single steps from given states."
     if steps.constants:

@@ -16,7 +16,7 @@ Span: TypeAlias = tuple[int, int, int, int]
 """First line and column of a value, last line and column."""
 
 
-class Said(NamedTuple):
+class Assignment(NamedTuple):
     """An assignment.
 
     Attributes:
@@ -30,7 +30,7 @@ class Said(NamedTuple):
     where: str
 
 
-def said(source: Any) -> Said | None:
+def assignment(source: Any) -> Assignment | None:
     """The assignment whose whole value an operation is, from the innermost call outwards.
 
     Args:
@@ -67,7 +67,7 @@ def _libraries() -> tuple[str, ...]:
 
 
 @cache
-def _assigned(file: str) -> dict[Span, Said]:
+def _assigned(file: str) -> dict[Span, Assignment]:
     """Names that a file assigns, by the position of the value; no name for returned values."""
     try:
         text = Path(file).read_text("utf-8")
@@ -75,13 +75,13 @@ def _assigned(file: str) -> dict[Span, Said]:
     except (OSError, SyntaxError, ValueError):
         return {}
     lines = text.encode().splitlines()
-    found: dict[Span, Said] = {}
+    found: dict[Span, Assignment] = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.Return | ast.Assign | ast.AnnAssign):
             whole = " ".join(_segment(lines, node).split())
             for target, value in _pairs(node):
                 ends = value.end_lineno or 0, value.end_col_offset or 0
-                place = Said(target, whole, f"{Path(file).name}:{node.lineno}")
+                place = Assignment(target, whole, f"{Path(file).name}:{node.lineno}")
                 found[(value.lineno, value.col_offset, *ends)] = place
     return found
 

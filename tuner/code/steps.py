@@ -127,7 +127,7 @@ def _judged(step: Step, found: Found, around: Around, after: Arrays, outputs: Ar
 def drawn_steps(
     own: ReferenceFilter, met: Arrays, samples: Any, wanted: Sequence[int], share: float
 ) -> Steps | None:
-    """Steps from states of all sizes, without a search; what is allowed is told by JAX alone.
+    """Steps from states of all sizes, without a search; what is allowed follows from JAX alone.
 
     Args:
         own: the filter.
