@@ -303,7 +303,7 @@ def test_demands_that_no_filter_meets_and_short_records():
 def test_missing_samples_name_the_part_without():
     values = noise(60)
     values[300] = np.nan
-    refused(values, "misses 1 samples.*--from 15.05 --to 59.95")
+    refused(values, "misses 1 sample,.*--from 15.05 --to 59.95")
 
 
 def test_motion_is_refused_with_the_place_of_rest():

@@ -196,7 +196,8 @@ def test_a_shorter_way_back_is_xla_s(monkeypatch):
     monkeypatch.setattr(route, "_operations", lambda *_: 10)
     problem = posed()
     exact = problem.by_xla, problem.value_by_xla
-    back = route.Route(problem.static, problem.data, 3, *exact, route.BACKWARDS)
+    price = route.BACKWARDS, 0.0
+    back = route.Route(problem.static, problem.data, 3, *exact, lambda: price)
     assert back.value_and_gradient(np.zeros(3)) is None
     assert back.choice == "XLA: its way back through the loop is shorter than C's"
 
@@ -207,7 +208,7 @@ def test_constant_gains_go_first(monkeypatch):
     monkeypatch.setattr(route, "PAYS", -np.inf)
     problem = posed()
     exact = problem.by_xla, problem.value_by_xla
-    long = route.Route(problem.static, problem.data, 3, *exact, settled=0.9)
+    long = route.Route(problem.static, problem.data, 3, *exact, lambda: (0, 0.9))
     assert long.value_and_gradient(np.zeros(3)) is None
     assert long.value(np.zeros(3)) is None
     assert long.choice == "XLA: constant gains take less than C does"

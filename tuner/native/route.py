@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, cast
@@ -70,9 +70,10 @@ class Route:
         size: of a point.
         exact: value and gradient by XLA, with which C is compared once.
         exact_value: the value by XLA.
-        backwards: price in passes, where XLA goes backwards through the loop; 0: forwards.
+        price: of a gradient by XLA in passes, where it goes backwards through the loop, 0 where
+            it goes forwards; and the share of the samples that it takes with constant gains. Both
+            are worked out where C is possible.
         at: samples where the loop begins anew, and another thread takes over.
-        settled: share of the samples that XLA takes with constant gains.
         choice: the choice in words; "" before it is made.
         values_by: that values without a gradient go by C; "" where they do not.
     """
@@ -82,9 +83,8 @@ class Route:
     size: int
     exact: Callable[[np.ndarray], Both]
     exact_value: Callable[[np.ndarray], float]
-    backwards: int = 0
+    price: Callable[[], tuple[int, float]] = lambda: (0, 0.0)
     at: tuple[int, ...] = ()
-    settled: float = 0.0
     choice: str = ""
     values_by: str = ""
     _single: "Native | Backwards | None" = None
@@ -191,24 +191,30 @@ class Route:
         shapes = _shapes(self.data, is_fold(self.static.objective))
         if wish == "auto" and not self._pays(shapes, points):
             raise NoCodeError("the record is too short for compiling C to pay")
-        if wish == "auto" and self.settled and points == 1:
+        if wish == "auto" and points == 1 and self._priced[1]:
             raise NoCodeError("constant gains take less than C does")
         compiler()
         return shapes
 
+    @cached_property
+    def _priced(self) -> tuple[int, float]:
+        return self.price()
+
     def _pays(self, shapes: Any, points: int) -> bool:
         samples = len(jax.tree.leaves(self.data.inputs)[0])
-        passes = self.backwards if self.backwards and points == 1 else 1 + self.size
-        turns = samples * passes * points - COMPILED
-        if turns * _MOST < PAYS:
+        if (samples * points * max(1 + self.size, IN_PARTS) - COMPILED) * _MOST < PAYS:
             return False
+        backwards, _ = self._priced
+        passes = backwards if backwards and points == 1 else 1 + self.size
+        turns = samples * passes * points - COMPILED
         return bool(turns * _operations(self.static, self.size, *shapes) >= PAYS)
 
     def _slower_than_backward(self, native: "Native | Backwards", shapes: Any) -> bool:
         """Whether derivatives in C cost more than XLA's way back, as through dense matrices."""
-        if not self.backwards:
+        backwards, _ = self._priced
+        if not backwards:
             return False
-        most = self.backwards * _operations(self.static, self.size, *shapes)
+        most = backwards * _operations(self.static, self.size, *shapes)
         even = _EVEN_BACK if native.returns else _EVEN
         return bool(even * native.operations > most)
 

@@ -153,21 +153,20 @@ class Problem:
     def route(self) -> Route:
         """Whether its gradient is computed by compiled C, where that pays, or by XLA."""
         if not self._routes:
-            prices = {"forwards": 0, "backwards": BACKWARDS, "backwards in parts": IN_PARTS}
-            back = prices[self.gradient_way]
             lines, whole = self.in_lines, OneRecord(self.static, self.data)
             static, data, at = whole if lines is None else lines.end_to_end()
             exact = self.by_xla, self.value_by_xla
-            route = Route(static, data, self.space.size, *exact, back, at, self.settled)
-            self._routes.append(route)
+            self._routes.append(Route(static, data, self.space.size, *exact, self._price, at))
         return self._routes[0]
+
+    def _price(self) -> tuple[int, float]:
+        """Price of a gradient by XLA that goes backwards, and its share of constant gains."""
+        prices = {"forwards": 0, "backwards": BACKWARDS, "backwards in parts": IN_PARTS}
+        return prices[self.gradient_way], self.settled
 
     @property
     def gradient_by(self) -> str:
-        """The way its gradients were computed, and why; empty before the first one.
-
-        Of values alone, where they go by C: that they do.
-        """
+        """The way its gradients, or values alone by C, were computed, and why; "" before that."""
         forced = "XLA: forced" if self.way is not None else ""
         route = self.route.choice or self.route.values_by or forced
         share = f", constant gains for {self.settled:.1%}" if self.settled else ""
