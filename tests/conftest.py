@@ -67,3 +67,13 @@ def rough():
         measuring = ConstrainedLayoutEngine.execute
         patch.setattr(ConstrainedLayoutEngine, "execute", lambda *_: None)
         yield measuring
+
+
+@pytest.fixture(autouse=True)
+def away_from_limits(request, monkeypatch):
+    """Steps of self-tests are drawn, and not brought close to limits: half the time of making C.
+
+    What that finds tests/tuner/code looks at.
+    """
+    if "tests/tuner/code" not in request.path.as_posix():
+        monkeypatch.setattr("tuner.code.search.beside_limits", lambda *_: iter(()))
