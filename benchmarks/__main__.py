@@ -22,12 +22,14 @@ from benchmarks import (
     native,
     others,
     peers_by_size,
+    recordings,
     single,
     startup,
     tanaka,
     unscented,
 )
 from benchmarks.baseline import Baseline, NoCompilerError, baseline
+from benchmarks.by_c import native as c_is
 from benchmarks.machine import machine
 from benchmarks.page import page
 from benchmarks.single import passes
@@ -86,6 +88,7 @@ def _measure(work: Work, limit: Baseline | None, said: Console) -> list[Row]:
         "compiled C": native.rows,
         "gradients by size": lambda: gradients.rows(limit),
         "long records": long_records.rows,
+        "many recordings": _as_users_do(recordings.rows),
         "the unscented filter": unscented.rows,
         "equations": equations.rows,
         "Tanaka's regression": tanaka.rows,
@@ -98,6 +101,16 @@ def _measure(work: Work, limit: Baseline | None, said: Console) -> list[Row]:
         said.print(f"measuring {name} ...", highlight=False)
         rows += section()
     return rows
+
+
+def _as_users_do(rows: Callable[[], list[Row]]) -> Callable[[], list[Row]]:
+    """Rows with compiled C where that pays."""
+
+    def measured() -> list[Row]:
+        with c_is("auto"):
+            return rows()
+
+    return measured
 
 
 def _noise(work: Work, limit: Baseline | None) -> float:

@@ -49,32 +49,46 @@ from one sample to the next, and C spends its time waiting for that chain.
 
 A search spends its time in `Problem.value_and_gradient`. XLA computes it at first; where the record
 is long enough, C is compiled for it, by the compiler that `CC` names or by `cc`. The time loop is
-traced to a graph of scalars with its derivatives. Whatever never changes over time (structural
-zeros above all) is left out, only one half of a symmetric matrix is stored, and the derivatives by
-up to eight parameters share one vector register; of more parameters there are several, which share
-one pass over the record. What precedes the loop (from a point to the filter's parameters) and what
-follows it (spectra, means) stays in JAX. In `tuner.values_and_gradients` eight points share a
-vector, unless the objective keeps samples until after the loop. In a short loop the first division
-of a sample, on which everything else depends, is started while the derivatives of the previous
-sample are computed. Common factors of a derivative are multiplied once for all directions, sums of
-products are ordered for multiply-add instructions, and sine and cosine of an angle come from one
-series without a call.
+traced to a graph of scalars. Whatever never changes over time (structural zeros above all) is left
+out, and only one half of a symmetric matrix is stored. What precedes the loop (from a point to the
+filter's parameters) and what follows it (spectra, means) stays in JAX. Derivatives are computed in
+one of two ways:
+
+- **Forwards, for few parameters.** The derivatives by up to eight parameters share one vector
+  register. Common factors of a derivative are multiplied once for all directions, sums of products
+  are ordered for multiply-add instructions, and in a short loop the first division of a sample, on
+  which everything else depends, is started while the derivatives of the previous sample are
+  computed.
+- **A pass over the record and one back**, for any number of parameters: from five on where it
+  takes fewer operations, from nine on always. The way back is JAX's own derivative of the step,
+  with the covariance's steps by hand (`filters.way_back`). Of each sample is stored what the pass
+  back needs and cannot compute at once; above 64 MB the state is stored at the beginning of parts
+  of the record, and each part is run again before the pass back goes through it. A gradient takes
+  1.6 to 2.2 times as long as a value in C. Where matrices are large and dense (linear filters from
+  about eight states on), both passes are written as loops over rows, of which several entries are
+  computed at once, in place of scalars; and where a gradient goes so, values without gradient go by
+  the pass over the record alone.
+
+Sine and cosine of an angle come from one series without a call. In `tuner.values_and_gradients`
+eight points share a vector, unless the objective keeps samples until after the loop.
 
 - **XLA is the judge.** At the first point both compute value and gradient; where they differ by
-  more than 1e-9 of the largest of these numbers, only XLA is used. Values without gradient,
-  Hessians and the certificate always come from XLA.
+  more than 1e-9 of the largest of these numbers, only XLA is used; a value alone is compared in the
+  same way. Hessians always come from XLA.
 - **When.** C pays where a search would spend more time in XLA's loop than the compiler takes:
   (N (1 + n) - 20 000) times the operations of a step is above 70 million, for N samples and n
-  parameters; with six parameters and 500 operations that is from about 23 000 samples. Where XLA
-  goes backwards through the loop, which costs about three passes for any n, and five in parts, C
-  must take at most half as many operations as a step, or five sixths: it does where matrices have
-  zeros, and of a linear filter does not where they are dense. `TUNER_NATIVE=on` uses C wherever
-  it can be compiled, `off` never. `gradient_by` of a `Solution`, also in `result.json`, states
-  the choice and the reason, as in `XLA, forwards: the record is too short for compiling C to
-  pay`.
+  parameters; with six parameters and 500 operations that is from about 23 000 samples. XLA's own
+  way back through the loop costs about three passes for any n, and five in parts. There C is used
+  if it takes at most half as many operations as a step (in parts five sixths) forwards, or as many
+  (in parts five thirds) with a pass back, where three on entries of a row count as one: it does for
+  most filters. Where the gains settle, XLA's loop with constant gains is used. `TUNER_NATIVE=on`
+  uses C wherever it can be compiled, `off` never. `gradient_by` of a `Solution`, also in
+  `result.json`, states the choice and the reason, as in `XLA, forwards: the record is too short for
+  compiling C to pay`.
 - **What has no C.** XLA runs loops with an operation that scalars do not have (a while loop, a
-  decomposition) and loops of more than 12 000 operations with their derivatives. Without a
-  compiler, or where it fails or takes more than 30 s, nothing changes.
+  decomposition), and loops of more than 12 000 operations with their derivatives and of more than
+  20 000 with their way back, where rows have no loop either. Without a compiler, or where it fails
+  or takes more than 30 s, nothing changes.
 - **The cache.** Libraries are stored in `~/.cache/filter-tuner/native` (`TUNER_CACHE/native`),
   under a hash of source, flags, compiler and processor and a hash of their contents. A file that
   another user owns or may write to, or that is reached through a link, is never loaded: then, and
@@ -139,9 +153,7 @@ recordings lie end to end, each begins from the filter's start, lines of about 4
 eight side by side, and the processors take such parts in turns. The samples after the last one
 with a truth, and recordings without any, as those held out, are left out. `python -m
 benchmarks.recordings` measures 1000 recordings of 200 to 2000 samples, 4 states, 6 parameters, in
-ns of the processor's time a true sample: value 72, gradient 181, on two processors half of that
-where they are free; C, one thread, 79 and 121; padded 107 and 630. On a busy machine two threads
-took 53 and 132 ns at best. Filters whose gradient goes by C take one line a thread.
+ns a true sample. Filters whose gradient goes by C take one line a thread.
 
 ## Results
 
