@@ -16,6 +16,9 @@ steps that are closer than 1e-3."""
 _BEYOND = 1e-3
 """Distance from a limit, over it, from which a step is well beyond."""
 _ROUNDS, _KEPT, _CHILDREN, _HALVINGS = 32, 4, 12, 26
+_NEARER, _PATIENCE = 0.95, 4
+"""A step has come nearer where at most this share of its distance is left; after so many rounds in
+which it has not, it is given up; but that of a long filter, which has few."""
 Compared: TypeAlias = tuple[int, int, int | float]
 """A comparison, the number that is compared, and its limit: a node, or a half for rounding."""
 
@@ -58,24 +61,31 @@ def _above(step: Step, own: int, steps: Arrays, bases: Bases) -> np.ndarray:
 
 def beyond(step: Step, own: int, bases: Bases, draw: np.random.Generator) -> Arrays:
     """Steps on the other side of the limit, or as close to it as variations come."""
-    count, lanes = len(bases.compared), np.arange(len(bases.compared))[:, None]
+    count = len(bases.compared)
     x, limit = _above(step, own, bases.steps, bases)
     side = np.repeat(np.where(x > limit, 1.0, -1.0), _KEPT)
     best = [np.repeat(field, _KEPT, axis=0) for field in bases.steps]
-    gap = _gap(step, own, best, bases, side)
+    gap, idle = _gap(step, own, best, bases, side), np.zeros(count, int)
+    patience = _ROUNDS if len(step.order) > LONG else _PATIENCE
     for _ in range(_ROUNDS):
-        if (gap.reshape(count, _KEPT)[:, 0] == 0).all():
+        least = gap[::_KEPT].copy()
+        going = np.flatnonzero((least > 0) & (idle < patience))
+        if not len(going):
             break
-        children = varied(draw, [np.repeat(field, _CHILDREN, axis=0) for field in best])
-        moved = _gap(step, own, children, bases, np.repeat(side, _CHILDREN))
-        both = np.concatenate([gap.reshape(count, -1), moved.reshape(count, -1)], axis=1)
-        order = np.argsort(both, axis=1, kind="stable")[:, :_KEPT]
-        gap = np.take_along_axis(both, order, axis=1).ravel()
-        pairs = [
-            np.concatenate([_by_base(one, count), _by_base(other, count)], axis=1)[lanes, order]
-            for one, other in zip(best, children, strict=True)
-        ]
-        best = [field.reshape(count * _KEPT, *field.shape[2:]) for field in pairs]
+        rows = (going[:, None] * _KEPT + np.arange(_KEPT)).ravel()
+        some = Bases([bases.compared[k] for k in going], [], bases.before)
+        parents = [field[rows] for field in best]
+        children = varied(draw, [np.repeat(field, _CHILDREN, axis=0) for field in parents])
+        moved = _gap(step, own, children, some, np.repeat(side[rows], _CHILDREN))
+        both = [_by_base(one, len(going)) for one in (gap[rows], moved)]
+        order = np.argsort(np.concatenate(both, axis=1), axis=1, kind="stable")[:, :_KEPT]
+        gap[rows] = np.take_along_axis(np.concatenate(both, axis=1), order, axis=1).ravel()
+        lanes = np.arange(len(going))[:, None]
+        for field, one, other in zip(best, parents, children, strict=True):
+            whole = [_by_base(part, len(going)) for part in (one, other)]
+            chosen = np.concatenate(whole, axis=1)[lanes, order]
+            field[rows] = chosen.reshape(len(rows), *field.shape[1:])
+        idle = np.where(gap[::_KEPT] < _NEARER * least, 0, idle + 1)
     return [_by_base(field, count)[:, 0] for field in best]
 
 
