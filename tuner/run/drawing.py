@@ -189,6 +189,7 @@ def _draw_numbered(lines: tuple[Line, ...], axes: "Axes") -> None:
     turned = 0 if len(numbers) <= 25 else 90
     labels = [f"{number:g}" for number in numbers]
     axes.set_xticks(np.arange(len(numbers)), labels, fontsize=7, rotation=turned)
+    axes.set_xlim(-0.6, len(numbers) - 0.4)  # a number's points may all stand on one side of it
     for i, line in enumerate(lines):
         known = np.isfinite(line.x)
         aside = WIDTH * ((i + 0.5) / len(lines) - 0.5)
