@@ -59,11 +59,12 @@ one of two ways:
   are ordered for multiply-add instructions, and in a short loop the first division of a sample, on
   which everything else depends, is started while the derivatives of the previous sample are
   computed.
-- **A pass over the record and one back**, for any number of parameters: from five on where it
-  takes fewer operations, from nine on always. The way back is JAX's own derivative of the step,
-  with the covariance's steps by hand (`filters.way_back`). Of each sample is stored what the pass
-  back needs and cannot compute at once; above 64 MB the state is stored at the beginning of parts
-  of the record, and each part is run again before the pass back goes through it. A gradient takes
+- **A pass over the record and one back**, for any number of parameters: from nine on always, from
+  five on where it takes less time, in which a number that is stored and loaded again counts as
+  twelve operations. The way back is JAX's own derivative of the step, with the covariance's steps
+  by hand (`filters.way_back`). Of each sample is stored what the pass back needs and cannot compute
+  at once; above 64 MB the state is stored at the beginning of parts of the record, and each part is
+  run again before the pass back goes through it. A gradient takes
   1.6 to 2.2 times as long as a value in C. Where matrices are large and dense (linear filters from
   about eight states on), both passes are written as loops over rows, of which several entries are
   computed at once, in place of scalars; and where a gradient goes so, values without gradient go by

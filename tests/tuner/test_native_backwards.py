@@ -21,21 +21,20 @@ N = 200
 
 def noises(values):
     """A swinging body, whose place is measured; all that can be uncertain is."""
-    move = jnp.array([[0.99, 0.1], [-0.1, 0.99]])
-    q, r, P0, x0 = (values[name] for name in ("q", "r", "P0", "x0"))
+    kept, turned, q, r, P0 = (values[name] for name in ("kept", "turned", "q", "r", "P0"))
+    move = jnp.array([[0.99, 0.1 * turned], [-0.1, 0.99 * kept**0.01]])
     noise = jnp.array([[q, 0.1 * q], [0.1 * q, values["q_across"]]])
     start = P0 * jnp.array([[1.0, 0.2], [0.2, 1.0]])
     seen = jnp.array([[1.0, values["h"]]])
-    return LinearModel(
-        Transition(move, jnp.eye(2), noise), seen, r[None], start, jnp.stack([x0, jnp.zeros(())])
-    )
+    x0 = jnp.stack([values["x0"], values["v0"]])
+    return LinearModel(Transition(move, jnp.eye(2), noise), seen, r[None], start, x0)
 
 
 def posed(objective, length=N):
     draw = np.random.default_rng(3)
     z = np.cumsum(draw.normal(size=(length, 1)), 0)
     z[draw.random(z.shape) < 0.1] = np.nan
-    names = ("q", "q_across", "r", "P0", "x0", "h")
+    names = ("q", "q_across", "r", "P0", "x0", "v0", "h", "kept", "turned")
     space = Space.of(**{name: Positive(1.0, 1e-3, 1e3) for name in names})
     data = Data(Sample(z), np.zeros(length))
     return Problem("swing", space, LinearKalman(), noises, objective, data)
@@ -82,7 +81,7 @@ def test_values_alone_go_by_c_and_the_result_says_so():
     z = problem.space.start()
     assert problem.value(z) == pytest.approx(problem.value_by_xla(z), rel=1e-12)
     assert problem.gradient_by.startswith("values by C, compiled by")
-    assert problem.value(np.full(6, 900.0)) == np.inf
+    assert problem.value(np.full(9, 900.0)) == np.inf
 
 
 def test_values_that_differ_from_xla_s_are_xla_s(monkeypatch):
@@ -94,17 +93,17 @@ def test_values_that_differ_from_xla_s_are_xla_s(monkeypatch):
 
 
 def test_a_long_record_is_stored_in_parts(monkeypatch):
-    whole = posed(InnovationLikelihood()).value_and_gradient(np.full(6, 0.3))
+    whole = posed(InnovationLikelihood()).value_and_gradient(np.full(9, 0.3))
     for samples in (1, 7, N - 1, N):
         monkeypatch.setattr(backwards, "part_of", lambda *_, n=samples: n)
-        found = posed(InnovationLikelihood()).value_and_gradient(np.full(6, 0.3))
+        found = posed(InnovationLikelihood()).value_and_gradient(np.full(9, 0.3))
         assert found[0] == whole[0]
         np.testing.assert_array_equal(found[1], whole[1])
 
 
 def test_records_end_to_end_begin_anew(tmp_path):
     problem = posed(InnovationLikelihood())
-    z, (static, data) = np.full(6, 0.2), (problem.static, problem.data)
+    z, (static, data) = np.full(9, 0.2), (problem.static, problem.data)
     native = Backwards(
         static.filter, static.objective, static.built, len(z), data, tmp_path / "code"
     )

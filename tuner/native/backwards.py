@@ -15,7 +15,7 @@ from jax import Array
 from filters import AnyFilter
 from objectives import Data, Objective, is_fold, weighed
 from tuner.native.compiler import library
-from tuner.native.filled import address, filled, kept_of, side_by_side
+from tuner.native.filled import MEMORY, address, filled, kept_of, side_by_side
 from tuner.native.passes_choice import shortest
 from tuner.native.passes_frame import Code
 from tuner.native.runner import columns, is_real, runner_of
@@ -39,6 +39,7 @@ class Backwards:
 
     Attributes:
         operations: number of them for a sample.
+        work: the same, where memory counts by its time.
         returns: that it goes back.
 
     Raises:
@@ -62,6 +63,7 @@ class Backwards:
         before, self._code = shortest(runner, build, size)
         self._count, self._keeps = before.count, runner.keeps
         self.operations = self._code.operations
+        self.work = self.operations + MEMORY * (self._code.stored + self._code.kept)
         self._total = jax.eval_shape(objective.init) if is_fold(objective) else None
         self._kept = kept_of(filter, objective, jax.eval_shape(build, np.zeros(size)), data)
         self._numbers = jax.jit(before.numbers)

@@ -16,7 +16,7 @@ from objectives import Data, Objective, is_fold, judged
 from tuner.code.graph import TooLargeError
 from tuner.code.refused import NoCounterpartError
 from tuner.native.compiler import library
-from tuner.native.filled import address, filled, kept_of, side_by_side
+from tuner.native.filled import MEMORY, address, filled, kept_of, side_by_side
 from tuner.native.fused import fused
 from tuner.native.iteration import iteration
 from tuner.native.loop import Loop, loop
@@ -162,10 +162,12 @@ class Native:
 
     @property
     def work(self) -> float:
-        """The same, where one on lanes counts by its vectors of 256 bits."""
+        """The same, where one on lanes counts by its vectors of 256 bits, and memory by its time."""
         loop = self._loop
         wide = len(varying(loop, {"dp"}).intersection(loop.needed))
-        return self._blocks * (loop.operations + wide * (max(1.0, self._lanes / 4) - 1))
+        once = loop.operations + wide * (max(1.0, self._lanes / 4) - 1)
+        kept = len(loop.kept) * (1 + self._vectors * self._lanes)
+        return self._blocks * (once + MEMORY * kept)
 
     @property
     def _vectors(self) -> int:

@@ -16,6 +16,8 @@ from objectives import Data, Objective, is_fold
 
 A = TypeVar("A")
 B = TypeVar("B")
+MEMORY = 12
+"""Operations that take as long as storing a number of each sample and loading it again."""
 
 
 def kept_of(filter: AnyFilter, objective: Objective, params: Any, data: Data) -> Any:

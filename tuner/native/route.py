@@ -32,9 +32,8 @@ BACKWARDS, IN_PARTS = 3, 5
 _EVEN, _EVEN_BACK = 6, 3
 """Operations of XLA, those of a step times its passes, over those of C, where both take as long: of
 C that goes forwards, and of a pass with one back."""
-_FEW, _AGAIN = 4, 1.42
-"""Parameters whose derivatives always go forwards in C; time of an operation of a pass with one
-back, of which each waits for others, over that of an operation forwards."""
+_FEW = 4
+"""Parameters whose derivatives always go forwards in C."""
 _MOST = 4000
 """Most operations of a step in C."""
 _FAILURES = (ValueError, TypeError, LookupError, AttributeError, OSError, MemoryError, NoCodeError)
@@ -273,7 +272,7 @@ def _shortest(
         one = forwards() if size <= LANES else None
     except (NoCounterpartError, TooLargeError):
         one = None
-    return back if one is None or _AGAIN * back.operations < one.work else one
+    return back if one is None or back.work < one.work else one
 
 
 @lru_cache(maxsize=128)
