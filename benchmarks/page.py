@@ -51,8 +51,8 @@ A search spends its time in `Problem.value_and_gradient`. XLA computes it at fir
 is long enough, C is compiled for it, by the compiler that `CC` names or by `cc`. The time loop is
 traced to a graph of scalars. Whatever never changes over time (structural zeros above all) is left
 out, and only one half of a symmetric matrix is stored. What precedes the loop (from a point to the
-filter's parameters) and what follows it (spectra, means) stays in JAX. Derivatives are computed in
-one of two ways:
+filter's parameters) and what follows from sums is C, too, where it takes few operations; JAX keeps
+the rest (matrix exponentials, spectra). Derivatives are computed in one of two ways:
 
 - **Forwards, for few parameters.** The derivatives by up to eight parameters share one vector
   register. Common factors of a derivative are multiplied once for all directions, sums of products

@@ -18,6 +18,7 @@ from tuner.native.compiler import library
 from tuner.native.filled import MEMORY, address, filled, kept_of, side_by_side
 from tuner.native.passes_choice import shortest
 from tuner.native.passes_frame import Code
+from tuner.native.row_function import RowFunction
 from tuner.native.runner import columns, is_real, runner_of
 
 STORED = 64 << 20
@@ -66,10 +67,17 @@ class Backwards:
         self.work = self.operations + MEMORY * (self._code.stored + self._code.kept)
         self._total = jax.eval_shape(objective.init) if is_fold(objective) else None
         self._kept = kept_of(filter, objective, jax.eval_shape(build, np.zeros(size)), data)
-        self._numbers = jax.jit(before.numbers)
+        self._numbers = RowFunction(before.numbers, size, folder)
         self._weighed = jax.jit(self._weights)
         self._valued = jax.jit(self._value)
-        self._pull = jax.jit(lambda z, by: jax.vjp(before.numbers, z)[1](by)[0])
+        self._of_end = RowFunction(self._weights_of_end, self._code.total, folder)
+
+        def pulled(both: Array) -> Array:
+            z, by = jnp.split(both, [size])
+            (slope,) = jax.vjp(before.numbers, z)[1](by)
+            return jnp.asarray(slope)
+
+        self._pull = RowFunction(pulled, size + self._count, folder)
         self._spare: list[np.ndarray] = []
 
     def rows(self, data: Data) -> np.ndarray:
@@ -87,19 +95,34 @@ class Backwards:
         runs, spare = self._runs(z, rows, at), self._spare
         for run in runs:
             run.store = _memory(run.part * max(1, self._code.stored), spare)
-        value, by_end, by_kept = self._weighed(*self._over(runs, data))
+        value, by_end, by_kept = self._judged(*self._over(runs, data))
         weights = np.asarray(by_end), np.asarray(by_kept)
         by_numbers = sum(side_by_side(lambda run: run.backwards(*weights, self._count), runs))
         spare += [run.store for run in runs if run.store is not None]
-        return float(value), np.asarray(self._pull(z, by_numbers))
+        (gradient,) = self._pull(np.hstack([z, by_numbers])[None])
+        return float(value), gradient
 
     def value(self, z: np.ndarray, rows: np.ndarray, data: Data, at: Sequence[int] = ()) -> float:
         """The objective alone; arguments as of :meth:`value_and_gradient`."""
-        return float(self._valued(*self._over(self._runs(z, rows, at), data)))
+        over = self._over(self._runs(z, rows, at), data)
+        return float(self._judged(*over)[0] if self._sums else self._valued(*over))
 
     def _runs(self, z: np.ndarray, rows: np.ndarray, at: Sequence[int]) -> "list[_Run]":
-        numbers, edges = np.asarray(self._numbers(z)), pairwise((0, *at, len(rows)))
+        (numbers,), edges = self._numbers(z[None]), pairwise((0, *at, len(rows)))
         return [_Run(self._library, self._code, numbers, rows[a:b]) for a, b in edges]
+
+    @property
+    def _sums(self) -> bool:
+        """Whether the objective follows from the numbers at the end alone."""
+        return self._folds and not self._code.kept
+
+    def _judged(self, end: np.ndarray, kept: np.ndarray, truth: Any) -> tuple[Any, Any, Any]:
+        """The objective, and its derivatives by the numbers at the end and the kept ones."""
+        if not self._sums:
+            value, by_end, by_kept = self._weighed(end, kept, truth)
+            return value, by_end, by_kept
+        (found,) = self._of_end(end[None])
+        return found[0], found[1:], kept
 
     def _over(self, runs: "list[_Run]", data: Data) -> tuple[np.ndarray, np.ndarray, Any]:
         """The loop's results, and the truth."""
@@ -127,6 +150,10 @@ class Backwards:
         parts = [by.reshape(len(kept), -1) for leaf, by, k in pairs if k and is_real(leaf)]
         none = jnp.zeros(0)
         return value, jnp.concatenate([none, *ends]), jnp.hstack([kept[:, :0], *parts])
+
+    def _weights_of_end(self, end: Array) -> Array:
+        value, by_end, _ = self._weights(end, jnp.zeros((1, 0)), None)
+        return jnp.hstack([value, by_end])
 
     def _collected(self, end: Array, kept: Array) -> tuple[Any, Any]:
         total = filled(self._total, end, ())

@@ -21,6 +21,7 @@ from tuner.native.fused import fused
 from tuner.native.iteration import iteration
 from tuner.native.loop import Loop, loop
 from tuner.native.pipelining import pipelined
+from tuner.native.row_function import RowFunction
 from tuner.native.runner import columns, runner_of
 from tuner.native.scaled import scaled
 from tuner.native.text import source, varying
@@ -72,14 +73,10 @@ class Native:
         params = jax.eval_shape(build, np.zeros(size))
         self._total = jax.eval_shape(objective.init) if is_fold(objective) else None
         self._kept = kept_of(filter, objective, params, data)
-        self._numbers = jax.jit(self._number)
-        self._slopes = jax.jit(lambda z: (self._number(z), jax.jacfwd(self._number)(z)))
-        self._all_numbers = jax.jit(jax.vmap(self._number))
-        self._all_slopes = jax.jit(
-            jax.vmap(lambda z: (self._number(z), jax.jacfwd(self._number)(z)))
-        )
+        self._slopes = RowFunction(self._number_and_slopes, size, folder)
         self._judge = jax.jit(self._judged)
-        self._judge_all = jax.jit(jax.vmap(self._judged, in_axes=(0, 0, None)))
+        ends = len(self._iteration.total) * (1 + size)
+        self._of_ends = RowFunction(self._judged_by_ends, ends, folder)
 
     def rows(self, data: Data) -> np.ndarray:
         """A record in the loop's layout, ``(N, k)``."""
@@ -101,7 +98,7 @@ class Native:
             NoCodeError: where there is no compiler that works.
         """
         run, lanes = self._directions, self._lanes
-        numbers, slopes = (np.asarray(part) for part in self._slopes(z))
+        (numbers,), (slopes,) = self._with_slopes(z[None])
         blocks, wide = self._blocks, self._vectors * lanes
         padded = np.zeros((blocks, len(numbers), wide))
         for block, part in enumerate(padded):
@@ -117,8 +114,13 @@ class Native:
                 run(*rows.shape, *map(address, (numbers, directions, rows, end, keep)))
 
         side_by_side(go, list(zip(np.split(rows, at), ends, strict=True)))
-        truth = None if self._folds else data.truth
-        value, gradient = self._judge(ends.sum(axis=0), kept, truth)
+        end = ends.sum(axis=0)
+        slopes = end[..., 1:].transpose(1, 0, 2).reshape(end.shape[1], blocks * wide)
+        end = np.hstack([end[0, :, :1], slopes[:, : self.size]])
+        if self._folds and not count:
+            (found,) = self._of_ends(end.reshape(1, -1))
+            return float(found[0]), found[1:]
+        value, gradient = self._judge(end, kept, None if self._folds else data.truth)
         return float(value), np.asarray(gradient)
 
     def values_and_gradients(
@@ -134,7 +136,7 @@ class Native:
             raise NoCounterpartError("what is kept for after the loop, of points side by side,")
         run = self._points
         padded = np.vstack([Z, np.repeat(Z[-1:], -len(Z) % LANES, axis=0)])
-        numbers, slopes = (np.asarray(part) for part in self._all_slopes(padded))
+        numbers, slopes = self._with_slopes(padded)
         count = len(padded) // LANES
         p = numbers.reshape(count, LANES, -1).transpose(0, 2, 1)
         dp = slopes.reshape(count, LANES, -1, self.size).transpose(0, 2, 3, 1)
@@ -146,10 +148,9 @@ class Native:
             run(*rows.shape, *map(address, (*given, rows, ends[k], none)))
 
         side_by_side(group, range(count))
-        by_point = ends.transpose(0, 3, 1, 2).reshape(len(padded), 1, -1, 1 + self.size)
-        keep = np.empty((len(padded), 1, 0, 0, 1 + self.size))
-        values, gradients = self._judge_all(by_point, keep, None)
-        return np.asarray(values)[: len(Z)], np.asarray(gradients)[: len(Z)]
+        by_point = ends.transpose(0, 3, 1, 2)
+        found = self._of_ends(by_point.reshape(len(padded), ends[0, ..., 0].size))[: len(Z)]
+        return found[:, 0], found[:, 1:]
 
     @property
     def _lanes(self) -> int:
@@ -162,7 +163,7 @@ class Native:
 
     @property
     def work(self) -> float:
-        """The same, where one on lanes counts by its vectors of 256 bits, and memory by its time."""
+        """The same, where one on lanes counts by its vectors of 256 bits; memory by its time."""
         loop = self._loop
         wide = len(varying(loop, {"dp"}).intersection(loop.needed))
         once = loop.operations + wide * (max(1.0, self._lanes / 4) - 1)
@@ -209,12 +210,27 @@ class Native:
         pairs = zip(jax.tree.leaves(self.build(z)), self._places, strict=True)
         return jnp.concatenate([jnp.ravel(leaf)[at].astype(float) for leaf, at in pairs])
 
+    def _number_and_slopes(self, z: Array) -> Array:
+        return jnp.hstack([self._number(z)[:, None], jax.jacfwd(self._number)(z)]).ravel()
+
+    def _with_slopes(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """These numbers of each point, ``(B, p)``, and their derivatives, ``(B, p, n)``."""
+        both = self._slopes(points)
+        both = both.reshape(len(points), both.shape[1] // (1 + self.size), 1 + self.size)
+        return np.ascontiguousarray(both[..., 0]), both[..., 1:]
+
+    def _judged_by_ends(self, ends: Array) -> Array:
+        kept = jnp.zeros((1, 1, 0, 1 + self.size))
+        return jnp.hstack(self._judged(ends.reshape(-1, 1 + self.size), kept, None))
+
     def _judged(self, ends: Array, kept: Array, truth: Any) -> tuple[Array, Array]:
         """The objective and its gradient, from the loop's results."""
-        directions = ends.shape[0] * (ends.shape[2] - 1)
-        slopes = jnp.moveaxis(ends[..., 1:], 2, 1).reshape(directions, -1)[: self.size]
-        total = filled(self._total, ends[0, :, 0], ()), filled(self._total, slopes, (self.size,))
+        total = (
+            filled(self._total, ends[:, 0], ()),
+            filled(self._total, ends[:, 1:].T, (self.size,)),
+        )
         steps, count = kept.shape[1:3]
+        directions = kept.shape[0] * (kept.shape[3] - 1)
         slopes = jnp.moveaxis(kept[..., 1:], 3, 1).reshape(directions, steps, count)[: self.size]
         keep = [
             filled(self._kept, kept[0, ..., 0], (steps,), self._keeps),
