@@ -153,7 +153,20 @@ def _gradient(name: str, problem: Problem, target: float | None) -> list[Row]:
     if problem.gradient_way != "forwards" and target is not None:
         calls["XLA"] = lambda: forwards.by_xla(z)
         found.append(_row(f"{name}, forwards", calls, target, note, ", forwards"))
-    return found
+    return [*found, _value(name, problem)]
+
+
+def _value(name: str, problem: Problem) -> Row:
+    """A value alone, as a simplex search needs it."""
+    z = problem.space.start()
+    with native("on"):
+        value = problem.value(z)
+    right = problem.value_by_xla(z)
+    apart = abs(value - right) / abs(right)
+    if not apart <= AGREED or not problem.route.values_by:
+        raise AssertionError(f"{name}: values differ by {apart:.1g}; {problem.route.values_by}")
+    calls = {"C": lambda: problem.value(z), "XLA": lambda: problem.value_by_xla(z)}
+    return _row(f"{name}, value alone", calls, None, f"values differ by {apart:.0e} at most")
 
 
 def pendulums(n: int) -> Problem:

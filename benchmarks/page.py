@@ -67,8 +67,9 @@ the rest (matrix exponentials, spectra). Derivatives are computed in one of two 
   run again before the pass back goes through it. A gradient takes
   1.6 to 2.2 times as long as a value in C. Where matrices are large and dense (linear filters from
   about eight states on), both passes are written as loops over rows, of which several entries are
-  computed at once, in place of scalars; and where a gradient goes so, values without gradient go by
-  the pass over the record alone.
+  computed at once, in place of scalars.
+
+Values without a gradient, as a simplex search needs them, are C without derivatives.
 
 Sine and cosine of an angle come from one series without a call. In `tuner.values_and_gradients`
 eight points share a vector, unless the objective keeps samples until after the loop.

@@ -113,7 +113,8 @@ def test_gradients_of_the_battery(name, tmp_path):
         value, gradient = right(jnp.asarray(point), data)
         one, slopes = native.value_and_gradient(point, rows, data)
         large = 1e-11 * np.abs(gradient).max()
-        assert [one, values[k]] == pytest.approx([float(value)] * 2, rel=1e-12)
+        same = [one, values[k], native.value(point, rows, data)]
+        assert same == pytest.approx([float(value)] * 3, rel=1e-12)
         np.testing.assert_allclose([slopes, gradients[k]], [gradient] * 2, rtol=1e-11, atol=large)
 
 
@@ -125,7 +126,9 @@ def test_a_problem_goes_by_c_and_says_so(objective, forced):
         right = problem.by_xla(z)
         assert value == pytest.approx(right[0], rel=1e-12)
         np.testing.assert_allclose(gradient, right[1], rtol=1e-11, atol=1e-11)
+        assert problem.value(z) == pytest.approx(right[0], rel=1e-12)
     assert problem.route.choice.startswith("C, compiled by ")
+    assert problem.route.values_by.startswith("values by C, compiled by ")
 
 
 def test_many_points_side_by_side(forced, monkeypatch):

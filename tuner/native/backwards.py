@@ -13,13 +13,14 @@ import numpy as np
 from jax import Array
 
 from filters import AnyFilter
-from objectives import Data, Objective, is_fold, weighed
+from objectives import Data, Objective, is_fold
 from tuner.native.compiler import library
-from tuner.native.filled import MEMORY, address, filled, kept_of, side_by_side
+from tuner.native.filled import MEMORY, address, side_by_side
+from tuner.native.loop_score import LoopScore
 from tuner.native.passes_choice import shortest
 from tuner.native.passes_frame import Code
 from tuner.native.row_function import RowFunction
-from tuner.native.runner import columns, is_real, runner_of
+from tuner.native.runner import columns, runner_of
 
 STORED = 64 << 20
 """Bytes that are stored of a whole record; above it those of parts, which are run again."""
@@ -59,18 +60,16 @@ class Backwards:
         data: Data,
         folder: Path,
     ) -> None:
-        self._objective, self._folder, self._folds = objective, folder, is_fold(objective)
+        self._folder, self._folds = folder, is_fold(objective)
         runner = runner_of(filter, objective, build, jax.device_put(np.zeros(size)), data)
         before, self._code = shortest(runner, build, size)
-        self._count, self._keeps = before.count, runner.keeps
+        self._count = before.count
         self.operations = self._code.operations
         self.work = self.operations + MEMORY * (self._code.stored + self._code.kept)
-        self._total = jax.eval_shape(objective.init) if is_fold(objective) else None
-        self._kept = kept_of(filter, objective, jax.eval_shape(build, np.zeros(size)), data)
+        params = jax.eval_shape(build, np.zeros(size))
+        ends = self._code.total
+        self._score = LoopScore(filter, objective, params, data, runner.keeps, ends, folder)
         self._numbers = RowFunction(before.numbers, size, folder)
-        self._weighed = jax.jit(self._weights)
-        self._valued = jax.jit(self._value)
-        self._of_end = RowFunction(self._weights_of_end, self._code.total, folder)
 
         def pulled(both: Array) -> Array:
             z, by = jnp.split(both, [size])
@@ -95,40 +94,25 @@ class Backwards:
         runs, spare = self._runs(z, rows, at), self._spare
         for run in runs:
             run.store = _memory(run.part * max(1, self._code.stored), spare)
-        value, by_end, by_kept = self._judged(*self._over(runs, data))
-        weights = np.asarray(by_end), np.asarray(by_kept)
+        value, by_end, by_kept = self._score.weights(*self._over(runs), data)
+        weights = by_end, by_kept
         by_numbers = sum(side_by_side(lambda run: run.backwards(*weights, self._count), runs))
         spare += [run.store for run in runs if run.store is not None]
         (gradient,) = self._pull(np.hstack([z, by_numbers])[None])
-        return float(value), gradient
+        return value, gradient
 
     def value(self, z: np.ndarray, rows: np.ndarray, data: Data, at: Sequence[int] = ()) -> float:
         """The objective alone; arguments as of :meth:`value_and_gradient`."""
-        over = self._over(self._runs(z, rows, at), data)
-        return float(self._judged(*over)[0] if self._sums else self._valued(*over))
+        return self._score.value(*self._over(self._runs(z, rows, at)), data)
 
     def _runs(self, z: np.ndarray, rows: np.ndarray, at: Sequence[int]) -> "list[_Run]":
         (numbers,), edges = self._numbers(z[None]), pairwise((0, *at, len(rows)))
         return [_Run(self._library, self._code, numbers, rows[a:b]) for a, b in edges]
 
-    @property
-    def _sums(self) -> bool:
-        """Whether the objective follows from the numbers at the end alone."""
-        return self._folds and not self._code.kept
-
-    def _judged(self, end: np.ndarray, kept: np.ndarray, truth: Any) -> tuple[Any, Any, Any]:
-        """The objective, and its derivatives by the numbers at the end and the kept ones."""
-        if not self._sums:
-            value, by_end, by_kept = self._weighed(end, kept, truth)
-            return value, by_end, by_kept
-        (found,) = self._of_end(end[None])
-        return found[0], found[1:], kept
-
-    def _over(self, runs: "list[_Run]", data: Data) -> tuple[np.ndarray, np.ndarray, Any]:
-        """The loop's results, and the truth."""
+    def _over(self, runs: "list[_Run]") -> tuple[np.ndarray, np.ndarray]:
+        """The numbers at the end, and the kept values."""
         side_by_side(_Run.forwards, runs)
-        end = np.sum([run.end for run in runs], axis=0)
-        return end, runs[0].kept, None if self._folds else data.truth
+        return np.sum([run.end for run in runs], axis=0), runs[0].kept
 
     @cached_property
     def _library(self) -> ctypes.CDLL:
@@ -137,27 +121,6 @@ class Backwards:
             function.argtypes = [*[ctypes.c_size_t] * 3, *[ctypes.c_void_p] * count]
             function.restype = None
         return found
-
-    def _value(self, end: Array, kept: Array, truth: Any) -> Array:
-        return weighed(self._objective, Data(None, truth), self._collected(end, kept))[0]
-
-    def _weights(self, end: Array, kept: Array, truth: Any) -> tuple[Array, Array, Array]:
-        """The objective from the loop's results, and its derivatives by them."""
-        both = self._collected(end, kept)
-        value, (by_total, by_kept) = weighed(self._objective, Data(None, truth), both)
-        ends = [jnp.ravel(_slope(x)) for x in jax.tree.leaves(by_total)]
-        pairs = zip(jax.tree.leaves(self._kept), jax.tree.leaves(by_kept), self._keeps, strict=True)
-        parts = [by.reshape(len(kept), -1) for leaf, by, k in pairs if k and is_real(leaf)]
-        none = jnp.zeros(0)
-        return value, jnp.concatenate([none, *ends]), jnp.hstack([kept[:, :0], *parts])
-
-    def _weights_of_end(self, end: Array) -> Array:
-        value, by_end, _ = self._weights(end, jnp.zeros((1, 0)), None)
-        return jnp.hstack([value, by_end])
-
-    def _collected(self, end: Array, kept: Array) -> tuple[Any, Any]:
-        total = filled(self._total, end, ())
-        return total, filled(self._kept, kept, (len(kept),), self._keeps)
 
 
 class _Run:
@@ -215,8 +178,3 @@ def _memory(size: int, spare: list[np.ndarray]) -> np.ndarray:
         if len(found) == size:
             return found
     return np.empty(size)
-
-
-def _slope(by: Any) -> Array:
-    """A derivative; 0 by numbers that have none."""
-    return jnp.zeros(by.shape) if by.dtype == jax.dtypes.float0 else by

@@ -12,14 +12,15 @@ import numpy as np
 from jax import Array
 
 from filters import AnyFilter
-from objectives import Data, Objective, is_fold, judged
+from objectives import Data, Objective, is_fold
 from tuner.code.graph import TooLargeError
 from tuner.code.refused import NoCounterpartError
 from tuner.native.compiler import library
-from tuner.native.filled import MEMORY, address, filled, kept_of, side_by_side
+from tuner.native.filled import MEMORY, address, side_by_side
 from tuner.native.fused import fused
 from tuner.native.iteration import iteration
 from tuner.native.loop import Loop, loop
+from tuner.native.loop_score import LoopScore
 from tuner.native.pipelining import pipelined
 from tuner.native.row_function import RowFunction
 from tuner.native.runner import columns, runner_of
@@ -63,20 +64,17 @@ class Native:
         data: Data,
         folder: Path,
     ) -> None:
-        self.objective, self.build, self.size, self.folder = objective, build, size, folder
+        self.build, self.size, self.folder = build, size, folder
         runner = runner_of(filter, objective, build, jax.device_put(np.zeros(size)), data)
         self._iteration = scaled(iteration(runner))
         moving = [leaf.any(-1) for leaf in runner.moved]
         self._places = [np.flatnonzero(leaf) for leaf in moving]
         self._moves = np.vstack([x[m] for x, m in zip(runner.moved, moving, strict=True)])
-        self._folds, self._keeps = is_fold(objective), runner.keeps
-        params = jax.eval_shape(build, np.zeros(size))
-        self._total = jax.eval_shape(objective.init) if is_fold(objective) else None
-        self._kept = kept_of(filter, objective, params, data)
+        self._folds = is_fold(objective)
+        params, ends = jax.eval_shape(build, np.zeros(size)), len(self._iteration.total)
+        self._score = LoopScore(filter, objective, params, data, runner.keeps, ends, folder)
+        self._numbers = RowFunction(self._number, size, folder)
         self._slopes = RowFunction(self._number_and_slopes, size, folder)
-        self._judge = jax.jit(self._judged)
-        ends = len(self._iteration.total) * (1 + size)
-        self._of_ends = RowFunction(self._judged_by_ends, ends, folder)
 
     def rows(self, data: Data) -> np.ndarray:
         """A record in the loop's layout, ``(N, k)``."""
@@ -114,14 +112,28 @@ class Native:
                 run(*rows.shape, *map(address, (numbers, directions, rows, end, keep)))
 
         side_by_side(go, list(zip(np.split(rows, at), ends, strict=True)))
-        end = ends.sum(axis=0)
-        slopes = end[..., 1:].transpose(1, 0, 2).reshape(end.shape[1], blocks * wide)
-        end = np.hstack([end[0, :, :1], slopes[:, : self.size]])
-        if self._folds and not count:
-            (found,) = self._of_ends(end.reshape(1, -1))
-            return float(found[0]), found[1:]
-        value, gradient = self._judge(end, kept, None if self._folds else data.truth)
-        return float(value), np.asarray(gradient)
+        end, width = ends.sum(axis=0), blocks * wide
+        slopes = end[..., 1:].transpose(1, 0, 2).reshape(end.shape[1], width)
+        weights = self._score.weights(end[0, :, 0], kept[0, ..., 0], data)
+        gradient = weights.by_end @ slopes
+        if count:
+            real = kept if self._score.real.all() else kept[:, :, self._score.real]
+            by_lane = np.einsum("ij,bijk->bk", weights.by_kept, real[..., 1:])
+            gradient += by_lane.reshape(width)
+        return weights.value, gradient[: self.size]
+
+    def value(self, z: np.ndarray, rows: np.ndarray, data: Data, at: Sequence[int] = ()) -> float:
+        """The objective alone; arguments as of :meth:`value_and_gradient`."""
+        (numbers,) = self._numbers(z[None])
+        ends = np.empty((1 + len(at), len(self._iteration.total)))
+        kept = np.empty((len(rows), len(self._iteration.kept)))
+
+        def go(part: tuple[np.ndarray, np.ndarray]) -> None:
+            rows, end = part
+            self._plain(*rows.shape, *map(address, (numbers, numbers, rows, end, kept)))
+
+        side_by_side(go, list(zip(np.split(rows, at), ends, strict=True)))
+        return self._score.value(ends.sum(axis=0), kept, data)
 
     def values_and_gradients(
         self, Z: np.ndarray, rows: np.ndarray, data: Data
@@ -132,7 +144,7 @@ class Native:
             NoCodeError: where there is no compiler that works.
             NoCounterpartError: where points cannot go side by side.
         """
-        if self._iteration.kept:
+        if not self._score.sums:
             raise NoCounterpartError("what is kept for after the loop, of points side by side,")
         run = self._points
         padded = np.vstack([Z, np.repeat(Z[-1:], -len(Z) % LANES, axis=0)])
@@ -148,9 +160,9 @@ class Native:
             run(*rows.shape, *map(address, (*given, rows, ends[k], none)))
 
         side_by_side(group, range(count))
-        by_point = ends.transpose(0, 3, 1, 2)
-        found = self._of_ends(by_point.reshape(len(padded), ends[0, ..., 0].size))[: len(Z)]
-        return found[:, 0], found[:, 1:]
+        by_point = ends.transpose(0, 3, 1, 2).reshape(len(padded), *ends.shape[1:3])[: len(Z)]
+        values, by_end = self._score.of_ends(by_point[..., 0])
+        return values, np.einsum("bt,btn->bn", by_end, by_point[..., 1:])
 
     @property
     def _lanes(self) -> int:
@@ -195,6 +207,11 @@ class Native:
         return self._loaded(source(self._loop, self._lanes, points=False))
 
     @cached_property
+    def _plain(self) -> Any:
+        values = pipelined(fused(loop(self._iteration, [])))
+        return self._loaded(source(values, LANES, points=False))
+
+    @cached_property
     def _points(self) -> Any:
         by_point = pipelined(fused(loop(self._iteration, list(self._moves.T))))
         return self._loaded(source(by_point, LANES, points=True))
@@ -218,22 +235,3 @@ class Native:
         both = self._slopes(points)
         both = both.reshape(len(points), both.shape[1] // (1 + self.size), 1 + self.size)
         return np.ascontiguousarray(both[..., 0]), both[..., 1:]
-
-    def _judged_by_ends(self, ends: Array) -> Array:
-        kept = jnp.zeros((1, 1, 0, 1 + self.size))
-        return jnp.hstack(self._judged(ends.reshape(-1, 1 + self.size), kept, None))
-
-    def _judged(self, ends: Array, kept: Array, truth: Any) -> tuple[Array, Array]:
-        """The objective and its gradient, from the loop's results."""
-        total = (
-            filled(self._total, ends[:, 0], ()),
-            filled(self._total, ends[:, 1:].T, (self.size,)),
-        )
-        steps, count = kept.shape[1:3]
-        directions = kept.shape[0] * (kept.shape[3] - 1)
-        slopes = jnp.moveaxis(kept[..., 1:], 3, 1).reshape(directions, steps, count)[: self.size]
-        keep = [
-            filled(self._kept, kept[0, ..., 0], (steps,), self._keeps),
-            filled(self._kept, slopes, (self.size, steps), self._keeps),
-        ]
-        return judged(self.objective, Data(None, truth), (total[0], keep[0]), (total[1], keep[1]))

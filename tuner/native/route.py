@@ -87,7 +87,7 @@ class Route:
     choice: str = ""
     values_by: str = ""
     _single: "Native | Backwards | None" = None
-    _valued: "Backwards | bool" = True
+    _valued: "Native | Backwards | bool" = True
     _many: bool | None = None
     _rows: np.ndarray = field(default_factory=lambda: np.empty((0, 0)))
     _lock: Lock = field(default_factory=Lock)
@@ -121,7 +121,7 @@ class Route:
         return found
 
     def value(self, z: np.ndarray) -> float | None:
-        """The value alone by C, where gradients go back in C; None where XLA computes it."""
+        """The value alone by C, where that pays for gradients; None where XLA computes it."""
         if self._valued is True:
             with self._lock:
                 if self._valued is True:
@@ -130,11 +130,9 @@ class Route:
             return None
         return self._valued.value(z, self._rows, self.data, self.at)
 
-    def _decided_value(self, z: np.ndarray) -> "Backwards | bool":
+    def _decided_value(self, z: np.ndarray) -> "Native | Backwards | bool":
         try:
             native = self._shortest()
-            if not native.returns:
-                return False
             found, right = native.value(z, self._rows, self.data, self.at), self.exact_value(z)
         except _FAILURES:
             return False
