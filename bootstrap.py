@@ -5,10 +5,8 @@ python3 bootstrap.py test                 any arguments of pytest may follow
 """
 
 import os
-import re
 import subprocess
 import sys
-import tempfile
 import venv
 from pathlib import Path
 
@@ -16,6 +14,7 @@ ROOT = Path(__file__).resolve().parent
 HOME = ROOT / ".venv"
 BIN = HOME / ("Scripts" if os.name == "nt" else "bin")
 PYTHON = BIN / ("python.exe" if os.name == "nt" else "python")
+UV = BIN / ("uv.exe" if os.name == "nt" else "uv")
 
 
 def main(arguments: list[str]) -> int:
@@ -34,31 +33,30 @@ def main(arguments: list[str]) -> int:
 
 def install(locked: str) -> None:
     """Make .venv, if it is not there, and install the locked versions and this project."""
-    new = not PYTHON.exists()
-    if new:
+    if not PYTHON.exists():
         venv.create(HOME, with_pip=True)
     pip = (PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps")
-    if new:  # Python compiles what is imported, less than half of it
-        pip += ("--no-compile",)
-    # Hashes cannot be checked for a folder, so the project itself comes in a second step.
-    if failed(pip, locked) or call(*pip, "--no-build-isolation", ".", folder=ROOT):
+    if not UV.exists():
+        call(*pip, "--require-hashes", "-r", "constraints-uv.txt", folder=ROOT)
+    # uv takes a tenth of pip's time, and does not know pip's settings: where these name a mirror of
+    # the packages, say, it may fail where pip does not.
+    if not (UV.exists() and installed(by_uv(), locked)) and not installed(pip, locked):
         sys.exit("the installation failed; the lines above say why")
-    if new and sys.dont_write_bytecode:  # some packages hold templates that are no Python: no fault
-        call(PYTHON, "-m", "compileall", "-qq", "-j", "0", "-x", "/tests/", HOME, folder=ROOT)
 
 
-def failed(pip: tuple[str | Path, ...], locked: str) -> bool:
-    """Install the locked versions by two processes side by side: each needs no other package."""
-    text = (ROOT / locked).read_text(encoding="utf-8")
-    packages = re.split(r"\n(?=\w)", text)
-    with tempfile.TemporaryDirectory() as folder:
-        running = []
-        for k in range(2):
-            half = Path(folder) / f"{k}.txt"
-            half.write_text("\n".join(packages[k::2]) + "\n", encoding="utf-8")
-            command = [*map(str, pip), "--require-hashes", "-r", str(half)]
-            running.append(subprocess.Popen(command, cwd=ROOT))
-        return sum(abs(process.wait()) for process in running) > 0
+def by_uv() -> tuple[str | Path, ...]:
+    """The command of uv; this folder is read anew, whatever uv built from it before."""
+    uv = (UV, "pip", "install", "--quiet", "--python", PYTHON, "--no-deps")
+    compiled = ("--compile-bytecode",) if sys.dont_write_bytecode else ()
+    return (*uv, *compiled, "--reinstall-package", "filter-tuner")
+
+
+def installed(command: tuple[str | Path, ...], locked: str) -> bool:
+    """Install both, and say whether that is done: hashes cannot be checked for a folder."""
+    return not (
+        call(*command, "--require-hashes", "-r", locked, folder=ROOT)
+        or call(*command, "--no-build-isolation", ".", folder=ROOT)
+    )
 
 
 def call(*command: str | Path, folder: Path) -> int:
