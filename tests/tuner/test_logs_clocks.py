@@ -6,7 +6,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.tuner.recordings import refusal
-from tuner.data.logs.clock import judged, median
+from tuner.data.logs.clock import judged
+from tuner.data.logs.steps import Steps
 from tuner.data.logs.timename import is_time, unit_of
 from tuner.data.reading import read_record, read_records
 from tuner.run.recipe import LogEntries
@@ -171,7 +172,8 @@ def test_usual_step_of_a_long_record_is_the_median(samples, kind):
     }[kind]
     times = np.cumsum(steps)
     found, usual = judged(times), np.median(np.diff(times))
-    assert found.step in (usual, np.diff(times).mean())
+    mean = pytest.approx(np.diff(times).mean(), rel=1e-12)  # a sum in another order
+    assert found.step in (usual, mean)
     rows = np.flatnonzero(np.diff(times) > 1.5 * usual)
     assert [row for row, _ in found.gaps] == (rows.tolist() if kind == "one gap" else [])
     assert found.seconds[0] == 0
@@ -179,8 +181,24 @@ def test_usual_step_of_a_long_record_is_the_median(samples, kind):
 
 
 def test_median_of_many_steps():
-    for steps in np.random.default_rng(4).exponential(size=(3, 100_001)):
-        assert median(steps) == np.median(steps)
-        assert median(steps[1:]) == np.median(steps[1:])
-        assert median(np.sort(steps)) == np.median(steps)
-        assert median(np.round(steps, 1)) == np.median(np.round(steps, 1))
+    for draw in np.random.default_rng(4).exponential(size=(3, 100_001)):
+        for steps in (draw, draw[1:], np.sort(draw), np.round(draw, 1)):
+            times = np.cumsum(steps)
+            assert Steps(times).median == np.median(np.diff(times))
+
+
+def test_clock_of_a_long_record_is_that_of_all_its_steps_at_once():
+    draw = np.random.default_rng(5)
+    steps = 0.01 + 2e-3 * draw.random(200_000)
+    gaps = [32_767, 32_768, 65_535, 199_998]  # at the borders of blocks
+    steps[gaps] = 0.5
+    times = np.cumsum(steps)
+    steps = np.diff(times)  # as rounded
+    found = judged(times)
+    usual = np.delete(steps, rows := np.flatnonzero(steps > 0.1))
+    assert [row for row, _ in found.gaps] == rows.tolist() == [k - 1 for k in gaps]
+    assert [length for _, length in found.gaps] == steps[rows].tolist()
+    assert found.step == np.median(steps)
+    assert found.jitter == pytest.approx(np.abs(usual - found.step).max() / found.step, rel=1e-12)
+    assert Steps(times).lowest == steps.min()
+    assert Steps(times).highest == steps.max()

@@ -1,11 +1,14 @@
 import hashlib
 import pickle
+import threading
+import time
 import zipfile
 
 import numpy as np
 import pytest
 
 from tests.tuner.recordings import refusal, values
+from tuner.data.logs.error import LogError
 from tuner.data.reading import read_record
 
 N = 50
@@ -180,3 +183,35 @@ def test_checksum_of_a_large_file_is_that_of_its_bytes(tmp_path):
     array[70_000, 1] += 1e-12
     np.savez(path, t=np.arange(100_000) / 1000, z=array)
     assert read_record(path, ["z=z"]).digest != first.digest
+
+
+def test_checksum_does_not_depend_on_what_is_read_of_a_file_nor_in_which_order(tmp_path):
+    rows = np.arange(70_000)
+    arrays = {"x": rows + 0.5, "unread": np.ones(5), "t": rows / 1000, "last": -rows}
+    path = saved(tmp_path, **arrays)
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    assert path.stat().st_size > 1 << 20
+    for maps in (["z=x"], ["z=last"], ["a=last", "b=x"]):
+        assert read_record(path, maps).digest == digest
+
+
+@pytest.mark.parametrize("large", [False, True])
+def test_one_bit_of_a_stored_array_is_noticed(tmp_path, large):
+    path = saved(tmp_path, t=np.arange(100_000 if large else N) / 100, x=np.arange(N))
+    data = bytearray(path.read_bytes())
+    data[400] ^= 1
+    path.write_bytes(data)
+    with pytest.raises(LogError, match="Bad CRC-32 for file 't.npy'"):
+        read_record(path, ["z=t"], time="t")
+
+
+def test_a_file_that_is_refused_leaves_no_thread(tmp_path):
+    path = saved(tmp_path, x=np.ones((70_000, 2)), t=np.zeros(70_000))
+    before = threading.active_count()
+    assert "stands still" in refused(path, "z=x")
+    assert "no channel is mapped" in refused(path)
+    for _ in range(100):
+        if threading.active_count() == before:
+            return
+        time.sleep(0.05)
+    raise AssertionError("a thread still computes a checksum")

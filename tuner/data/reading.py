@@ -154,7 +154,7 @@ def read_records(
     one = shares is not None and len(files) > 1
     if one and by is not None:
         raise LogError(f"--by {by} splits one file, and {quoted(names)} are one recording")
-    with file_digests(files) as digests:
+    with file_digests(files, [table.blocks for table in tables]) as digests:
         found = _files(
             files, digests, tables, shares or [channels_of_file(table, maps) for table in tables]
         )

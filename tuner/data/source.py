@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tuner.data.logs.blocks import Blocks
 from tuner.files import opened
 
 _LARGE = 1 << 20
@@ -99,18 +100,53 @@ def file_digest(path: Path) -> str:
 
 
 @contextmanager
-def file_digests(paths: Sequence[Path]) -> Iterator[list[Callable[[], str]]]:
-    """Functions that give the digests of files: of large ones a thread computes them meanwhile."""
+def file_digests(
+    paths: Sequence[Path], blocks: Sequence[Blocks | None] | None = None
+) -> Iterator[list[Callable[[], str]]]:
+    """Functions that give the digests of files: of large ones a thread computes them meanwhile.
+
+    Args:
+        paths: the files.
+        blocks: for each, the blocks that its reader passes on, which are not read again.
+    """
+    shared = blocks or [None] * len(paths)
     pool = ThreadPoolExecutor(1)
     try:
-        yield [
-            pool.submit(file_digest, path).result
-            if path.is_file() and path.stat().st_size >= _LARGE
-            else cache(partial(file_digest, path))
-            for path in paths
-        ]
+        yield [_begun(pool, *one) for one in zip(paths, shared, strict=True)]
     finally:
+        for one in shared:
+            if one is not None:
+                one.close()
         pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _begun(pool: ThreadPoolExecutor, path: Path, blocks: Blocks | None) -> Callable[[], str]:
+    if not path.is_file() or path.stat().st_size < _LARGE:
+        return cache(partial(file_digest, path))
+    if blocks is None:
+        return pool.submit(file_digest, path).result
+    digest = pool.submit(_digest_along, path, blocks)
+
+    def end() -> str:
+        blocks.close()
+        return digest.result()
+
+    return end
+
+
+def _digest_along(path: Path, blocks: Blocks) -> str:
+    """The digest of a file of which blocks are read by another, the rest here."""
+    digest = hashlib.sha256()
+    with opened(path) as stream:
+        for at, block in blocks:
+            while stream.tell() < at and (before := stream.read(min(at - stream.tell(), _LARGE))):
+                digest.update(before)
+            if stream.tell() == at:
+                digest.update(block)
+                stream.seek(at + len(block))
+        while rest := stream.read(_LARGE):
+            digest.update(rest)
+    return digest.hexdigest()
 
 
 def _digest(parts: Iterable[object]) -> str:

@@ -1,6 +1,6 @@
 """A time column: its seconds, its usual step, its gaps and its jitter."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -9,6 +9,7 @@ import numpy as np
 from tuner.data.logs.epoch import proposed
 from tuner.data.logs.error import quoted
 from tuner.data.logs.mapping import Mapping
+from tuner.data.logs.steps import Steps
 from tuner.data.logs.table import Floats
 from tuner.data.logs.ticks import read_times
 from tuner.data.logs.values import Columns
@@ -20,7 +21,6 @@ _MANY = 10
 _STRAY = 0.1
 _SHARE = 0.2
 _DRIFT = 0.01
-_LONG = 100_000
 _SPREAD = 0.6  # share of a usual step: two samples in the time of one have a half
 
 
@@ -75,79 +75,68 @@ def read_clock(columns: Columns, parts: Sequence[Mapping]) -> Clock:
             seconds though nothing names another unit.
     """
     times, mapping = read_times(columns, parts), parts[-1]
-    seconds, repeated = times.seconds, 0
-    if not (seconds[1:] > seconds[:-1]).all():
-        _check_rising(columns, mapping, seconds)
-        seconds, repeated = _spread(columns, mapping, seconds)
-    steps = np.diff(seconds)
-    step = median(steps)
-    if step > _SLOW_S and not times.known:
-        unit, rate = proposed(step)
+    steps, repeated = Steps(times.seconds), 0
+    if not steps.lowest > 0:
+        _check_rising(columns, mapping, steps.seconds)
+        seconds, repeated = _spread(columns, mapping, steps.seconds)
+        steps = Steps(seconds)
+    if not times.known and steps.highest > _SLOW_S and steps.median > _SLOW_S:
+        unit, rate = proposed(steps.median)
         raise columns.error(
             mapping,
-            f"steps by {step:g}, which is hardly seconds; name its unit, such as "
+            f"steps by {steps.median:g}, which is hardly seconds; name its unit, such as "
             f"--time '{mapping.column}:{unit}' ({rate:.4g} Hz), or :s where it is seconds",
         )
     spread = f"{counted(repeated, 'repeated time')} spread over their time" * bool(repeated)
     names = quoted(part.column for part in parts)
     return replace(
-        _judged(seconds, steps, step, times.resolution),
-        origin=times.first + Fraction(float(seconds[0])),
+        _judged(steps, times.resolution),
+        origin=times.first + Fraction(float(steps.seconds[0])),
         source=f"column {names}" if len(parts) == 1 else f"columns {names}",
         notes=tuple(f"time {names}: {note}" for note in (*times.notes, spread) if note),
     )
 
 
-def judged(seconds: Floats, resolution: float = 0.0) -> Clock:
-    """The clock of rising times.
-
-    Args:
-        seconds: the times, ``(N,)`` with N of at least 2.
-        resolution: the step of the digits they were written with.
-    """
-    steps = np.diff(seconds)
-    return _judged(seconds, steps, median(steps), resolution)
+def judged(seconds: Floats) -> Clock:
+    """The clock of rising times, ``(N,)`` with N of at least 2."""
+    return _judged(Steps(seconds), lambda: 0.0)
 
 
-def _judged(seconds: Floats, steps: Floats, median: float, resolution: float) -> Clock:
-    """The same of known steps and their median."""
-    resolution = resolution + 4.0 * float(np.spacing(max(abs(seconds[0]), abs(seconds[-1]))))
+def _judged(steps: Steps, resolution: Callable[[], float]) -> Clock:
+    """The clock of steps, and of times whose digits have a step that takes long to find."""
+    seconds = steps.seconds
     since = seconds - seconds[0] if seconds[0] else seconds
-    if steps.max() <= _GAP * median and np.ptp(steps) <= 1.001 * resolution:
-        mean = float(steps.mean())
-        return Clock(since, mean, 1.0 / mean)
-    gap = steps > _GAP * median
-    if gap.sum() >= _MANY and _straight(seconds, resolution):
-        gap[:] = False  # steps of one and two last digits: a coarse clock, not lost samples
-    if gap.mean() > _SHARE:
-        gap[:] = False  # so many are not gaps but normal for the clock
-    regular = steps[~gap]
-    rounded = np.ptp(regular) <= 1.001 * resolution
-    stray = np.abs(regular - median) > _STRAY * median
-    steady = bool(rounded or stray.mean() <= _SHARE)
-    mean = float(regular.mean())
-    close = steady and not rounded and abs(mean - median) <= _DRIFT * median
-    step = median if close else mean  # the median of alternating steps fits no record
-    jitter = 0.0 if rounded else float(np.abs(regular - step).max()) / step
-    rows = np.flatnonzero(gap)
-    gaps = tuple(zip(rows.tolist(), steps[rows].tolist(), strict=True))
+    rounding = 4.0 * float(np.spacing(max(abs(seconds[0]), abs(seconds[-1]))))
+    apart = steps.highest - steps.lowest
+    close = steps.highest <= _GAP * steps.lowest  # than those of the median, which takes longer
+    if close and apart <= 1.001 * rounding:
+        return Clock(since, steps.mean, 1.0 / steps.mean)
+    coarse = 1.001 * (resolution() + rounding)
+    if apart <= coarse and (close or steps.highest <= _GAP * steps.median):
+        return Clock(since, steps.mean, 1.0 / steps.mean)
+    return _uneven(steps, since, coarse)
+
+
+def _uneven(steps: Steps, since: Floats, coarse: float) -> Clock:
+    """The clock of steps that differ by more than the rounding of their digits."""
+    limit = _GAP * steps.median
+    rows = steps.above(limit)
+    if len(rows) > _SHARE * len(steps) or (
+        len(rows) >= _MANY and _straight(steps.seconds, coarse / 1.001)
+    ):
+        # So many are not gaps but normal for the clock; steps of one and two last digits are a
+        # coarse clock, not lost samples.
+        rows, limit = rows[:0], np.inf
+    usual = steps.usual(limit, _STRAY * steps.median)
+    rounded = usual.highest - usual.lowest <= coarse
+    steady = rounded or usual.stray <= _SHARE
+    close = steady and not rounded and abs(usual.mean - steps.median) <= _DRIFT * steps.median
+    step = steps.median if close else usual.mean  # that of alternating steps fits no record
+    furthest = max(usual.highest - step, step - usual.lowest)
+    jitter = 0.0 if rounded else furthest / step
+    lengths = steps.seconds[rows + 1] - steps.seconds[rows]
+    gaps = tuple(zip(rows.tolist(), lengths.tolist(), strict=True))
     return Clock(since, step, 1.0 / step, gaps, jitter, steady)
-
-
-def median(steps: Floats) -> float:
-    """The median; of a long record it is looked for among the steps that are close to it."""
-    if len(steps) < _LONG:
-        return float(np.median(steps))
-    some = steps[:: len(steps) // 10_000]
-    low, high = np.quantile(some, (0.45, 0.55), method="nearest")
-    below, within = np.count_nonzero(steps < low), np.count_nonzero(steps <= high)
-    both = np.array([(len(steps) - 1) // 2, len(steps) // 2])
-    if not below <= both[0] <= both[1] < within:
-        return float(np.median(steps))
-    if low == high:
-        return float(low)
-    close = steps[(steps >= low) & (steps <= high)]
-    return float(np.partition(close, both - below)[both - below].mean())
 
 
 def _check_rising(columns: Columns, mapping: Mapping, seconds: Floats) -> None:

@@ -2,23 +2,20 @@
 
 import numpy as np
 
-from tuner.data.logs.table import Raw
-
 # The years 2001 to 2096, in seconds since 1970.
 _FIRST, _LAST = 978_307_200, 3_976_214_400
 _TIMES = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9}
 _USUAL_HZ = 100.0
 
 
-def since_1970(column: Raw) -> str | None:
-    """The unit in which a column counts the time since 1970; None where that is unlikely.
+def since_1970(low: float, high: float) -> str | None:
+    """The unit in which numbers count the time since 1970; None where that is unlikely.
 
     No two units fit, for the years 2001 to 2096 are within a factor of 4.1.
 
-    >>> since_1970(np.array([1_700_000_000_000, 1_700_000_000_020])), since_1970(np.arange(5))
+    >>> since_1970(1_700_000_000_000, 1_700_000_000_020), since_1970(0, 4)
     ('ms', None)
     """
-    low, high = float(column.min()), float(column.max())
     for unit, times in _TIMES.items():
         if _FIRST * times <= low <= high <= _LAST * times:
             return unit

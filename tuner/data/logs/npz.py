@@ -4,14 +4,22 @@ import math
 import zipfile
 from collections.abc import Sequence
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 from numpy.lib import format as npy
 
+from tuner.data.logs.blocks import Blocks
 from tuner.data.logs.error import LogError
 from tuner.data.logs.table import Raw, Table
-from tuner.data.logs.zipped import DAMAGE, MOST, check_index, check_sizes
+from tuner.data.logs.zipped import (
+    DAMAGE,
+    MOST,
+    check_index,
+    check_sizes,
+    is_stored,
+    read_stored,
+)
 
 _BLOCK = 1 << 20
 _ENDING = ".npy"
@@ -43,27 +51,42 @@ def open_npz(path: Path) -> Table:
     if len(arrays) > MOST:
         raise LogError(f"{path.name}: the archive holds more than {MOST} arrays; save fewer")
 
+    blocks = Blocks()
+
     def load(names: Sequence[str]) -> dict[str, Raw]:
         chosen = {name: arrays[name] for name in names}
         check_sizes(path, list(chosen.values()), f"{', '.join(map(repr, names))[:60]}")
-        return {name: _load(path, name, member) for name, member in chosen.items()}
+        in_order = sorted(chosen, key=lambda name: chosen[name].header_offset)
+        found = {name: _load(path, name, chosen[name], blocks) for name in in_order}
+        blocks.close()
+        return {name: found[name] for name in chosen}
 
-    return Table(path.name, tuple(arrays), load, format="archive of numpy arrays")
+    return Table(path.name, tuple(arrays), load, format="archive of numpy arrays", blocks=blocks)
 
 
-def _load(path: Path, name: str, member: zipfile.ZipInfo) -> Raw:
+def _load(path: Path, name: str, member: zipfile.ZipInfo, blocks: Blocks) -> Raw:
     """One array of the archive."""
     try:
         with zipfile.ZipFile(path) as archive, archive.open(member) as stream:
-            shape, in_columns, dtype = _header(path, name, stream)
-            return _numbers(stream, shape, in_columns, dtype, member.file_size)
+            header = _header(path, name, stream)
+            if is_stored(member) and _size(header) == member.file_size - stream.tell():
+                return _copied(path, member, header, stream.tell(), blocks)
+            return _numbers(stream, header, member.file_size)
     except LogError:
         raise
     except Exception as error:  # numpy reads headers as Python, which can raise anything
         raise _damaged(path, error) from error
 
 
-def _header(path: Path, name: str, stream: IO[bytes]) -> tuple[tuple[int, ...], bool, Any]:
+class _Header(NamedTuple):
+    """The beginning of an array's file."""
+
+    shape: tuple[int, ...]
+    in_columns: bool
+    dtype: Any
+
+
+def _header(path: Path, name: str, stream: IO[bytes]) -> _Header:
     try:
         version = npy.read_magic(stream)
     except ValueError:
@@ -79,19 +102,19 @@ def _header(path: Path, name: str, stream: IO[bytes]) -> tuple[tuple[int, ...], 
         )
     if any(isinstance(size, bool) or size < 0 for size in shape):
         raise ValueError(f"the array {name!r} has the shape {shape}")
-    return shape, in_columns, dtype
+    return _Header(shape, in_columns, dtype)
 
 
-def _numbers(
-    stream: IO[bytes], shape: tuple[int, ...], in_columns: bool, dtype: Any, most: int
-) -> Raw:
+def _size(header: _Header) -> int:
+    return int(math.prod(header.shape)) * int(header.dtype.itemsize)
+
+
+def _numbers(stream: IO[bytes], header: _Header, most: int) -> Raw:
     """The array itself, read in place without a copy."""
-    size = math.prod(shape) * dtype.itemsize
+    size = _size(header)
     if size > most:
         raise ValueError("an array ends too early")
-    array = np.empty(shape[::-1] if in_columns else shape, dtype)
-    bytes_of: Any = array.reshape(-1).view(np.uint8) if size else b""
-    room = memoryview(bytes_of)
+    array, room = _room(header)
     at = 0
     while at < size:
         block = stream.read(min(_BLOCK, size - at))
@@ -99,7 +122,23 @@ def _numbers(
             raise ValueError("an array ends too early")
         room[at : at + len(block)] = block
         at += len(block)
-    return array.T if in_columns else array
+    return array
+
+
+def _copied(
+    path: Path, member: zipfile.ZipInfo, header: _Header, begins: int, blocks: Blocks
+) -> Raw:
+    """An array that the archive holds as it is, straight from the file, by its checksum."""
+    array, room = _room(header)
+    read_stored(path, member, begins, room, blocks)
+    return array
+
+
+def _room(header: _Header) -> tuple[Raw, memoryview]:
+    """An array to be filled, and its bytes in their order in the file."""
+    array = np.empty(header.shape[::-1] if header.in_columns else header.shape, header.dtype)
+    bytes_of: Any = array.reshape(-1).view(np.uint8) if array.nbytes else b""
+    return array.T if header.in_columns else array, memoryview(bytes_of)
 
 
 def _damaged(path: Path, error: BaseException) -> LogError:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tuner.data.logs.blocks import Blocks
 from tuner.data.logs.error import FEW, LogError, suggest
 from tuner.data.logs.mapping import Mapped, Mapping
 
@@ -61,6 +62,7 @@ class Table:
         widths: count of numbers in a row of a column, where it is known and not one.
         rows: number of rows, where it is known.
         notes: remarks on the file, and assumptions.
+        blocks: passes on what is read of the file, where its reader does.
     """
 
     file: str
@@ -80,6 +82,7 @@ class Table:
     widths: Named[str, int] = field(default_factory=dict)
     rows: int | None = None
     notes: tuple[str, ...] = ()
+    blocks: Blocks | None = None
 
     def find(self, mapping: Mapping) -> Mapping | None:
         """The mapping with its column as the file names it; None where there is none.

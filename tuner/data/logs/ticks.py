@@ -1,9 +1,11 @@
 """Time columns as seconds: numbers in any unit, dates, times of day, and sums of them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from itertools import chain
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +14,10 @@ from tuner.data.logs.date_columns import past_midnight, read_dates
 from tuner.data.logs.epoch import since_1970
 from tuner.data.logs.mapping import Mapping
 from tuner.data.logs.moments import Ticks
+from tuner.data.logs.steps import rises, since_first
 from tuner.data.logs.table import Floats, Raw
 from tuner.data.logs.timename import UNITS, unit_of
-from tuner.data.logs.values import Columns, check_finite, factor_of, pick
+from tuner.data.logs.values import HUGE, Columns, check_finite, factor_of, pick
 from tuner.names import counted
 
 _DIGITS = 9
@@ -41,14 +44,15 @@ class Times:
     Attributes:
         seconds: since the first, ``(N,)``.
         first: the first as the columns have it, s.
-        resolution: the step of the digits they were written with, s.
+        resolution: gives the step of the digits they were written with, s, for which all of them
+            are looked at.
         known: whether the unit is known.
         notes: what was assumed.
     """
 
     seconds: Floats
     first: Fraction
-    resolution: float
+    resolution: Callable[[], float]
     known: bool
     notes: tuple[str, ...]
 
@@ -69,7 +73,7 @@ def read_times(columns: Columns, parts: Sequence[Mapping]) -> Times:
         notes += [f"midnight passed {counted(past, 'time')}"] if past else []
     seconds = (ticks - ticks[0]).astype(np.float64) * 1e-9
     step = 1e-9 * min(one.step for one in found)
-    return Times(seconds, int(ticks[0]) * _NS, step, True, tuple(notes))
+    return Times(seconds, int(ticks[0]) * _NS, lambda: step, True, tuple(notes))
 
 
 def same_as_before(columns: Columns, parts: Sequence[Mapping]) -> NDArray[np.bool_]:
@@ -99,21 +103,27 @@ def _nanoseconds(columns: Columns, mapping: Mapping, parts: Sequence[Mapping]) -
         return _Part(moments.ticks, moments.step, notes, not moments.dated)
     times = _counted(columns, mapping, pick(columns, mapping), alone=False)
     ticks = np.rint(times.seconds * 1e9).astype(np.int64) + round(times.first / _NS)
-    return _Part(ticks, 1e9 * times.resolution, times.notes)
+    return _Part(ticks, 1e9 * times.resolution(), times.notes)
 
 
 def _counted(columns: Columns, mapping: Mapping, column: Raw, *, alone: bool = True) -> Times:
     """Numbers in a unit of time; a single column counts on where it restarts."""
-    check_finite(columns, mapping, column)
-    scale, known, note = _scale(columns, mapping, column)
-    coarse = _rounding(column)
-    column, turned = _unwrapped(column) if alone else (column, "")
+    rising = rises(column) and float(column[0]) > -HUGE and float(column[-1]) < HUGE
+    if not rising:
+        check_finite(columns, mapping, column)
+    ends = (column[0], column[-1]) if rising else (column.min(), column.max())
+    scale, known, note = _scale(columns, mapping, (float(ends[0]), float(ends[1])))
+    column, turned = (column, "") if rising or not alone else _unwrapped(column)
     first = Fraction(column[0].item()) * scale
-    seconds, resolution = _seconds(column, float(scale), coarse)
-    return Times(seconds, first, resolution, known, tuple(filter(None, (note, turned))))
+    column = column.astype(np.int64 if column.dtype.kind in "iub" else np.float64, copy=False)
+    digits = partial(_resolution, column, abs(float(scale)), _rounding(ends))
+    seconds = since_first(column, float(scale))
+    return Times(seconds, first, digits, known, tuple(filter(None, (note, turned))))
 
 
-def _scale(columns: Columns, mapping: Mapping, column: Raw) -> tuple[Fraction, bool, str]:
+def _scale(
+    columns: Columns, mapping: Mapping, ends: tuple[float, float]
+) -> tuple[Fraction, bool, str]:
     """Seconds per unit of the column, whether anything named the unit, and what was assumed."""
     if mapping.unit is not None and mapping.unit.lower() not in UNITS:
         raise columns.error(
@@ -126,7 +136,7 @@ def _scale(columns: Columns, mapping: Mapping, column: Raw) -> tuple[Fraction, b
     unit = unit_of(mapping.column.removeprefix(columns.table.prefix)) or (
         written if written in UNITS else None
     )
-    if unit is None and (found := since_1970(column)):
+    if unit is None and (found := since_1970(*ends)):
         return _exact(found), True, f"taken as {found} since 1970"
     return _exact(unit or "s"), unit is not None, ""
 
@@ -136,23 +146,15 @@ def _exact(unit: str) -> Fraction:
     return Fraction(str(UNITS[unit.lower()]))
 
 
-def _seconds(column: Raw, scale: float, coarse: float) -> tuple[Floats, float]:
-    """Seconds since the first sample, and the step of the digits they were written with.
-
-    Integers are subtracted as integers: nanoseconds since 1970 do not fit into float64.
-    """
-    column = column.astype(np.int64 if column.dtype.kind in "iub" else np.float64, copy=False)
-    digits = 1.0 if column.dtype.kind == "i" else max(_digits(column), coarse)
-    seconds = (column - column[0]).astype(np.float64, copy=False)
-    if scale != 1.0:
-        seconds *= scale  # in place: a long record is large
-    return seconds, digits * abs(scale)
+def _resolution(column: Raw, scale: float, coarse: float) -> float:
+    """The step of the digits of a column, in seconds."""
+    return scale * (1.0 if column.dtype.kind == "i" else max(_digits(column), coarse))
 
 
-def _rounding(column: Raw) -> float:
-    """The rounding error of single precision."""
-    single = column.dtype.kind == "f" and column.dtype.itemsize < 8
-    return float(np.spacing(np.abs(column).max())) if single else 0.0
+def _rounding(ends: tuple[Any, Any]) -> float:
+    """The rounding error of single precision, by the lowest and the highest number."""
+    single = ends[0].dtype.kind == "f" and ends[0].dtype.itemsize < 8
+    return float(np.spacing(max(abs(ends[0]), abs(ends[1])))) if single else 0.0
 
 
 def _digits(column: Floats) -> float:

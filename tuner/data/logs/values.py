@@ -12,7 +12,8 @@ from tuner.data.logs.table import Floats, Loaded, Raw, Table
 from tuner.names import counted
 
 _EXACT = 1 << 53
-_HUGE = 1e150
+HUGE = 1e150
+"""Numbers from here on mean that nothing was measured."""
 _BLOCK = 1 << 15
 _NOT_REAL = {
     "c": "is complex; map an array of its real parts",
@@ -179,14 +180,14 @@ def to_float(columns: Columns, mapping: Mapping, column: Raw) -> Floats:
             values = values * factor
     if _all_measured(values):
         return values
-    return np.where(np.abs(values) < _HUGE, values, np.nan)
+    return np.where(np.abs(values) < HUGE, values, np.nan)
 
 
 def _all_measured(values: Floats) -> bool:
     """Whether there are numbers and none of them is missing; in blocks that fit the cache."""
     blocks = (values[at : at + _BLOCK] for at in range(0, len(values), _BLOCK))
     # NaN compares false.
-    return values.size > 0 and all(x.min() > -_HUGE and x.max() < _HUGE for x in blocks)
+    return values.size > 0 and all(x.min() > -HUGE and x.max() < HUGE for x in blocks)
 
 
 def _check_exact(columns: Columns, mapping: Mapping, column: Raw) -> None:
@@ -206,7 +207,7 @@ def check_finite(columns: Columns, mapping: Mapping, values: Raw) -> None:
     numbers = np.asarray(values, float)
     if not numbers.size or _all_measured(numbers):
         return
-    missing = ~(np.abs(numbers) < _HUGE)  # NaN compares false
+    missing = ~(np.abs(numbers) < HUGE)  # NaN compares false
     rows = counted(int(missing.sum()), "row")
     place = columns.table.place(int(missing.argmax()))
     raise columns.error(
