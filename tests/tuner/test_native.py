@@ -140,10 +140,15 @@ def test_many_points_side_by_side(forced, monkeypatch):
     np.testing.assert_allclose(gradients, right[1], rtol=1e-11, atol=1e-11)
 
 
-def test_more_coordinates_than_lanes(forced):
-    names = [f"r{k}" for k in range(11)]
+def posed_with(count):
+    """The same with so many parameters."""
+    names = [f"r{k}" for k in range(count)]
     build = lambda v: ballistic({"q": v["r0"], "q_across": 1.0, "r": sum(v[n] for n in names)})  # noqa: E731
-    problem = posed(build=build, space=Space.of(**{n: Positive(1.0, 1e-3, 1e3) for n in names}))
+    return posed(build=build, space=Space.of(**{n: Positive(1.0, 1e-3, 1e3) for n in names}))
+
+
+def test_more_coordinates_than_lanes(forced):
+    problem = posed_with(11)
     z = np.linspace(-1, 1, 11)
     right = problem.by_xla(z)[1]
     np.testing.assert_allclose(problem.value_and_gradient(z)[1], right, rtol=1e-11)
@@ -161,8 +166,11 @@ def test_a_search_ends_at_the_same_point(forced, monkeypatch):
 
 def test_what_is_not_a_number_is_none(forced):
     problem = posed()
+    assert problem.value(np.full(3, np.nan)) == np.inf
     assert problem.value_and_gradient(np.full(3, np.nan))[0] == np.inf
-    assert problem.route.choice == ""
+    assert problem.route.choice == problem.route.values_by == ""
+    assert np.isfinite(problem.value(np.zeros(3)))
+    assert problem.route.values_by
 
 
 # Which way.

@@ -15,12 +15,13 @@ from jax import Array
 from filters import AnyFilter
 from objectives import Data, Objective, is_fold
 from tuner.native.compiler import library
-from tuner.native.filled import MEMORY, address, side_by_side
+from tuner.native.filled import MEMORY, address
 from tuner.native.loop_score import LoopScore
 from tuner.native.passes_choice import shortest
 from tuner.native.passes_frame import Code
 from tuner.native.row_function import RowFunction
 from tuner.native.runner import columns, runner_of
+from tuner.native.threads import side_by_side
 
 STORED = 64 << 20
 """Bytes that are stored of a whole record; above it those of parts, which are run again."""

@@ -16,7 +16,7 @@ from objectives import Data, Objective, is_fold
 from tuner.code.graph import TooLargeError
 from tuner.code.refused import NoCounterpartError
 from tuner.native.compiler import library
-from tuner.native.filled import MEMORY, address, side_by_side
+from tuner.native.filled import MEMORY, address
 from tuner.native.fused import fused
 from tuner.native.iteration import iteration
 from tuner.native.loop import Loop, loop
@@ -26,6 +26,7 @@ from tuner.native.row_function import RowFunction
 from tuner.native.runner import columns, runner_of
 from tuner.native.scaled import scaled
 from tuner.native.text import source, varying
+from tuner.native.threads import side_by_side
 
 LANES = 8
 """Directions or points at once: the width of today's widest vectors."""
@@ -95,9 +96,8 @@ class Native:
         Raises:
             NoCodeError: where there is no compiler that works.
         """
-        run, lanes = self._directions, self._lanes
+        run, blocks, wide = self._directions, self._blocks, self._vectors * self._lanes
         (numbers,), (slopes,) = self._with_slopes(z[None])
-        blocks, wide = self._blocks, self._vectors * lanes
         padded = np.zeros((blocks, len(numbers), wide))
         for block, part in enumerate(padded):
             own = slopes[:, block * wide : (block + 1) * wide]
@@ -105,13 +105,14 @@ class Native:
         ends = np.empty((1 + len(at), blocks, len(self._iteration.total), 1 + wide))
         count = len(self._iteration.kept)
         kept = np.empty((blocks, len(rows) if count else 0, count, 1 + wide))
+        records = np.split(rows, at)
 
-        def go(part: tuple[np.ndarray, np.ndarray]) -> None:
-            rows, ends = part
-            for directions, end, keep in zip(padded, ends, kept, strict=True):
-                run(*rows.shape, *map(address, (numbers, directions, rows, end, keep)))
+        def go(part: tuple[int, int]) -> None:
+            record, block = part
+            given = padded[block], records[record], ends[record, block], kept[block]
+            run(*records[record].shape, address(numbers), *map(address, given))
 
-        side_by_side(go, list(zip(np.split(rows, at), ends, strict=True)))
+        side_by_side(go, list(np.ndindex(*ends.shape[:2])))
         end, width = ends.sum(axis=0), blocks * wide
         slopes = end[..., 1:].transpose(1, 0, 2).reshape(end.shape[1], width)
         weights = self._score.weights(end[0, :, 0], kept[0, ..., 0], data)
@@ -173,7 +174,7 @@ class Native:
         """Number of operations per sample; one on all lanes counts once."""
         return self._blocks * self._loop.operations
 
-    @property
+    @cached_property
     def work(self) -> float:
         """The same, where one on lanes counts by its vectors of 256 bits; memory by its time."""
         loop = self._loop

@@ -1,10 +1,7 @@
 """The results of loops in C as trees of arrays."""
 
-import os
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from math import prod
-from typing import Any, TypeVar
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -14,8 +11,6 @@ from jax import Array
 from filters import AnyFilter
 from objectives import Data, Objective, is_fold
 
-A = TypeVar("A")
-B = TypeVar("B")
 MEMORY = 12
 """Operations that take as long as storing a number of each sample and loading it again."""
 
@@ -48,14 +43,6 @@ def filled(
         out.append(part.reshape(*before, *leaf.shape).astype(leaf.dtype))
         at += prod(leaf.shape)
     return jax.tree.unflatten(tree, out)
-
-
-def side_by_side(function: Callable[[A], B], given: Sequence[A]) -> list[B]:
-    """A function of each, in as many threads as there are processors."""
-    if len(given) == 1:
-        return [function(given[0])]
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(function, given))
 
 
 def address(array: np.ndarray) -> int:

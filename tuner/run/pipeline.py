@@ -11,6 +11,7 @@ from typing import Any
 from tuner import export
 from tuner.certificate.solution import Solution
 from tuner.export.tuned import Tuned
+from tuner.native.threads import beside_others
 from tuner.problem.problem import Problem
 from tuner.report.report_json import Kept as ForReport
 from tuner.report.report_json import kept_pictures, nothing_kept
@@ -110,7 +111,8 @@ class Run:
         with in_background(import_report_packages), at_once(jobs) as pool:
             for problem in of_each_program(task.problem for task in open_tasks):
                 pool.submit(differentiate, problem)
-            futures = {pool.submit(_solved, task): task for task in open_tasks}
+            several = jobs > 1 and len(open_tasks) > 1
+            futures = {pool.submit(_solved, task, several): task for task in open_tasks}
             for future in as_completed(futures):
                 task = futures[future]
                 solutions[task_key(task)], digests[task_key(task)] = future.result()
@@ -235,8 +237,10 @@ def _begun(problem: Any) -> None:
         problem.value(problem.space.start())
 
 
-def _solved(task: Task) -> tuple[Solution, str]:
-    """The solution of a task, and the identity of its problem."""
+def _solved(task: Task, several: bool) -> tuple[Solution, str]:
+    """The solution of a task, which may be one of several; and the identity of its problem."""
+    if several:
+        beside_others()
     return task.solver(task.problem), problem_identity(task)
 
 

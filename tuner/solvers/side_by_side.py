@@ -9,6 +9,7 @@ from typing import Any, TypeAlias, cast
 
 import numpy as np
 
+from tuner.native.threads import beside_others
 from tuner.problem.problem import Problem
 from tuner.solvers.minimum import Descent, Minimum
 
@@ -53,7 +54,7 @@ def descents(
 @contextmanager
 def _pool(problem: Problem, descend: Descent, threads: int) -> Iterator[Begin]:
     """Threads that make descents; once something is raised, none of them goes on."""
-    over, pool = Event(), ThreadPoolExecutor(threads)
+    over, pool = Event(), ThreadPoolExecutor(threads, initializer=beside_others)
     watched = cast("Problem", _Watched(problem, over))
     try:
         yield lambda z: pool.submit(descend, watched, z)
