@@ -193,6 +193,19 @@ def over_c(n: int, m: int, rounds: int = 25) -> tuple[float, float]:
     return times.ratio("value", "C, value").best, times.ratio("backwards", "C, gradient").best
 
 
+def c_over_c(n: int, m: int, rounds: int = 25) -> tuple[float, float]:
+    """The same of C that the product compiles.
+
+    Raises:
+        NoCodeError: where there is none.
+    """
+    ours = {f"ours, {name}": call for name, call in by_c(n, m).items()}
+    times = interleave(ours | in_c(n, m), rounds)
+    return times.ratio("ours, value", "C, value").best, times.ratio(
+        "ours, gradient", "C, gradient"
+    ).best
+
+
 def _against_c(n: int, m: int, most_value: float, most_gradient: float) -> list[Row]:
     calls = _calls(*linear(n, m, n + m), n + m)
     c = in_c(n, m)

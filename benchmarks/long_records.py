@@ -66,6 +66,22 @@ def _oscillating(n: int, m: int, length: int) -> Made:
     return LinearKalman(), build, Sample(jnp.asarray(z)), n + m, "backwards"
 
 
+def settled(length: int = LENGTHS[0], rounds: int = 9) -> float:
+    """How many times as fast a local level's likelihood is with constant gains, at best."""
+    filter, build, inputs, free, _ = _level(length)
+    data = Data(inputs, jnp.zeros(length))
+    calls = {
+        name: partial(_value(each, build), jnp.zeros(free), data)
+        for name, each in (("short", Settling(filter)), ("full", filter))
+    }
+    return interleave(calls, rounds).ratio("full", "short").best
+
+
+def _value(filter: AnyFilter, build: Any) -> Any:
+    likelihood = InnovationLikelihood()
+    return jax.jit(lambda at, data: score(filter, likelihood, build(at), data))
+
+
 def _rows(
     name: str, filter: AnyFilter, build: Any, inputs: Any, free: int, way: Way, length: int
 ) -> list[Row]:
@@ -73,11 +89,10 @@ def _rows(
     data = Data(inputs, jnp.zeros(length))
 
     def calls(filter: AnyFilter) -> tuple[Call, Call]:
-        value = jax.jit(lambda at, data: score(filter, likelihood, build(at), data))
         both = jax.jit(
             lambda at, data: score_and_gradient(filter, likelihood, build, at, data, way=way)
         )
-        return partial(value, at, data), partial(both, at, data)
+        return partial(_value(filter, build), at, data), partial(both, at, data)
 
     found = []
     pairs = zip(calls(Settling(filter)), calls(filter), ("value", f"gradient, {way}"), strict=True)

@@ -170,9 +170,10 @@ ns a true sample. Filters whose gradient goes by C take one line a thread.
 `python -m benchmarks.guard` runs in CI. It fails where the loop option has no effect, where a
 gradient costs far more than a pass, or where a pass is hardly faster than a loop in Python: these
 are the ways to lose speed without an error. Likelihoods of linear filters of 4, 9 and 15 states and
-their gradients are held against C by their shortest times. It judges ratios, not milliseconds. For
-larger filters, whose loops are the first to be lost, it inspects the compiled code;
-`python -m benchmarks.whole_loops` inspects that of every filter.
+their gradients are held against C by their shortest times, and so are those of compiled C that
+computes entries of a row at once; a likelihood with constant gains is held against every step. It
+judges ratios, not milliseconds. For larger filters, whose loops are the first to be lost, it
+inspects the compiled code; `python -m benchmarks.whole_loops` inspects that of every filter.
 `python -m benchmarks.studies` runs studies from an empty cache and counts their compilations.
 """
 

@@ -10,7 +10,7 @@ from rich.console import Console
 
 from benchmarks import unscented
 from benchmarks.baseline import NoCompilerError, Weights, baseline
-from benchmarks.guard import slow_products, verdict
+from benchmarks.guard import slow_products, slow_rows, slow_settling, verdict
 from benchmarks.loops import exact, matrix_loop, scalar_loop
 from benchmarks.machine import machine
 from benchmarks.page import page
@@ -209,6 +209,16 @@ def test_guard_notices_slow_products():
     assert slow_products({(9, 3): (1.8, 1.9)}) == []
     (sentence,) = slow_products({(9, 3): (1.8, 9.0)})
     assert sentence.startswith("the gradient of a linear filter of 9 states takes 9.0 times")
+
+
+def test_guard_notices_slow_rows_and_gains_that_do_not_settle():
+    assert slow_rows((1.4, 1.3)) == slow_settling(3.9) == []
+    (sentence,) = slow_rows((1.4, 9.0))
+    assert sentence.startswith(
+        "the gradient of a linear filter of 9 states by compiled C takes 9.0"
+    )
+    (sentence,) = slow_settling(1.0)
+    assert sentence.startswith("a likelihood is only 1.0 times as fast with constant gains")
 
 
 @pytest.mark.parametrize(
