@@ -16,7 +16,7 @@ from tuner.code.mutants import OTHERWISE, Mutant
 from tuner.code.operations import COMPARE
 from tuner.code.states import Around, Arrays, placed
 
-_POOLS, _POOL, _BASES, _FEW = 3, 256, 4, 64
+_POOLS, _POOL, _BASES, _FEW, _ALL = 3, 256, 4, 64, 64
 """How often so many steps are drawn, in a long step so few, and the most for one limit."""
 _BATCH = 128
 _EARLY = 3000
@@ -73,7 +73,7 @@ def _bases(
     """Steps in which these decisions matter; where there is none, others."""
     own, chosen, steps = len(around.states), list[Compared](), list[Arrays]()
     long = len(step.order) > LONG
-    count, most = (_FEW, 3) if long else (_POOL, _BASES)
+    count, most = (_FEW, 3) if long else (_POOL, max(_BASES, _ALL // max(len(compared), 1)))
     for turn in range(_POOLS):
         missing = [one for one in compared if one not in chosen]
         if not missing:

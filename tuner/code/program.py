@@ -6,7 +6,9 @@ from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 import numpy as np
+from jax.extend.core import jaxpr_as_fun
 
+from objectives.in_numpy import in_numpy
 from tuner.code.fields import Field, halved
 from tuner.code.graph import Graph
 from tuner.code.interpreter import Arrays, objects
@@ -37,6 +39,8 @@ _VIEWS = frozenset(
     ]
 )
 """Operations that only move values, and give them no name."""
+_ROUNDING = 1e-2
+"""Difference of the halves of a matrix, over its largest number, that no rounding makes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +89,8 @@ def as_graph(traced: Traced, *, tunable: bool = False, most: int | None = None) 
     """
     first = interpreter(Graph()).closed(traced.start, traced.values)
     half = {f.name for f, x in zip(traced.state, first, strict=True) if _square(f) and _even(x)}
+    if len(half) > 1:  # each that does not stay so takes a graph more
+        half -= _uneven(traced, first)
     while True:
         program = _attempt(traced, half, tunable, most)
         states = zip(program.state, program.after, strict=True)
@@ -126,6 +132,30 @@ def _attempt(traced: Traced, half: set[str], tunable: bool, most: int | None) ->
         traced.precision,
         labels,
     )
+
+
+def _uneven(traced: Traced, first: Arrays) -> set[str]:
+    """Matrices that are symmetric before a step, by other numbers, and not after it."""
+    draw = np.random.default_rng(0)
+
+    def moved(field: Field, near: np.ndarray) -> np.ndarray:
+        if field.kind != "real":
+            return np.asarray(near)
+        by = draw.normal(size=field.shape)
+        return np.asarray(near + (by + by.T if _square(field) else by), near.dtype)
+
+    kinds = {"real": traced.dtype, "whole": np.int32, "truth": np.bool_}
+    before = [moved(f, x) for f, x in zip(traced.state, first, strict=True)]
+    inputs = [moved(f, np.zeros(f.shape, kinds[f.kind])) for f in traced.inputs]
+    found = in_numpy(jaxpr_as_fun(traced.step), *traced.values, *before, *inputs)
+    pairs = zip(traced.state, found[: len(before)], strict=True)
+    return {f.name for f, x in pairs if _square(f) and _apart(np.asarray(x))}
+
+
+def _apart(after: np.ndarray) -> bool:
+    """Whether the halves of a matrix differ by more than rounding, where it has numbers."""
+    size = np.abs(after).max()
+    return bool(np.isfinite(size) and np.abs(after - after.T).max() > _ROUNDING * size)
 
 
 def _square(field: Field) -> bool:

@@ -8,15 +8,27 @@ from typing import TypeAlias
 import numpy as np
 
 from tuner.code.array_step import Given, Step
-from tuner.code.detection import LONG, Expected, agree, detected, expected, moves, plain
+from tuner.code.detection import (
+    LONG,
+    Expected,
+    agree,
+    comparable,
+    detected,
+    expected,
+    moves,
+    plain,
+)
 from tuner.code.fields import Field
+from tuner.code.hidden import Hidden
 from tuner.code.limits import beside_limits
 from tuner.code.literal import Precision
-from tuner.code.mutants import Mutant, is_limit
+from tuner.code.mutants import is_limit
 from tuner.code.states import Around, Arrays, placed
 
 _BATCH, _ROUNDS, _FEW, _TWICE = 64, 12, 4, 2
 """States looked at together, and how often: at most, in the longest steps, and beside limits."""
+_LEAST = 4
+"""Rounds at least, before only steps beside limits are looked at."""
 _OPERATIONS = 72_000
 """Operations that are looked at in all rounds together."""
 _TOGETHER = 32
@@ -46,14 +58,6 @@ class Found:
     idle: int
 
 
-@dataclass(eq=False)
-class _Hidden:
-    """The constants that no chosen step shows, and those of them without any effect so far."""
-
-    mutants: list[Mutant]
-    idle: set[Mutant]
-
-
 def search(step: Step, around: Around, most: int, by_jax: Results) -> Found:
     """At most so many steps that together show as many constants as can be.
 
@@ -64,7 +68,7 @@ def search(step: Step, around: Around, most: int, by_jax: Results) -> Found:
         by_jax: JAX's results of steps, with which those of a long step have to agree.
     """
     draw, tried, chosen, gains = np.random.default_rng(0), 0, list[Arrays](), list[int]()
-    program, hidden = step.program, _Hidden(list(step.mutants), set(step.mutants))
+    program, hidden = step.program, Hidden(step)
     for drawn in _batches(step, around, draw, hidden):
         if not hidden.mutants:
             break
@@ -84,10 +88,10 @@ def search(step: Step, around: Around, most: int, by_jax: Results) -> Found:
             gains.append(int(shows[:, best].sum()))
             chosen.append([x[best] for x in (*states, *samples)])
             rest = np.logical_not(shows[:, best])
-            pairs = zip(hidden.mutants, rest, strict=True)
-            hidden.mutants = [one for one, stays in pairs if stays]
+            hidden.leave(rest)
             shows = shows[rest]
-        hidden.idle &= set(hidden.mutants)
+        if len(step.order) <= LONG:
+            hidden.leave_proven()
 
     kept = np.sort(np.argsort(-np.array(gains, int), kind="stable")[:most])
     fields = [*program.state, *program.inputs]
@@ -99,26 +103,30 @@ def search(step: Step, around: Around, most: int, by_jax: Results) -> Found:
     return Found(whole[:own], whole[own:], len(kept), tried, len(hidden.idle))
 
 
-def _by_changes(step: Step, given: Given, hidden: _Hidden, draw: np.random.Generator) -> np.ndarray:
+def _by_changes(step: Step, given: Given, hidden: Hidden, draw: np.random.Generator) -> np.ndarray:
     """Which constants show in which steps, ``(M, B)``, by a change of each."""
-    mutants, idle = hidden.mutants, sorted(hidden.idle)
+    mutants, idle = hidden.mutants, sorted(hidden.idle.intersection(hidden.mutants))
     count = max(map(len, given.values()), default=1)
     whole = np.zeros((len(mutants), count), bool)
     # Rounding is measured where a change shows at all, which is in few of the later steps.
-    exact = plain(step, given)
-    some = detected(step, given, mutants, exact, 2.0).any(axis=0)
+    values = {k: np.zeros(1) for k in hidden.decisions}
+    exact = plain(step, given, values)
+    hidden.count(values, comparable(step, exact))
+    open_ = hidden.open
+    some = detected(step, given, open_, exact, 2.0).any(axis=0)
+    idle = sorted(hidden.idle.intersection(open_))
     some |= detected(step, given, idle, exact, 1.0, change=1.0).any(axis=0)
     if some.any():
         part = {k: x[some] for k, x in given.items()}
         right = expected(step, part, draw)
         whole[:, some] = detected(step, part, mutants, right, 2.0)
         doubled = np.atleast_1d(detected(step, part, idle, right, 1.0, change=1.0).any(axis=1))
-        hidden.idle = {one for one, shows in zip(idle, doubled, strict=True) if not shows}
+        hidden.idle -= {one for one, shows in zip(idle, doubled, strict=True) if shows}
     return whole
 
 
 def _by_derivatives(
-    step: Step, given: Given, right: Expected, hidden: _Hidden, draw: np.random.Generator
+    step: Step, given: Given, right: Expected, hidden: Hidden, draw: np.random.Generator
 ) -> np.ndarray:
     """The same by derivatives, which take one pass for all constants; limits have none."""
     found = moves(step, given, right, draw)
@@ -133,14 +141,20 @@ def _by_derivatives(
 
 
 def _batches(
-    step: Step, around: Around, draw: np.random.Generator, hidden: _Hidden
+    step: Step, around: Around, draw: np.random.Generator, hidden: Hidden
 ) -> Iterator[tuple[Arrays, Arrays]]:
     long = len(step.order) > LONG
     rounds = max(_FEW, min(_ROUNDS, _OPERATIONS // len(step.order)))
-    yield from (around.drawn(draw, _BATCH) for _ in range(rounds))
+    for turn in range(rounds):
+        yield around.drawn(draw, _BATCH)
+        if not long and turn + 1 >= _LEAST and hidden.only_at_limits:
+            break
     if not long:
         for _ in range(_TWICE):
-            yield from beside_limits(step, around, draw)
+            before = len(hidden.mutants)
+            yield from beside_limits(step, around, draw, hidden.wanted())
+            if len(hidden.mutants) == before:
+                break
     else:
         limits = {one.node for one in hidden.mutants if is_limit(step.graph, one)}
         limits |= {k for k in step.order if step.graph.nodes[k].op == "round"}

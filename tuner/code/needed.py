@@ -1,0 +1,142 @@
+"""What has to be decided, and how, for a change of a constant to reach a result."""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple, TypeAlias
+
+from tuner.code.graph import Graph
+from tuner.code.mutants import Mutant
+from tuner.code.operations import COMPARE
+
+Decided: TypeAlias = frozenset[tuple[int, bool]]
+"""Truth values, and what they are."""
+_NOTHING: Decided = frozenset()
+_STEPPED = COMPARE | {"round", "floor", "ceil"}
+"""Operations whose result does not move with its operands, or jumps."""
+
+
+class Way(NamedTuple):
+    """The way from a constant to the results.
+
+    Attributes:
+        needed: the decisions without which a change moves no result.
+        turned: the operations that decide otherwise, where nothing else moves a result.
+    """
+
+    needed: Decided
+    turned: frozenset[int]
+
+
+class Ways:
+    """The ways from constants to the results of a step.
+
+    Args:
+        graph: of the step.
+        order: its nodes.
+        roots: its results.
+    """
+
+    def __init__(self, graph: Graph, order: Sequence[int], roots: Sequence[int]) -> None:
+        self._graph, self._roots = graph, roots
+        self._users: dict[int, list[int]] = {}
+        for k in order:
+            for part in set(graph.nodes[k].args):
+                self._users.setdefault(part, []).append(k)
+        self._facts: dict[tuple[int, bool], Decided | None] = {}
+
+    def way(self, one: Mutant) -> Way | None:
+        """The way from a constant; None: a change reaches no result, whatever is decided.
+
+        Where a node is not what it was, then one of its operands is not, and what chooses between
+        its operands has chosen that one; a product with zero stays zero. Of several ways to a
+        result counts what all have in common. All numbers are finite, or missing.
+        """
+        nodes = self._graph.nodes
+        found, moving, turned = dict[int, Decided](), set[int](), set[int]()
+        for k in self._after(one.node):
+            ways = list(self._own(one) if k == one.node else self._ways(k, found))
+            if not ways:
+                continue
+            found[k] = frozenset.intersection(*ways)
+            if k == one.node or not moving.isdisjoint(nodes[k].args):
+                (turned if nodes[k].op in _STEPPED else moving).add(k)
+        ends = [found[root] for root in self._roots if root in found]
+        if not ends:
+            return None
+        smooth = any(root in moving for root in self._roots)
+        return Way(frozenset.intersection(*ends), frozenset(() if smooth else turned))
+
+    def _after(self, first: int) -> list[int]:
+        """The nodes that depend on one, itself included, in order."""
+        seen, open_ = {first}, [first]
+        while open_:
+            more = [k for k in self._users.get(open_.pop(), ()) if k not in seen]
+            seen.update(more)
+            open_ += more
+        return sorted(seen)
+
+    def _own(self, one: Mutant) -> Iterator[Decided]:
+        node, way = self._graph.nodes[one.node], _NOTHING
+        own = self._through(way, one.node, one.at, {node.args[one.at]: way})
+        if own is not None:
+            yield own
+
+    def _ways(self, k: int, found: dict[int, Decided]) -> Iterator[Decided]:
+        for at, part in enumerate(self._graph.nodes[k].args):
+            if part in found:
+                way = self._through(found[part], k, at, found)
+                if way is not None:
+                    yield way
+
+    def _through(self, way: Decided, k: int, at: int, found: dict[int, Decided]) -> Decided | None:
+        """The way on by an operand of an operation; None: it ends there."""
+        node = self._graph.nodes[k]
+        if node.op == "choose" and at > 0:
+            return self._with(way, node.args[0], at == 1)
+        if len(node.args) == 2:
+            other = node.args[1 - at]
+            if node.op in ("and", "or") and other not in found:
+                return self._with(way, other, node.op == "and")
+            if node.op == "mul" or (node.op == "div" and at == 1):
+                return self._unless_zero(way, other)
+        return way
+
+    def _unless_zero(self, way: Decided, k: int) -> Decided | None:
+        """With what has to be decided for a factor that may be chosen to be zero not to be it."""
+        node, found = self._graph.nodes[k], way
+        if node.op == "choose":
+            for at in (1, 2):
+                if self._graph.is_constant(node.args[at], 0):
+                    return self._with(way, node.args[0], at == 2)
+            return way
+        count = {"mul": 2, "neg": 1, "div": 1}.get(node.op, 0)
+        for part in node.args[:count]:
+            more = self._unless_zero(found, part)
+            if more is None:
+                return None
+            found = more
+        return found
+
+    def _with(self, way: Decided, k: int, value: bool) -> Decided | None:
+        """One decision more; None: it contradicts another one."""
+        more = self._fact(k, value)
+        if more is None or any((j, not truth) in way for j, truth in more):
+            return None
+        return way | more
+
+    def _fact(self, k: int, value: bool) -> Decided | None:
+        """What follows from a truth value, itself included; None: it is never so."""
+        if (k, value) not in self._facts:
+            self._facts[k, value] = self._worked_out(k, value)
+        return self._facts[k, value]
+
+    def _worked_out(self, k: int, value: bool) -> Decided | None:
+        node = self._graph.nodes[k]
+        if node.op == "constant":
+            return _NOTHING if bool(node.value) == value else None
+        found: Decided | None = frozenset({(k, value)})
+        follow = {"not": True, "and": value, "or": not value}.get(node.op, False)
+        for part in node.args if follow else ():
+            found = self._with(found or _NOTHING, part, value != (node.op == "not"))
+            if found is None:
+                break
+        return found
