@@ -85,13 +85,19 @@ def unmeasured():
         yield
 
 
-@pytest.fixture(autouse=True)
-def first_steps(request, monkeypatch):
+@pytest.fixture
+def first_steps(monkeypatch):
     """Steps of self-tests are drawn once, and none is brought close to a limit.
 
-    That is most of the time of making C. What more of them find tests/tuner/code looks at.
+    That is most of the time of making C.
     """
+    monkeypatch.setattr("tuner.code.search._FEW", 1)
+    monkeypatch.setattr("tuner.code.search._OPERATIONS", 0)
+    monkeypatch.setattr("tuner.code.search.beside_limits", lambda *_: iter(()))
+
+
+@pytest.fixture(autouse=True)
+def first_steps_elsewhere(request):
+    """What more steps find tests/tuner/code looks at."""
     if "tests/tuner/code" not in request.path.as_posix():
-        monkeypatch.setattr("tuner.code.search._FEW", 1)
-        monkeypatch.setattr("tuner.code.search._OPERATIONS", 0)
-        monkeypatch.setattr("tuner.code.search.beside_limits", lambda *_: iter(()))
+        request.getfixturevalue("first_steps")
