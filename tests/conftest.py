@@ -69,11 +69,35 @@ def rough():
         yield measuring
 
 
-@pytest.fixture(autouse=True)
-def away_from_limits(request, monkeypatch):
-    """Steps of self-tests are drawn, and not brought close to limits: half the time of making C.
+@pytest.fixture(scope="session", autouse=True)
+def not_synced():
+    """Files are not waited for until the disk has them: no test takes the power away."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "fsync", lambda _: None)
+        yield
 
-    What that finds tests/tuner/code looks at.
+
+@pytest.fixture(scope="session", autouse=True)
+def unmeasured():
+    """How large code is once compiled, tests/tuner/code looks at, and no run calls a compiler."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("tuner.run.machine.size", lambda *_: None)
+        yield
+
+
+@pytest.fixture
+def first_steps(monkeypatch):
+    """Steps of self-tests are drawn once, and none is brought close to a limit.
+
+    That is most of the time of making C.
     """
+    monkeypatch.setattr("tuner.code.search._FEW", 1)
+    monkeypatch.setattr("tuner.code.search._OPERATIONS", 0)
+    monkeypatch.setattr("tuner.code.search.beside_limits", lambda *_: iter(()))
+
+
+@pytest.fixture(autouse=True)
+def first_steps_elsewhere(request):
+    """What more steps find tests/tuner/code looks at."""
     if "tests/tuner/code" not in request.path.as_posix():
-        monkeypatch.setattr("tuner.code.search.beside_limits", lambda *_: iter(()))
+        request.getfixturevalue("first_steps")

@@ -13,8 +13,8 @@ import pytest
 import filters
 from filters import Timed, TimedSample, run
 from filters.declared import assembled, channel_facts, output, parameter_facts
-from objectives.in_numpy import evaluate, in_numpy
 from tests.filters.battery import CASES, Case, N
+from tests.filters.by_numpy import evaluated
 from tests.oracles import central_difference
 
 BUILDING_BLOCKS = {
@@ -46,13 +46,6 @@ def noted(filter, params, inputs):
 compiled = jax.jit(noted, static_argnums=0)
 # Without the compiler's optimisation, which changes no formula and takes half of the time.
 quickly = partial(jax.jit, compiler_options={"xla_backend_optimization_level": 0})
-
-
-def evaluated(function, *arguments):
-    """Evaluated by NumPy, however many operations it takes: compilation takes longer."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(evaluate, "OFTEN", np.inf)
-        return in_numpy(function, *arguments)
 
 
 def run_case(case: Case, point=None, measured=None):

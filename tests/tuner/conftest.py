@@ -15,14 +15,6 @@ def cache():
     return Path(os.environ["TUNER_CACHE"])
 
 
-@pytest.fixture(scope="session", autouse=True)
-def unmeasured():
-    """How large code is once compiled, tests/tuner/code looks at, and no run calls a compiler."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("tuner.run.machine.size", lambda *_: None)
-        yield
-
-
 @pytest.fixture
 def here(tmp_path, monkeypatch):
     """An empty folder to work in."""

@@ -73,7 +73,7 @@ CASES = {
         truth={"accelerometer": (cases.ACC_NOISE / 9.81) ** 2},
         numbers=3 * 600,
     ),
-    "bounded-motion": Case("imu", (*SIX, *QUATERNION), "improved", free=("accelerometer",)),
+    "bounded-motion": Case("short", (*SIX, *QUATERNION), "improved", free=("accelerometer",)),
     "tilt": Case(
         "calm",
         (*SIX, "--set", "law=standard"),
@@ -129,6 +129,7 @@ def recordings(tmp_path_factory):
         "jerks": cases.jerks(),
         "climb": cases.climb(),
         "imu": cases.imu(),
+        "short": cases.imu(seconds=3.0),
         "calm": cases.imu(bursts=False),
     }
     return {name: (cases.write(folder / f"{name}.csv", data), data) for name, data in made.items()}
