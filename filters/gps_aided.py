@@ -224,9 +224,17 @@ class GpsAidedKalman:
         return self.corrected(params, state, self.ahead(state, inputs.gyr), inputs)
 
     def corrected(
-        self, params: GpsAidedNoise, state: GpsAidedState, ahead: Estimate, inputs: GpsAidedSample
+        self,
+        params: GpsAidedNoise,
+        state: GpsAidedState,
+        ahead: Estimate,
+        inputs: GpsAidedSample,
+        edge: Array | None = None,
     ) -> tuple[GpsAidedState, GpsAidedOutputs]:
-        """The second half of a step, from what :meth:`ahead` predicted."""
+        """The second half of a step, from what :meth:`ahead` predicted.
+
+        The fuzzy law's slope takes a share ``edge`` of the band's spread; None: as ``slope`` says.
+        """
         angles = self.angles(ahead.x)
         H = jax.jacfwd(self.angles)(ahead.x)
         nu = wrapped(inputs.angles - angles)
@@ -235,7 +243,7 @@ class GpsAidedKalman:
         residual = found.x - ahead.x
         after = self._normalised(found, seen)
         residuals = remembered(state.residuals, residual, seen)
-        Q = jnp.where(seen, self._noise(params.process, residuals, inputs.draw), state.Q)
+        Q = jnp.where(seen, self._noise(params.process, residuals, inputs.draw, edge), state.Q)
         outputs = GpsAidedOutputs(
             after.x,
             after.P,
@@ -278,10 +286,17 @@ class GpsAidedKalman:
             P = jnp.where(seen, matmul(matmul(J, P), J.T), P)
         return Estimate(jnp.where(seen, jnp.concatenate([u, found.x[4:]]), found.x), P)
 
-    def _noise(self, noise: ResidualNoise, residuals: Residuals, draw: Array | None) -> Array:
+    def _noise(
+        self,
+        noise: ResidualNoise,
+        residuals: Residuals,
+        draw: Array | None,
+        edge: Array | None,
+    ) -> Array:
         dt = self.dt * self.every
         if self.law == "fuzzy":
-            return fuzzy_noise(residuals, noise, dt, edge=self.slope == "edge")
+            whole = self.slope == "edge" if edge is None else edge
+            return fuzzy_noise(residuals, noise, dt, edge=whole)
         if self.law == "random":
             if draw is None:
                 raise ValueError("the random law needs uniform numbers: give draw with each sample")

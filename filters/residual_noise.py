@@ -49,17 +49,22 @@ def remembered(residuals: Residuals, residual: Array, seen: Array) -> Residuals:
     return Residuals(jnp.where(seen, grown, residuals.window), residuals.taken + seen)
 
 
-def fuzzy_noise(residuals: Residuals, noise: ResidualNoise, dt: float, *, edge: bool) -> Array:
+def fuzzy_noise(
+    residuals: Residuals, noise: ResidualNoise, dt: float, *, edge: bool | Array
+) -> Array:
     """The square of the line's slope times dt; Q while there are fewer than two residuals.
 
     Args:
         residuals: as many as an even number of samples allows are used, from t = 0 on.
         noise: Q, floor and h.
         dt: time between updates, s.
-        edge: whether the slope is abs(p1) + c1, that of the band's steeper edge, not p1.
+        edge: whether the slope is abs(p1) + c1, that of the band's steeper edge, not p1; an array
+            is the share of c1.
     """
     fit = newest_line(residuals.window, residuals.taken, dt, noise.h)
-    rate = jnp.abs(fit.center[:, 1]) + (fit.spread[:, 1] if edge else 0.0)
+    spread = fit.spread[:, 1]
+    beside = edge * spread if isinstance(edge, Array) else spread if edge else 0.0
+    rate = jnp.abs(fit.center[:, 1]) + beside
     return jnp.where(residuals.taken >= 2, _floored(rate, noise, dt), noise.Q)
 
 

@@ -1,9 +1,12 @@
 """The paper's statements in words, each decided by one function."""
 
+from functools import partial
+
 import jax.numpy as jnp
 import numpy as np
 
 from filters.gps_aided import GpsAidedKalman, GpsAidedSample
+from objectives.in_numpy import in_numpy
 from studies.chauhan2009.behaviour import Behaviour, behaviour
 from studies.chauhan2009.data import MOTIONS, Step
 from studies.chauhan2009.paper import DT, EVERY, STEADY, TRACKED
@@ -14,8 +17,8 @@ from studies.chauhan2009.problems import (
     data_of,
     estimated,
     judged_by_hand,
-    parameters,
-    run_few,
+    noise_of,
+    passed,
     tuning_records,
 )
 from studies.chauhan2009.sweep import Holds, Sweep, ranges
@@ -65,10 +68,10 @@ def printed_rate(sweep: Sweep, solutions: Solutions) -> Comparison:
 
 def _turned(filter: GpsAidedKalman) -> float:
     count = round(4 / DT)
-    rate = jnp.tile(jnp.array([0.0, 0.0, jnp.radians(10.0)]), (count, 1))
-    samples = GpsAidedSample(rate, jnp.full((count, 3), jnp.nan))
-    found = run_few(filter, parameters({"angle": 1.0}), samples)
-    return float(jnp.degrees(found.angles[-1, 2]))
+    rate = np.tile([0.0, 0.0, np.radians(10.0)], (count, 1))
+    samples = GpsAidedSample(jnp.asarray(rate), jnp.asarray(np.full((count, 3), np.nan)))
+    found = in_numpy(partial(passed, filter), noise_of({"angle": 1.0}), samples)
+    return float(np.degrees(found.angles[-1, 2]))
 
 
 def _behaviour_by_step(sweep: Sweep, angles: tuple[float, ...]) -> dict[Step, Behaviour]:
@@ -160,7 +163,8 @@ def positive_definite(sweep: Sweep, solutions: Solutions) -> Comparison:
     """Without a floor and without noise, the residual is constant and Q is 0."""
     # As many as the steps have seeds, which share their compilation; they are all the same.
     inputs = sweep.made(Step(0.0, "silent")).inputs
-    still = inputs._replace(angles=0 * inputs.angles, gyr=0 * inputs.gyr)
+    gyr, angles = (jnp.asarray(0 * np.asarray(each)) for each in (inputs.gyr, inputs.angles))
+    still = inputs._replace(gyr=gyr, angles=angles)
     found = estimated(FUZZY, still, by_hand(sweep.settings) | {"floor": 0.0})
     least = float(np.asarray(found.Q)[-1, 0].max())
     # One of the seven is 0 by the projection.

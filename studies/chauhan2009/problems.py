@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import jax
@@ -13,12 +14,14 @@ from filters import AnyFilter, Batched, Lanes, assembled, parameter_facts, run, 
 from filters.gps_aided import GpsAidedKalman, GpsAidedNoise, GpsAidedOutputs, GpsAidedSample
 from objectives import Data
 from objectives import Records as OverRecords
+from objectives.in_numpy import in_numpy
 from studies.chauhan2009.data import BEFORE, MOTIONS, Records, Step, records
 from studies.chauhan2009.paper import DT, EVERY
 from studies.chauhan2009.settings import Settings
 from studies.chauhan2009.windows import ByPeriod, by_period, exported
 from tuner.problem.parameters import Bounded, Fixed, Parameter, Positive
 from tuner.problem.problem import Problem
+from tuner.problem.shared_gradients import SharedGradients
 from tuner.problem.space import Space
 
 FUZZY = GpsAidedKalman(DT, EVERY, "fuzzy")
@@ -47,6 +50,13 @@ def parameters(values: Mapping[str, Array | float]) -> GpsAidedNoise:
     return found
 
 
+def noise_of(values: Mapping[str, Array | float]) -> GpsAidedNoise:
+    """The same, worked out by NumPy."""
+    given = {name: np.asarray(value, float) for name, value in values.items()}
+    found: GpsAidedNoise = in_numpy(parameters, given)
+    return found
+
+
 def by_hand(settings: Settings) -> dict[str, float]:
     """The values without tuning: the known deviation of the measured angles."""
     return {"angle": settings.noise}
@@ -56,7 +66,7 @@ def estimated(
     filter: GpsAidedKalman, inputs: GpsAidedSample, values: Mapping[str, Array | float]
 ) -> GpsAidedOutputs:
     """A filter's outputs over a batch of records."""
-    found: GpsAidedOutputs = _run(Lanes(filter, inputs.gyr.shape[1]), parameters(values), inputs)
+    found: GpsAidedOutputs = _run(Lanes(filter, inputs.gyr.shape[1]), noise_of(values), inputs)
     return found
 
 
@@ -96,7 +106,8 @@ def randomly(
         Angles after the ticks, rad, ``(F, N, k, 3)``.
     """
     late = Q[round(BEFORE / DT) :]
-    params = shared(parameters(by_hand(settings)), made.truth.shape[1])
+    count = made.truth.shape[1]
+    params = in_numpy(partial(shared, count=count), noise_of(by_hand(settings)))
     params = params._replace(scale=np.stack([random_scale(late, factor) for factor in factors]))
     draw = np.random.default_rng([seed, 7]).uniform(size=(*made.truth.shape, 7))
     return np.asarray(_angles(params, made.inputs._replace(draw=jnp.asarray(draw))))
@@ -166,28 +177,30 @@ def filters(settings: Settings) -> dict[str, tuple[str, GpsAidedKalman]]:
 
 
 def posed(settings: Settings, made: Records) -> dict[str, Problem]:
-    """A problem for each filter, on the same records; those of one law share a compilation."""
+    """A problem for each filter, on the same records; all share one program for gradients."""
     return {name: _posed(settings, name, made) for name in filters(settings)}
 
 
 def _posed(settings: Settings, name: str, made: Records) -> Problem:
     law, own = filters(settings)[name]
-    longest = replace(own, samples=max(settings.windows))
+    longest, count = replace(own, samples=max(settings.windows)), made.truth.shape[1]
+    fuzzy = ByPeriod(replace(longest, law="fuzzy", slope="center"), any_law=True)
     return Problem(
         name=name,
         space=space(law, settings.noise),
-        filter=Lanes(ByPeriod(longest if law == "fuzzy" else own), made.truth.shape[1]),
+        filter=Lanes(ByPeriod(longest if law == "fuzzy" else own), count),
         build=parameters,
         objective=OverRecords(PitchRmse(round(BEFORE / DT), len(made.truth))),
         data=data_of(settings, name, made),
         source=made.source,
         exported=exported(own, made),
+        gradients=SharedGradients(Lanes(fuzzy, count), space("edge", settings.noise).size),
     )
 
 
 def data_of(settings: Settings, name: str, made: Records) -> Data:
     """Records as the problem of a filter takes them."""
-    return by_period(made, filters(settings)[name][1].samples)
+    return by_period(made, filters(settings)[name][1])
 
 
 def judged_by_hand(settings: Settings, made: Records) -> float:
@@ -200,7 +213,8 @@ def judged_by_hand(settings: Settings, made: Records) -> float:
     return float(np.degrees(np.sqrt(np.concatenate(squares))).mean())
 
 
-def _passed(filter: AnyFilter, params: Any, inputs: Any) -> Any:
+def passed(filter: AnyFilter, params: Any, inputs: Any) -> Any:
+    """A filter's outputs over a record."""
     return run(filter, params, inputs)[1]
 
 
@@ -215,9 +229,5 @@ def _random(params: GpsAidedNoise, inputs: GpsAidedSample) -> Array:
     return jax.vmap(angles, in_axes=(GpsAidedNoise(*axes),))(params)
 
 
-_run: Callable[..., Any] = jax.jit(_passed, static_argnums=0)
-run_few: Callable[..., Any] = jax.jit(
-    _passed, static_argnums=0, compiler_options={"xla_backend_optimization_level": 0}
-)
-"""A filter's outputs over a few samples, whose run takes less time than compilation."""
+_run: Callable[..., Any] = jax.jit(passed, static_argnums=0)
 _angles: Callable[..., Array] = jax.jit(_random)

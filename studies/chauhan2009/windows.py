@@ -1,6 +1,6 @@
-"""The tuned filters over whole periods of ticks, with a window that comes with the data.
+"""The tuned filters over whole periods of ticks, with a window or a law that comes with the data.
 
-Windows share one compilation so, and what only a measurement asks for is computed once a period.
+Filters share compilations so, and what only a measurement asks for is computed once a period.
 """
 
 from dataclasses import dataclass, replace
@@ -27,12 +27,14 @@ class Period(NamedTuple):
     Attributes:
         gyr: rates of the ticks, rad/s, ``(EVERY, 3)``.
         angles: what is measured at the last one, rad, ``(3,)``.
-        most: how many residuals the law may take, ``()``.
+        most: how many residuals the fuzzy law may take, ``()``; with 1 of them Q stays constant.
+        edge: share of the band's spread in the law's slope, ``()``.
     """
 
     gyr: Array
     angles: Array
     most: Array
+    edge: Array
 
 
 @dataclass(frozen=True)
@@ -44,9 +46,12 @@ class ByPeriod:
 
     Attributes:
         filter: the filter, with the longest window.
+        any_law: whether the data say by ``edge`` which slope the fuzzy law takes. With that it
+            finds what any fuzzy filter finds, and with one residual what a constant Q gives.
     """
 
     filter: GpsAidedKalman
+    any_law: bool = False
     same_params = True
 
     def init(self, params: GpsAidedNoise) -> GpsAidedState:
@@ -66,25 +71,27 @@ class ByPeriod:
         known = state.residuals
         short = known._replace(taken=jnp.minimum(known.taken, inputs.most - 1))
         last = GpsAidedSample(inputs.gyr[-1], inputs.angles)
-        state, outputs = self.filter.corrected(params, state._replace(residuals=short), ahead, last)
+        before, edge = state._replace(residuals=short), inputs.edge if self.any_law else None
+        state, outputs = self.filter.corrected(params, before, ahead, last, edge)
         whole = jnp.concatenate([angles[:-1], outputs.angles[None]])
         nothing: Any = dict.fromkeys(GpsAidedOutputs._fields)
         return state, GpsAidedOutputs(**nothing | {"angles": whole})
 
 
-def by_period(made: Records, samples: int) -> Data:
-    """Records for :class:`ByPeriod`, filled up to whole periods by NaN."""
+def by_period(made: Records, filter: GpsAidedKalman) -> Data:
+    """Records for :class:`ByPeriod` that finds what a filter does, filled up to whole periods."""
     gyr, angles, truth = map(_periods, (made.inputs.gyr, made.inputs.angles, made.truth))
-    most = jnp.asarray(np.full(truth.shape[:2], float(samples)))  # of one type with slices of it
-    return Data(Period(gyr, angles[:, :, -1], most), truth)
+    most = filter.samples if filter.law == "fuzzy" else 1
+    law = (np.full(truth.shape[:2], float(x)) for x in (most, filter.slope == "edge"))
+    return Data(Period(*map(jnp.asarray, (gyr, angles[:, :, -1], *law))), jnp.asarray(truth))
 
 
-def _periods(part: Array) -> Array:
+def _periods(part: Array) -> np.ndarray:
     """Ticks ``(N, k, ...)`` by periods, ``(M, k, EVERY, ...)``."""
     ticks = np.asarray(part)
     more = [(0, -len(ticks) % EVERY), *[(0, 0)] * (ticks.ndim - 1)]
     full = np.pad(ticks, more, constant_values=np.nan)
-    return jnp.asarray(np.moveaxis(full.reshape(-1, EVERY, *ticks.shape[1:]), 1, 2))
+    return np.moveaxis(full.reshape(-1, EVERY, *ticks.shape[1:]), 1, 2)
 
 
 def exported(filter: GpsAidedKalman, made: Records) -> Exported:

@@ -28,6 +28,7 @@ from tests import oracles_chauhan2009 as oracle
 from tuner.cli import invoke
 from tuner.run.comparison import Verdict
 
+PAIR = replace(FUZZY, samples=2)
 QUICK = {"xla_backend_optimization_level": 0}
 SHORT = Settings(
     seconds=180.0,
@@ -141,10 +142,22 @@ def test_a_window_that_comes_with_the_data_is_the_filter_with_that_window(sample
     made = records(SHORT, [Step(14.1, "silent")], [0, 1])
     params = parameters({"angle": 1.0, "floor": 1e-9})
     own = problems._run(Lanes(replace(FUZZY, samples=samples), 2), params, made.inputs)
-    data = by_period(made, samples)
+    data = by_period(made, replace(FUZZY, samples=samples))
     found = problems._run(Lanes(ByPeriod(FUZZY), 2), params, data.inputs)
     by_tick = np.moveaxis(np.asarray(found.angles), 2, 1).reshape(-1, 2, 3)[: len(made.truth)]
     np.testing.assert_allclose(by_tick, own.angles, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("own", [replace(PAIR, slope="edge"), problems.CONSTANT])
+def test_a_law_that_comes_with_the_data_is_the_filter_with_that_law(own):
+    made = records(SHORT, [Step(14.1, "silent")], [0, 1])
+    params = parameters({"angle": 1.0, "floor": 1e-9, "h": 0.4})
+    data = by_period(made, own)
+    wanted, found = (
+        np.asarray(problems._run(Lanes(filter, 2), params, data.inputs).angles)
+        for filter in (ByPeriod(own), ByPeriod(PAIR, any_law=True))
+    )
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-12)
 
 
 def test_at_lambda_one_both_laws_have_one_mean():

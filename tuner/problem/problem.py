@@ -9,7 +9,7 @@ import jax
 import numpy as np
 from jax import Array
 
-from filters import AnyFilter, bare
+from filters import AnyFilter
 from objectives import Data, Objective, Way, kept_bytes
 from objectives.in_numpy import Method, in_numpy
 from tuner.certificate.single_precision import SinglePrecision, single_precision
@@ -19,6 +19,7 @@ from tuner.export.tuned import Quantity
 from tuner.native.route import BACKWARDS, IN_PARTS, Route
 from tuner.problem.constant_gains import share_of_constant_gains
 from tuner.problem.constraint import Constraint
+from tuner.problem.derived import derived_numbers
 from tuner.problem.differences import differences
 from tuner.problem.exported import Exported, Trial, exported_of, one_of, quantities_of, trials_of
 from tuner.problem.identity import identity_of
@@ -37,6 +38,7 @@ from tuner.problem.programs import (
     value_of,
 )
 from tuner.problem.shape_checks import check_shapes
+from tuner.problem.shared_gradients import SharedGradients
 from tuner.problem.space import Space
 from tuner.problem.steady_form import steady_form_of
 
@@ -68,6 +70,7 @@ class Problem:
         way: direction of a gradient through the time loop; None: the faster by measured cost.
         steady: whether a likelihood goes on with constant gains where they have settled, which is
             exact (:class:`filters.Settling`); None: where a long record makes it pay.
+        gradients: a program for gradients that problems with other parameters share; None: its own.
 
     Raises:
         ValueError: where the data hold single precision, anything but real numbers, infinities,
@@ -89,6 +92,7 @@ class Problem:
     exported: Exported | None = None
     way: Way | None = None
     steady: bool | None = None
+    gradients: SharedGradients | None = None
     _runs: dict[bytes, Any] = field(default_factory=dict, init=False, repr=False)
     _routes: list[Route] = field(default_factory=list, init=False, repr=False)
 
@@ -183,9 +187,12 @@ class Problem:
         return value, gradient
 
     def _along(self, way: Way, z: np.ndarray) -> tuple[float, np.ndarray]:
+        z = np.asarray(z, float)
         if self.in_lines is not None:
-            return self.in_lines.value_and_gradient(way, np.asarray(z, float))
-        value, gradient = value_and_gradient_of(self.scored, way, np.asarray(z, float), self.data)
+            return self.in_lines.value_and_gradient(way, z)
+        if self.gradients is not None:
+            return self.gradients.value_and_gradient(self.static, way, z, self.data)
+        value, gradient = value_and_gradient_of(self.scored, way, z, self.data)
         return float(value), np.asarray(gradient)
 
     @cached_property
@@ -254,14 +261,7 @@ class Problem:
 
     def derived(self, z: np.ndarray) -> dict[str, float]:
         """The derived quantities at z, by name."""
-        values = self.parameters(z)
-        if self.derive is not None:
-            return {name: float(value) for name, value in in_numpy(self.derive, values).items()}
-        own = bare(self.filter)
-        if not hasattr(own, "derive"):
-            return {}
-        found = in_numpy(Method(own, "derive"), self.made(values))
-        return {name: float(n) for name, n in found.items() if np.ndim(n) == 0}
+        return derived_numbers(self.derive, self.filter, self.parameters(z), self.static.build)
 
     def params(self, solution: Solution) -> Any:
         """The filter's parameters that a solution stands for."""

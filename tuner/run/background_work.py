@@ -63,13 +63,14 @@ def differentiate(problem: Any) -> None:
 
 
 def of_each_program(problems: Iterable[Any]) -> list[Problem]:
-    """One problem of those that share their compilations, in order; convex programs have none."""
+    """One problem of those that share a gradient's program, in order; convex ones have none."""
     found: dict[Any, Problem] = {}
     for problem in problems:
         if isinstance(problem, Problem):
             leaves, tree = jax.tree.flatten(problem.data)
             shapes = tuple((np.shape(leaf), np.asarray(leaf).dtype) for leaf in leaves)
-            found.setdefault((problem.scored, problem.way, shapes, tree), problem)
+            own = problem.scored if problem.gradients is None else problem.gradients
+            found.setdefault((own, problem.objective, problem.way, shapes, tree), problem)
     return list(found.values())
 
 
