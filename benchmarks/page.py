@@ -133,8 +133,9 @@ benchmarks.starts` measures both in turns:
 
 - A descent that ends within 20 ms is followed by the next one without threads, which is the case
   for up to about 1000 samples of a small filter: there Python, of which only one thread runs at a
-  time, takes a third of the time, and threads would cost up to a fifth more. With 100 000 samples
-  two threads gained 1.7 to 2.0 x where the starts end together. Where they do not, the last start
+  time, takes a third of the time, and threads would cost up to a fifth more. Where three
+  evaluations take more than a millisecond each, the others begin at once. With 100 000 samples two
+  threads gained 1.7 to 2.0 x where the starts end together. Where they do not, the last start
   leaves a processor idle: the gain was 1.6 x of the 1.8 x possible.
 - Starts as lanes of one call were measured and are not used. Four points in one call of XLA take
   twice the time of one, which would save 10 ms of 35 in four descents over 300 samples; the call
