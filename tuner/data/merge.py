@@ -43,6 +43,11 @@ class Timeline:
     notes: tuple[str, ...] = ()
     counts: tuple[int, ...] | None = None
 
+    @property
+    def step(self) -> float:
+        """The usual seconds from one sample to the next."""
+        return float(np.nanmedian(self.dt)) if self.rate_hz is None else 1.0 / self.rate_hz
+
 
 def timeline(record: Record) -> Timeline:
     """Put all channels on the clock of the one with the most samples that hold a number.
@@ -114,14 +119,16 @@ def stacked(timelines: Sequence[Timeline]) -> Timeline:
     _check_size(timelines)
     rate = _one_rate([line.rate_hz for line in timelines])
     counts = tuple(len(line.times) for line in timelines)
-    medians = [float(np.median(line.dt)) for line in timelines]
-    steps = [line.dt if rate is None else np.full(len(line.dt), 1.0 / rate) for line in timelines]
-    fills = medians if rate is None else [1.0 / rate] * len(timelines)
+    shape = max(counts), len(counts)
+    if rate is None:
+        steps = _padded([line.dt for line in timelines], [line.step for line in timelines])
+    else:
+        steps = np.broadcast_to(1.0 / rate, shape)  # one number for all
     numbered = enumerate(timelines, 1)
     notes = (f"recording {number}: {note}" for number, line in numbered for note in line.notes)
     return Timeline(
         _padded([line.times for line in timelines]),
-        _padded(steps, fills),
+        steps,
         rate,
         {name: _padded([line.channels[name] for line in timelines]) for name in first.channels},
         {name: _padded([line.truth[name] for line in timelines]) for name in first.truth},
