@@ -16,6 +16,9 @@ from tuner.names import counted
 _FASTER = 2.0
 _NEAR_S = 0.1
 _SAME_RATE = 1e-3
+_COLUMNS, _OF_EACH = 25, 18
+"""Numbers a sample that a fit holds at the same time, as measured: times, terms of the objective
+and what is compared with them, and for each measured number what a filter makes of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,15 +253,16 @@ def _one_rate(rates: Sequence[float | None]) -> float | None:
 
 
 def _check_size(timelines: Sequence[Timeline]) -> None:
-    """Refuse recordings of which a long one makes the others too long."""
+    """Refuse recordings of which a long one makes the others too long for a fit."""
     longest = max(len(line.times) for line in timelines)
     first = timelines[0]
     values = (*first.channels.values(), *first.truth.values())
-    width = 2 + sum(math.prod(value.shape[1:]) for value in values)
+    width = sum(math.prod(value.shape[1:]) for value in values)
     check_amount(
         f"{len(timelines)} recordings side by side, of which the longest has {longest} samples,",
-        8 * longest * len(timelines) * width,
+        8 * longest * len(timelines) * (_COLUMNS + _OF_EACH * width),
         "leave out the longest, or cut it into several",
+        copies=1,
     )
 
 
