@@ -156,7 +156,9 @@ recordings lie end to end, each begins from the filter's start, lines of about 4
 eight side by side, and the processors take such parts in turns. The samples after the last one
 with a truth, and recordings without any, as those held out, are left out. `python -m
 benchmarks.recordings` measures 1000 recordings of 200 to 2000 samples, 4 states, 6 parameters, in
-ns a true sample. Filters whose gradient goes by C take one line a thread.
+ns a true sample. Filters whose gradient goes by C take one line a thread. What a fit does besides,
+its outputs, what is held out and the diagnostics, still has the length of the longest recording:
+where that would take more memory than there is, the recordings are refused.
 
 ## Results
 
