@@ -133,8 +133,9 @@ benchmarks.starts` measures both in turns:
 
 - A descent that ends within 20 ms is followed by the next one without threads, which is the case
   for up to about 1000 samples of a small filter: there Python, of which only one thread runs at a
-  time, takes a third of the time, and threads would cost up to a fifth more. With 100 000 samples
-  two threads gained 1.7 to 2.0 x where the starts end together. Where they do not, the last start
+  time, takes a third of the time, and threads would cost up to a fifth more. Where three
+  evaluations take more than a millisecond each, the others begin at once. With 100 000 samples two
+  threads gained 1.7 to 2.0 x where the starts end together. Where they do not, the last start
   leaves a processor idle: the gain was 1.6 x of the 1.8 x possible.
 - Starts as lanes of one call were measured and are not used. Four points in one call of XLA take
   twice the time of one, which would save 10 ms of 35 in four descents over 300 samples; the call
@@ -155,7 +156,9 @@ recordings lie end to end, each begins from the filter's start, lines of about 4
 eight side by side, and the processors take such parts in turns. The samples after the last one
 with a truth, and recordings without any, as those held out, are left out. `python -m
 benchmarks.recordings` measures 1000 recordings of 200 to 2000 samples, 4 states, 6 parameters, in
-ns a true sample. Filters whose gradient goes by C take one line a thread.
+ns a true sample. Filters whose gradient goes by C take one line a thread. What a fit does besides,
+its outputs, what is held out and the diagnostics, still has the length of the longest recording:
+where that would take more memory than there is, the recordings are refused.
 
 ## Results
 

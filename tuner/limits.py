@@ -69,25 +69,26 @@ def _of_machine() -> int:
     return min(found)
 
 
-def largest() -> int:
-    """Largest size in bytes of an array that is read or made."""
-    return max(memory() - LEAST // 2, LEAST // 2) // COPIES
+def largest(copies: int = COPIES) -> int:
+    """Largest size in bytes of an array that is read or made, of which there are so many copies."""
+    return max(memory() - LEAST // 2, LEAST // 2) // copies
 
 
-def check_amount(what: str, size: int | float, way_out: str) -> None:
+def check_amount(what: str, size: int | float, way_out: str, copies: int = COPIES) -> None:
     """Refuse what would not fit, before it is made.
 
     Args:
         what: the object, such as "1e13 samples".
         size: bytes of all of it.
         way_out: what to do.
+        copies: how many of it there are at the same time.
 
     Raises:
         ValueError: one sentence, with the limit and the way out.
     """
-    if size > largest():
+    if size > (most := largest(copies)):
         raise ValueError(
-            f"{what} would take {size_text(size)}, where {size_text(largest())} is the most that "
+            f"{what} would take {size_text(size)}, where {size_text(most)} is the most that "
             f"{size_text(memory())} of memory allow; {way_out}, or set another limit by --memory"
         )
 

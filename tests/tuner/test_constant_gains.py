@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from filters import LevelSample, LocalLevel
+from filters import Lanes, LevelSample, LocalLevel
 from objectives import Data, InnovationLikelihood
 from tuner import Positive, Problem, Space
 
@@ -56,3 +56,12 @@ def test_of_another_objective_nothing_is_taken_short():
         replace(problem(steady=True), objective=lambda outputs, truth: outputs.level.mean()).settled
         == 0
     )
+
+
+def test_recordings_end_to_end_take_every_sample(monkeypatch):
+    monkeypatch.setattr("tuner.problem.lines.LEAST", SAMPLES)
+    two = jnp.asarray(np.stack([Z, Z[::-1]], axis=1))
+    data = Data(LevelSample(two), jnp.zeros((SAMPLES, 2, 1)))
+    both = replace(problem(steady=True), filter=Lanes(LocalLevel(dt=1.0), 2), data=data)
+    assert both.in_lines is not None
+    assert both.settled == 0

@@ -205,3 +205,22 @@ def test_recordings_that_one_long_one_makes_too_long_are_refused(monkeypatch):
     assert stacked([short] * 9 + [long]).counts == (10,) * 9 + (40_000,)
     with pytest.raises(ValueError, match="^1001 recordings .* longest has 40000 .* leave out the"):
         stacked([short] * 1000 + [long])
+
+
+def test_one_long_recording_makes_the_others_too_long(monkeypatch):
+    monkeypatch.setenv("TUNER_MEMORY", "1GB")  # half of which the program itself takes
+    long, short = (timeline(Record.of({"z": np.zeros(n)}, rate_hz=10.0)) for n in (100_000, 10))
+    assert stacked([long, *10 * [short]]).counts == (100_000, *10 * [10])
+    words = "21 recordings side by side, of which the longest has 100000 samples, would take"
+    with pytest.raises(ValueError, match=f"{words} 0.673 GB.*leave out the longest"):
+        stacked([long, *20 * [short]])
+
+
+def test_recordings_of_one_rate_share_its_step():
+    both = stacked([timeline(Record.of({"z": np.ones(n)}, rate_hz=10.0)) for n in (3, 5)])
+    assert both.dt.shape == (5, 2)
+    assert set(both.dt.ravel().tolist()) == {both.step} == {0.1}
+    times = np.array([0.0, 0.1, 0.5, 0.6, 1.4])
+    uneven = timeline(Record.of({"z": np.ones(5)}, times=times))
+    assert uneven.rate_hz is None
+    assert uneven.step == np.median(np.diff(times, prepend=times[0] - np.median(np.diff(times))))

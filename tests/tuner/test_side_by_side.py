@@ -55,6 +55,21 @@ def test_long_descents_run_at_the_same_time(monkeypatch):
     assert [found.z.item() for found in islice(ends, 4)] == [0, 1, 2, 3]
 
 
+def test_others_begin_after_a_few_long_evaluations(monkeypatch):
+    monkeypatch.setattr(side_by_side, "ALONE", 2 * PATIENCE)
+    monkeypatch.setattr(side_by_side, "EVALUATIONS", 10**9)
+    together = threading.Barrier(2)
+
+    def descend(problem, z):
+        for _ in range(3):
+            problem.value(np.zeros(2))
+        together.wait(PATIENCE)
+        return end(z)
+
+    ends = descents(problem(bowl), descend, np.arange(8.0), 4, threads=2)
+    assert [found.z.item() for found in islice(ends, 4)] == [0, 1, 2, 3]
+
+
 def test_short_descents_run_one_after_another(monkeypatch):
     monkeypatch.setattr(side_by_side, "ALONE", PATIENCE)
     running, most = set(), []

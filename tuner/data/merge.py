@@ -16,6 +16,9 @@ from tuner.names import counted
 _FASTER = 2.0
 _NEAR_S = 0.1
 _SAME_RATE = 1e-3
+_COLUMNS, _OF_EACH = 25, 18
+"""Numbers a sample that a fit holds at the same time, as measured: times, terms of the objective
+and what is compared with them, and for each measured number what a filter makes of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +45,11 @@ class Timeline:
     units: Mapping[str, str]
     notes: tuple[str, ...] = ()
     counts: tuple[int, ...] | None = None
+
+    @property
+    def step(self) -> float:
+        """The usual seconds from one sample to the next."""
+        return float(np.nanmedian(self.dt)) if self.rate_hz is None else 1.0 / self.rate_hz
 
 
 def timeline(record: Record) -> Timeline:
@@ -114,14 +122,16 @@ def stacked(timelines: Sequence[Timeline]) -> Timeline:
     _check_size(timelines)
     rate = _one_rate([line.rate_hz for line in timelines])
     counts = tuple(len(line.times) for line in timelines)
-    medians = [float(np.median(line.dt)) for line in timelines]
-    steps = [line.dt if rate is None else np.full(len(line.dt), 1.0 / rate) for line in timelines]
-    fills = medians if rate is None else [1.0 / rate] * len(timelines)
+    shape = max(counts), len(counts)
+    if rate is None:
+        steps = _padded([line.dt for line in timelines], [line.step for line in timelines])
+    else:
+        steps = np.broadcast_to(1.0 / rate, shape)  # one number for all
     numbered = enumerate(timelines, 1)
     notes = (f"recording {number}: {note}" for number, line in numbered for note in line.notes)
     return Timeline(
         _padded([line.times for line in timelines]),
-        _padded(steps, fills),
+        steps,
         rate,
         {name: _padded([line.channels[name] for line in timelines]) for name in first.channels},
         {name: _padded([line.truth[name] for line in timelines]) for name in first.truth},
@@ -243,15 +253,16 @@ def _one_rate(rates: Sequence[float | None]) -> float | None:
 
 
 def _check_size(timelines: Sequence[Timeline]) -> None:
-    """Refuse recordings of which a long one makes the others too long."""
+    """Refuse recordings of which a long one makes the others too long for a fit."""
     longest = max(len(line.times) for line in timelines)
     first = timelines[0]
     values = (*first.channels.values(), *first.truth.values())
-    width = 2 + sum(math.prod(value.shape[1:]) for value in values)
+    width = sum(math.prod(value.shape[1:]) for value in values)
     check_amount(
         f"{len(timelines)} recordings side by side, of which the longest has {longest} samples,",
-        8 * longest * len(timelines) * width,
+        8 * longest * len(timelines) * (_COLUMNS + _OF_EACH * width),
         "leave out the longest, or cut it into several",
+        copies=1,
     )
 
 

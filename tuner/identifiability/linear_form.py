@@ -51,11 +51,13 @@ class LinearProblem:
 
     Attributes:
         entries: the p numbers, in the order of ``NoiseModel.Q``.
-        recordings: one model each.
+        recordings: one model each; of several each ends with its last measurement.
+        samples: N of the longest.
     """
 
     entries: tuple[Entry, ...]
     recordings: tuple[NoiseModel, ...]
+    samples: int
 
 
 @dataclass(frozen=True)
@@ -111,7 +113,8 @@ def linear_problem(problem: Problem) -> LinearProblem:
 
     known = values, steps if timed else None, tables
     parts = parts_of(_Noise(own, problem.static.build), free, *known)
-    return LinearProblem(parts.entries, _recordings(problem, parts.matrices, inputs, steps, dt))
+    recordings = _recordings(problem, parts.matrices, inputs, steps, dt)
+    return LinearProblem(parts.entries, recordings, len(jax.tree.leaves(inputs)[0]))
 
 
 def _wrapper(filter: Any, cls: type[Any]) -> Any:
@@ -154,11 +157,11 @@ def _recordings(
     """One for each lane, and for each of the signals that pass through the same gains."""
     several = _wrapper(problem.filter, Lanes)
     lanes = None if several is None else several.count
+    everything = jax.tree.map(np.asarray, (inputs, problem.data.truth, dt))
     found = []
     for lane in range(lanes or 1):
         inputs_, truth, clock = jax.tree.map(
-            lambda leaf, lane=lane: np.asarray(leaf if lanes is None else leaf[:, lane]),
-            (inputs, problem.data.truth, dt),
+            lambda leaf, lane=lane: leaf if lanes is None else leaf[:, lane], everything
         )
         measured = _measured(bare(problem.filter), inputs_)
         z = np.array(measured.z, float)
@@ -174,7 +177,11 @@ def _recordings(
         F, Q, H, R = matrices.F, matrices.Q, matrices.H, matrices.R
         for signal in [z] if z.ndim == 2 else np.moveaxis(z, 2, 0):
             seen = np.where(sigma > 0, signal, np.nan)
-            found.append(NoiseModel(F, Q, which, push, H, R, sigma, seen))
+            last = np.flatnonzero(np.isfinite(seen).any(axis=1))[-1:]
+            # Recordings side by side are as long as the longest; what fills them up is not kept.
+            end = len(seen) if lanes is None else 1 + int(last.sum())
+            kept = (np.array(part[:end]) for part in (sigma, seen))
+            found.append(NoiseModel(F, Q, which[:end].copy(), push[:end].copy(), H, R, *kept))
     return tuple(found)
 
 

@@ -39,9 +39,8 @@ def noise_sizes(problem: Problem) -> Mapping[str, NoiseSize]:
     n, m = linear.recordings[0].F.shape[-1], len(linear.recordings[0].H)
     medians, means = alone(differences(linear.recordings, -(-(n + m) // m) * m))
     found = estimate(differences(linear.recordings), linear.entries)
-    longest = max(len(model.z) for model in linear.recordings)
     # White noise on the n-th derivative moves N samples by N^(2n - 1) of its effect on one.
-    least = min(1e-10, float(longest) ** (-2 * n // max(m, 1)))
+    least = min(1e-10, float(linear.samples) ** (-2 * n // max(m, 1)))
     return {
         entry.parameter: NoiseSize(
             float(median), float(mean), least * float(median), float(value), float(deviation)

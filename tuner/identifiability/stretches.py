@@ -54,7 +54,16 @@ def wrong_stretches(problem: Problem, gate: float) -> tuple[Refusals, ...]:
     rows = -(-max(_ROWS, m * (2 * n + 1)) // m) * m
     noise = estimate_of_most(differences(linear.recordings, rows), linear.entries)
     size = scales(linear.recordings)
-    return tuple(_wrong(model, noise, rows, size, gate) for model in linear.recordings)
+    return tuple(
+        _as_long(_wrong(model, noise, rows, size, gate), linear.samples)
+        for model in linear.recordings
+    )
+
+
+def _as_long(found: Refusals, samples: int) -> Refusals:
+    """The same of as many samples as the longest recording has."""
+    rest = np.zeros((samples - len(found.seen), found.seen.shape[1]), bool)
+    return Refusals(*(np.concatenate([each, rest]) for each in found))
 
 
 def _wrong(

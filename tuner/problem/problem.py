@@ -332,8 +332,11 @@ class Problem:
 
     @cached_property
     def settled(self) -> float:
-        """Share of the record that is taken with constant gains where a search begins."""
-        if self.filter is None or self.steady is False:
+        """Share of the record that is taken with constant gains where a search begins.
+
+        It is 0 of recordings end to end, whose every sample is taken.
+        """
+        if self.filter is None or self.steady is False or self.in_lines is not None:
             return 0.0
         wanted = self.steady is True
         return share_of_constant_gains(self.static, self.space.start(), self.data, wanted=wanted)

@@ -76,7 +76,7 @@ def pose(name: str, cls: type[Any], timeline: Timeline, wishes: Wishes, source: 
         ValueError: for an unknown parameter, option or objective, and where nothing says how good
             a run is.
     """
-    cls, options = with_noise(cls, wishes.options, float(np.nanmedian(timeline.dt)))
+    cls, options = with_noise(cls, wishes.options, timeline.step)
     care, options = care_of(cls, options)
     filter = set_up(name, cls, timeline, options)
     objective, judged, output = choose_objective(name, cls, timeline, wishes.objective)
@@ -158,16 +158,15 @@ def set_up(name: str, cls: type[Any], timeline: Timeline, options: Mapping[str, 
     for option in options:
         if option not in known or option == "dt":
             raise unknown(f"option of {name}", option, [*(n for n in known if n != "dt"), *NAMES])
-    dt = np.asarray(timeline.dt)
-    step = {"dt": float(np.nanmedian(dt) if timeline.rate_hz is None else 1 / timeline.rate_hz)}
-    given = {} if "dt" not in known else step
+    given = {} if "dt" not in known else {"dt": timeline.step}
     _check_complete(name, known, {**given, **options})
     filter = cls(**given, **options)
     if hasattr(filter, "given"):
         filter = filter.given(frozenset(timeline.channels))
     if timeline.rate_hz is None:
         filter = Timed(filter)
-    return Lanes(filter, dt.shape[1]) if dt.ndim == 2 else filter
+    shape = np.shape(timeline.dt)
+    return Lanes(filter, shape[1]) if len(shape) == 2 else filter
 
 
 def _check_complete(name: str, known: Mapping[str, Any], given: Mapping[str, Any]) -> None:

@@ -141,7 +141,7 @@ def scale_of(cls: type[Any], timeline: Timeline) -> Scale:
     Raises:
         ValueError: for data too large, or too small, to be squared.
     """
-    step, name = float(np.nanmedian(timeline.dt)), _of_any_unit(cls, timeline)
+    step, name = timeline.step, _of_any_unit(cls, timeline)
     if not name:
         return Scale(1.0, step)
     columns = np.asarray(timeline.channels[name], float).reshape(len(timeline.dt), -1).T

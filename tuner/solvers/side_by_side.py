@@ -1,11 +1,12 @@
 """Descents from several starts at the same time, on as many processors as there are."""
 
+import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import CancelledError, Future, ThreadPoolExecutor, wait
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from threading import Event
-from typing import Any, TypeAlias, cast
+from typing import Any, TypeAlias, TypeVar, cast
 
 import numpy as np
 
@@ -15,9 +16,14 @@ from tuner.solvers.minimum import Descent, Minimum
 
 Begin: TypeAlias = Callable[[np.ndarray], "Future[Minimum]"]
 """Begins a descent from a start ``(n,)``."""
+T = TypeVar("T")
 ALONE = 0.02
 """A descent that takes longer, s, gets others beside it. Shorter ones gain nothing by it: much of
 their time goes to Python, which one thread runs at a time."""
+EVALUATIONS = 20
+"""A descent takes as many, and more: where each takes long, so does the descent."""
+_FIRST = 3
+"""Long evaluations after which the others begin; a single one may be long for other reasons."""
 
 
 def descents(
@@ -40,11 +46,16 @@ def descents(
         return
     begun: list[Future[Minimum]] = []
     wanted, short = count, True
-    with _pool(problem, descend, threads) as begin:
+    news = Event()
+    with _pool(problem, descend, threads, news) as begin:
         for at in range(len(points)):
             begun += map(begin, points[len(begun) : at + 1 if short else wanted])
-            if short and not wait(begun[at:], timeout=ALONE).done:
-                short = False
+            if short:
+                begun[at].add_done_callback(lambda _: news.set())
+                news.wait(ALONE)
+                short = begun[at].done()
+                news.clear()
+            if not short:
                 begun += map(begin, points[len(begun) : wanted])
             end = begun[at].result()
             wanted += not np.isfinite(end.value)
@@ -52,10 +63,13 @@ def descents(
 
 
 @contextmanager
-def _pool(problem: Problem, descend: Descent, threads: int) -> Iterator[Begin]:
-    """Threads that make descents; once something is raised, none of them goes on."""
+def _pool(problem: Problem, descend: Descent, threads: int, long: Event) -> Iterator[Begin]:
+    """Threads that make descents; once something is raised, none of them goes on.
+
+    ``long`` is set where evaluations are so long that descents will be, too.
+    """
     over, pool = Event(), ThreadPoolExecutor(threads, initializer=beside_others)
-    watched = cast("Problem", _Watched(problem, over))
+    watched = cast("Problem", _Watched(problem, over, long))
     try:
         yield lambda z: pool.submit(descend, watched, z)
     except BaseException:
@@ -72,24 +86,32 @@ class _Watched:
     Attributes:
         problem: the problem.
         over: set where the search is given up.
+        long: set after the first long evaluations.
     """
 
     problem: Problem
     over: Event
+    long: Event
+    _slow: list[float] = field(default_factory=list)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.problem, name)
 
     def value(self, z: np.ndarray) -> float:
         """The objective at z ``(n,)``."""
-        self._check()
-        return self.problem.value(z)
+        return self._timed(self.problem.value, z)
 
     def value_and_gradient(self, z: np.ndarray) -> tuple[float, np.ndarray]:
         """The objective and its gradient at z ``(n,)``."""
-        self._check()
-        return self.problem.value_and_gradient(z)
+        return self._timed(self.problem.value_and_gradient, z)
 
-    def _check(self) -> None:
+    def _timed(self, evaluate: Callable[[np.ndarray], T], z: np.ndarray) -> T:
         if self.over.is_set():
             raise CancelledError("the search was given up")
+        start = time.perf_counter()
+        found = evaluate(z)
+        if len(self._slow) < _FIRST and (took := time.perf_counter() - start) > ALONE / EVALUATIONS:
+            self._slow.append(took)
+            if len(self._slow) >= _FIRST:
+                self.long.set()
+        return found
