@@ -36,10 +36,9 @@ def _round(x: np.ndarray, *, rounding_method: Any) -> Any:
 
 
 def _select(which: np.ndarray, *cases: np.ndarray) -> Any:
-    index = np.broadcast_to(which.astype(int), cases[0].shape)
     if len(cases) == 2:
-        return np.where(index, cases[1], cases[0])
-    return np.choose(index, cases)
+        return np.where(which, cases[1], cases[0])
+    return np.choose(np.broadcast_to(which.astype(int), cases[0].shape), cases)
 
 
 def _cast(x: np.ndarray, *, new_dtype: Any, **_: Any) -> Any:

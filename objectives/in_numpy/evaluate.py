@@ -142,25 +142,66 @@ def _in_order(found: Any, orders: Orders) -> Any:
     return {name: found[name] for name in orders.get(frozenset(found), found)}
 
 
+class _Line(NamedTuple):
+    """An operation: the places of what it takes, and of what comes out of it with its types."""
+
+    operation: Evaluate
+    takes: tuple[int, ...]
+    params: dict[str, Any]
+    several: bool
+    gives: tuple[tuple[int, Any], ...]
+
+
+class _Listed(NamedTuple):
+    """A traced program with places for its values: what is known, is given, is done, comes out."""
+
+    known: list[Any]
+    given: tuple[Any, ...]
+    lines: tuple[_Line, ...]
+    results: tuple[int, ...]
+
+
+@lru_cache(maxsize=4096)
+def _listed(jaxpr: Any) -> _Listed:
+    """The lines of a traced program, which loops pass many times."""
+    places: dict[Any, int] = {}
+    known: list[Any] = []
+
+    def place(atom: Any) -> int:
+        if hasattr(atom, "val"):
+            known.append(np.asarray(atom.val, atom.aval.dtype))
+            return len(known) - 1
+        if atom not in places:
+            known.append(None)
+            places[atom] = len(known) - 1
+        return places[atom]
+
+    first = [*jaxpr.constvars, *jaxpr.invars]
+    given = tuple((place(variable), variable.aval.dtype) for variable in first)
+    lines = []
+    for equation in jaxpr.eqns:
+        primitive = equation.primitive
+        if primitive.name not in KNOWN:
+            raise _UnknownError(primitive.name)
+        takes = tuple(map(place, equation.invars))
+        gives = tuple((place(variable), variable.aval.dtype) for variable in equation.outvars)
+        operation, several = KNOWN[primitive.name], primitive.multiple_results
+        lines.append(_Line(operation, takes, equation.params, several, gives))
+    results = tuple(map(place, jaxpr.outvars))
+    return _Listed(known, given, tuple(lines), results)
+
+
 def _evaluated(jaxpr: Any, consts: Sequence[Any], given: Sequence[np.ndarray]) -> list[np.ndarray]:
     """The results of a traced program."""
-    known: dict[Any, np.ndarray] = {}
-
-    def read(atom: Any) -> np.ndarray:
-        return np.asarray(atom.val, atom.aval.dtype) if hasattr(atom, "val") else known[atom]
-
-    for variables, values in ((jaxpr.constvars, consts), (jaxpr.invars, given)):
-        for variable, value in zip(variables, values, strict=True):
-            known[variable] = np.asarray(value, variable.aval.dtype)
-    for equation in jaxpr.eqns:
-        operation = KNOWN.get(equation.primitive.name)
-        if operation is None:
-            raise _UnknownError(equation.primitive.name)
-        found = operation(*map(read, equation.invars), **equation.params)
-        several = found if equation.primitive.multiple_results else [found]
-        for variable, value in zip(equation.outvars, several, strict=True):
-            known[variable] = np.asarray(value, variable.aval.dtype)
-    return [read(atom) for atom in jaxpr.outvars]
+    listed = _listed(jaxpr)
+    values = listed.known.copy()
+    for (place, kind), value in zip(listed.given, (*consts, *given), strict=True):
+        values[place] = np.asarray(value, kind)
+    for operation, takes, params, several, gives in listed.lines:
+        found = operation(*[values[place] for place in takes], **params)
+        for (place, kind), value in zip(gives, found if several else (found,), strict=True):
+            values[place] = np.asarray(value, kind)
+    return [values[place] for place in listed.results]
 
 
 def _closed(program: Any, *given: np.ndarray) -> list[np.ndarray]:
