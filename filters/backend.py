@@ -1,4 +1,4 @@
-"""Settings that must reach XLA before its CPU backend starts: float64, whole-loop compilation."""
+"""Settings that must reach XLA before its CPU backend starts: float64, whole loops, one thread."""
 
 import os
 import sys
@@ -12,6 +12,9 @@ _FLAG = "--xla_backend_extra_options="
 FUSION = "--xla_cpu_experimental_ynn_fusion_type"
 """Which operations XLA hands to the YNN library; such a fusion keeps the loop that holds it from
 being compiled as a whole: from seven states on in a gradient, from nine in a value."""
+INLINE = "JAX_CPU_ENABLE_ASYNC_DISPATCH"
+"""Whether another thread computes while the caller goes on. A search waits for each number, and
+the change of threads takes a quarter of a value of 1000 samples."""
 
 
 class LoopOption(Enum):
@@ -34,7 +37,8 @@ def prepare(environment: MutableMapping[str, str]) -> LoopOption:
     XLA compiles a loop into one native loop only where the loop's state is below
     1 kB; every larger scan is interpreted operation by operation, 10 to 100 times
     slower. The threshold is read once, when the backend starts. A loop that
-    holds a fusion of the YNN library is interpreted too, so these are switched off.
+    holds a fusion of the YNN library is interpreted too, so these are switched off. What is called
+    is computed by the thread that calls, unless ``JAX_CPU_ENABLE_ASYNC_DISPATCH`` is given.
 
     Args:
         environment: where ``XLA_FLAGS`` is read and written.
@@ -51,6 +55,8 @@ def prepare(environment: MutableMapping[str, str]) -> LoopOption:
     import jax
 
     jax.config.update("jax_enable_x64", True)
+    if not late and INLINE not in environment:
+        jax.config.update(INLINE.lower(), False)
     if given:
         return LoopOption.GIVEN
     if late:

@@ -6,11 +6,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import jax
 import jax.numpy as jnp
 import pytest
 
 from filters import LoopOption, loop_option
-from filters.backend import FUSION, LOOP_OPTION, prepare, with_loop_option
+from filters.backend import FUSION, INLINE, LOOP_OPTION, prepare, with_loop_option
 
 ROOT = Path(__file__).parents[2]
 OURS = f"{LOOP_OPTION}=1000000000"
@@ -145,3 +146,8 @@ def test_the_option_makes_a_gradient_much_faster(fresh, late):
     A ratio of the fastest of eight runs, and a fifth of what it usually is, for other load.
     """
     assert late["seconds"] > 4 * fresh["seconds"]
+
+
+@pytest.mark.skipif(INLINE in os.environ, reason="the environment decides")
+def test_calls_are_computed_by_the_thread_that_makes_them():
+    assert jax.config.values[INLINE.lower()] is False
