@@ -16,7 +16,7 @@ steps that are closer than 1e-3."""
 _BEYOND = 1e-3
 """Distance from a limit, over it, from which a step is well beyond."""
 _ROUNDS, _KEPT, _CHILDREN, _HALVINGS = 32, 2, 12, 26
-_NEARER, _PATIENCE = 0.95, 4
+_NEARER, _PATIENCE = 0.95, 6
 """A step has come nearer where at most this share of its distance is left; after so many rounds in
 which it has not, it is given up; but that of a long filter, which has few."""
 Compared: TypeAlias = tuple[int, int, int | float]

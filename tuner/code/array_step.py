@@ -12,24 +12,21 @@ from tuner.code.mutants import CHANGE, Mutant, mutants_of, with_changes
 from tuner.code.nodes import Node
 from tuner.code.operations import BINARY, COMPARE, LOGIC, UNARY
 from tuner.code.program import Program
+from tuner.code.rounding_errors import Noise
 
 _EXACT = frozenset({"neg", "abs", "choose", "convert", "max", "min", *LOGIC})
 Given: TypeAlias = Mapping[int, np.ndarray]
 """Values of the input nodes, a state each: ``(B,)``."""
 
 
-class Noise(NamedTuple):
-    """Random errors of every operation.
+class _Work(NamedTuple):
+    """A node of a step, and the nodes that are needed no longer after it."""
 
-    Attributes:
-        draw: a generator.
-        size: of an error, over the result.
-        repeats: number of times that each step is worked out with errors of its own.
-    """
-
-    draw: np.random.Generator
-    size: float
-    repeats: int
+    k: int
+    node: Node
+    function: Callable[..., Any] | None
+    rounded: bool
+    done: list[int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,13 +59,19 @@ class Step:
         return self.graph.reached(self.roots)
 
     @cached_property
-    def _done(self) -> dict[int, list[int]]:
-        """The nodes that are needed no longer after each one."""
+    def _order_of_work(self) -> list[_Work]:
+        """Each node with what makes it, and with the nodes that are needed no longer after it."""
         last = {part: k for k in self.order for part in self.graph.nodes[k].args}
-        found: dict[int, list[int]] = {}
+        done: dict[int, list[int]] = {}
+        roots = set(self.roots)
         for part, k in last.items():
-            found.setdefault(k, []).append(part)
-        return found
+            if part not in roots:
+                done.setdefault(k, []).append(part)
+        nodes = self.graph.nodes
+        return [
+            _Work(k, nodes[k], self.functions[k], k in self._rounded, done.get(k, []))
+            for k in self.order
+        ]
 
     @cached_property
     def decisions(self) -> list[tuple[int, int]]:
@@ -111,31 +114,31 @@ class Step:
             watched: nodes whose values are filled in.
             change: of a constant, as a share of itself.
         """
-        keep = set(self.roots)
         lanes: dict[Mutant, list[int]] = {}
         for lane, one in enumerate(mutants or ()):
             lanes.setdefault(one, []).append(lane)
         changed, count = {one.node for one in lanes}, len(mutants or ())
+        width = max(map(len, given.values()), default=1)
+        errors = None if noise is None else noise.errors(width)
         known: dict[int, np.ndarray] = {}
         with np.errstate(all="ignore"):
-            for k in self.order:
-                node, function = self.graph.nodes[k], self.functions[k]
-                args = [known[part] for part in node.args]
+            for k, node, function, rounded, done in self._order_of_work:
                 if function is None:
                     found = given[k] if node.op == "input" else np.array([node.value])
-                elif k in changed:
-                    found = with_changes(self.graph, k, function, args, lanes, count, 1 + change)
                 else:
-                    found = function(*args)
-                if noise is not None and k in self._rounded:
-                    errors = noise.draw.uniform(-1, 1, (noise.repeats, found.shape[-1]))
-                    found = found * (1 + noise.size * errors)
+                    args = [known[part] for part in node.args]
+                    if k in changed:
+                        by = 1 + change
+                        found = with_changes(self.graph, k, function, args, lanes, count, by)
+                    else:
+                        found = function(*args)
+                if errors is not None and rounded:
+                    found = found * next(errors)
                 known[k] = found
                 if watched is not None and k in watched:
                     watched[k] = found
-                for part in self._done.get(k, ()):
-                    if part not in keep:
-                        del known[part]
+                for part in done:
+                    del known[part]
         return [known[k] for k in self.roots]
 
     def values(self, given: Given, nodes: Sequence[int]) -> dict[int, np.ndarray]:

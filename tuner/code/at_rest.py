@@ -72,7 +72,7 @@ def at_rest(own: ReferenceFilter, samples: Any) -> tuple[Arrays, Arrays]:
 
 def _standing(leaves: Arrays) -> Iterator[Arrays]:
     """A sample of median values, then the same with a field of zeros."""
-    middle = [_middle(x) for x in leaves]
+    middle = [_even(_middle(x)) for x in leaves]
     yield middle
     real = [k for k, x in enumerate(middle) if x.dtype.kind == "f"]
     for zero in real[:_MOST]:
@@ -86,6 +86,13 @@ def _middle(leaf: np.ndarray) -> np.ndarray:
     ranked = np.sort(leaf, axis=0)  # missing ones last
     count = np.maximum(np.isfinite(ranked).sum(axis=0), 1)
     return np.asarray(np.take_along_axis(ranked, (count // 2)[None], axis=0)[0])
+
+
+def _even(sample: np.ndarray) -> np.ndarray:
+    """The same with equal rows: the measurements of a block do not change either."""
+    if sample.ndim < 2 or sample.dtype.kind != "f" or not np.isfinite(sample).any():
+        return sample
+    return np.broadcast_to(np.nanmean(sample, axis=0), sample.shape)
 
 
 def _stacked(rows: list[Arrays], kept: list[bool]) -> Arrays:

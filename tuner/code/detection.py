@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tuner.code.array_step import Given, Noise, Step
+from tuner.code.array_step import Given, Step
 from tuner.code.mutants import CHANGE, Mutant, is_limit
+from tuner.code.rounding_errors import Noise
 from tuner.code.sensitivity import sensitivities
 
 EPS = {"double": 2.0**-52, "float": 2.0**-23}

@@ -89,10 +89,12 @@ class Hidden:
         nodes = self._step.graph.nodes
         return way is not None and any(nodes[k].op in ("eq", "ne") for k in way.turned)
 
-    def wanted(self) -> set[int]:
-        """The operations that decide whether those show that may."""
+    def wanted(self, *, moving: bool = False) -> set[int]:
+        """The operations that decide whether those show that may, or those with an effect."""
         found = set[int]()
         for one in self.open:
+            if moving and one in self.idle and not one.limit:
+                continue
             way = self._way(one)
             if way is not None:
                 found |= way.turned | {k for k, _ in way.needed}

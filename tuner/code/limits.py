@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterator
 import numpy as np
 
 from tuner.code.approach import Bases, Compared, beyond, close
-from tuner.code.array_step import Step
+from tuner.code.array_step import Given, Step
 from tuner.code.detection import LONG, detected, plain
 from tuner.code.mutants import OTHERWISE, Mutant
 from tuner.code.operations import COMPARE
@@ -71,7 +71,7 @@ def _bases(
     step: Step, around: Around, compared: list[Compared], draw: np.random.Generator
 ) -> Bases:
     """Steps in which these decisions matter; where there is none, others."""
-    own, chosen, steps = len(around.states), list[Compared](), list[Arrays]()
+    chosen, steps = list[Compared](), list[Arrays]()
     long = len(step.order) > LONG
     count, most = (_FEW, 3) if long else (_POOL, max(_BASES, _ALL // max(len(compared), 1)))
     for turn in range(_POOLS):
@@ -80,9 +80,13 @@ def _bases(
             break
         states, samples = around.drawn(draw, count)
         pool = [*states, *samples]
-        matters = _matters(step, own, pool, [one[0] for one in missing])
-        for one, row in zip(missing, matters, strict=True):
-            at = draw.permutation(np.flatnonzero(row))[:most]
+        given = placed(step.program, states, samples)
+        matters = _matters(step, given, [one[0] for one in missing])
+        apart = _distances(step, given, missing, count)
+        for one, row, distance in zip(missing, matters, apart, strict=True):
+            at = draw.permutation(np.flatnonzero(row))
+            nearest = at[np.argsort(distance[at], kind="stable")][: most // 2]
+            at = np.unique(np.concatenate([nearest, at[: most - len(nearest)]]))
             if not len(at) and turn + 1 == _POOLS and not long:
                 at = draw.integers(count, size=1)
             if len(at):
@@ -92,8 +96,19 @@ def _bases(
     return Bases(chosen, [np.concatenate(column) for column in zip(*steps, strict=True)], before)
 
 
-def _matters(step: Step, own: int, pool: Arrays, decisions: list[int]) -> np.ndarray:
+def _matters(step: Step, given: Given, decisions: list[int]) -> np.ndarray:
     """Whether each decision, taken otherwise, changes a result of each step."""
-    given = placed(step.program, pool[:own], pool[own:])
     turned = [Mutant(k, OTHERWISE) for k in decisions]
     return detected(step, given, turned, plain(step, given), 1.0)
+
+
+def _distances(
+    step: Step, given: Given, compared: list[Compared], count: int
+) -> Iterator[np.ndarray]:
+    """How far each number is from its limit, in each step; what is no number last."""
+    nodes = step.graph.reached(k for one in compared for k in one[1:] if isinstance(k, int))
+    values = step.values(given, nodes)
+    for _, x, limit in compared:
+        with np.errstate(all="ignore"):
+            apart = np.abs(values[x] - (values[limit] if isinstance(limit, int) else limit))
+        yield np.broadcast_to(np.nan_to_num(apart, nan=np.inf), count)

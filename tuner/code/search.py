@@ -1,6 +1,6 @@
 """Steps in which a wrong constant shows: a search from states near a filter's own and far off."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from typing import TypeAlias
@@ -24,9 +24,10 @@ from tuner.code.limits import beside_limits
 from tuner.code.literal import Precision
 from tuner.code.mutants import is_limit
 from tuner.code.states import Around, Arrays, placed
+from tuner.code.together import Together
 
-_BATCH, _ROUNDS, _FEW, _TWICE = 64, 12, 4, 2
-"""States looked at together, and how often: at most, in the longest steps, and beside limits."""
+_BATCH, _ROUNDS, _FEW = 64, 12, 4
+"""States looked at together, and how often: at most, and in the longest steps."""
 _LEAST = 4
 """Rounds at least, before only steps beside limits are looked at."""
 _OPERATIONS = 72_000
@@ -35,8 +36,8 @@ _TOGETHER = 32
 """Limits of a long step that are changed together."""
 _CLEAR = 10.0
 """The move over its tolerance, of the results together, from which one of them probably shows."""
-Results: TypeAlias = Callable[[Arrays, Arrays], np.ndarray]
-"""The roots of steps from states and samples, ``(roots, B)``."""
+Results: TypeAlias = Callable[[Arrays, Arrays], Sequence[np.ndarray]]
+"""The roots of steps from states and samples, ``(roots, B)``, by each half of symmetric ones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +69,7 @@ def search(step: Step, around: Around, most: int, by_jax: Results) -> Found:
         by_jax: JAX's results of steps, with which those of a long step have to agree.
     """
     draw, tried, chosen, gains = np.random.default_rng(0), 0, list[Arrays](), list[int]()
-    program, hidden = step.program, Hidden(step)
+    program, hidden, together = step.program, Hidden(step), Together(step)
     for drawn in _batches(step, around, draw, hidden):
         if not hidden.mutants:
             break
@@ -77,10 +78,10 @@ def search(step: Step, around: Around, most: int, by_jax: Results) -> Found:
         tried += len(next(iter(given.values()), ()))
         if len(step.order) > LONG:
             right = expected(step, given, draw)
-            right = replace(
-                right, steady=right.steady & agree(step, right, by_jax(states, samples))
-            )
-            shows = _by_derivatives(step, given, right, hidden, draw)
+            same = [agree(step, right, found) for found in by_jax(states, samples)]
+            right = replace(right, steady=np.logical_and.reduce([right.steady, *same]))
+            shows = _by_derivatives(step, given, right, hidden, draw, together)
+            together.take([*states, *samples])
         else:
             shows = _by_changes(step, given, hidden, draw)
         while shows.any():
@@ -93,6 +94,9 @@ def search(step: Step, around: Around, most: int, by_jax: Results) -> Found:
         if len(step.order) <= LONG:
             hidden.leave_proven()
 
+    for one in together.steps():
+        chosen.append(one)
+        gains.append(0)
     kept = np.sort(np.argsort(-np.array(gains, int), kind="stable")[:most])
     fields = [*program.state, *program.inputs]
     whole = [
@@ -126,7 +130,12 @@ def _by_changes(step: Step, given: Given, hidden: Hidden, draw: np.random.Genera
 
 
 def _by_derivatives(
-    step: Step, given: Given, right: Expected, hidden: Hidden, draw: np.random.Generator
+    step: Step,
+    given: Given,
+    right: Expected,
+    hidden: Hidden,
+    draw: np.random.Generator,
+    together: Together,
 ) -> np.ndarray:
     """The same by derivatives, which take one pass for all constants; limits have none."""
     found = moves(step, given, right, draw)
@@ -137,6 +146,7 @@ def _by_derivatives(
         shows[part] = detected(step, given, [hidden.mutants[k] for k in part], right, 2.0)
     moved = {one for k, one in enumerate(hidden.mutants) if shows[k].any() or found[one].any()}
     hidden.idle -= moved
+    together.look({one: found[one] for k, one in enumerate(hidden.mutants) if not shows[k].any()})
     return shows
 
 
@@ -150,11 +160,8 @@ def _batches(
         if not long and turn + 1 >= _LEAST and hidden.only_at_limits:
             break
     if not long:
-        for _ in range(_TWICE):
-            before = len(hidden.mutants)
-            yield from beside_limits(step, around, draw, hidden.wanted())
-            if len(hidden.mutants) == before:
-                break
+        yield from beside_limits(step, around, draw, hidden.wanted())
+        yield from beside_limits(step, around, draw, hidden.wanted(moving=True))
     else:
         limits = {one.node for one in hidden.mutants if is_limit(step.graph, one)}
         limits |= {k for k in step.order if step.graph.nodes[k].op == "round"}

@@ -47,17 +47,31 @@ def sensitivities(
             given_here = [values[part] for part in node.args]
             for at, slope in _slopes(node, step.functions[k], given_here):
                 part = node.args[at]
-                share = adjoint * slope
-                share[~np.isfinite(share)] = 0.0
+                if not step.graph.nodes[part].args and (k, at) not in constants:
+                    continue
+                share = _times(adjoint, slope)
                 if (k, at) in constants:
                     moved = share * (CHANGE * step.graph.nodes[part].value)
                     size = np.sqrt((moved**2).mean(axis=0))
                     found[Mutant(k, at)] = np.broadcast_to(size, count)
-                elif step.graph.nodes[part].args:
+                else:
                     before = adjoints.get(part)
                     adjoints[part] = share if before is None else before + share
     none = np.zeros(count)
     return {one: found.get(one, none) for one in step.mutants}
+
+
+def _times(adjoint: np.ndarray, slope: np.ndarray | int) -> np.ndarray:
+    if isinstance(slope, int):
+        return adjoint if slope == 1 else -adjoint
+    return np.asarray(adjoint * _finite(slope))
+
+
+def _finite(slope: np.ndarray) -> np.ndarray:
+    """The same, or zero where it is no number; most have none of those."""
+    if np.isnan(slope @ np.zeros(len(slope))):
+        return np.where(np.isfinite(slope), slope, 0.0)
+    return slope
 
 
 def _slopes(
@@ -67,13 +81,13 @@ def _slopes(
     if node.kind != "real" or function is None:
         return
     if node.op in ("add", "sub"):
-        yield from ((0, 1.0), (1, 1.0 if node.op == "add" else -1.0))
+        yield from ((0, 1), (1, 1 if node.op == "add" else -1))
     elif node.op == "mul":
         yield from ((0, args[1]), (1, args[0]))
     elif node.op == "div":
         yield from ((0, 1 / args[1]), (1, -args[0] / args[1] ** 2))
     elif node.op == "neg":
-        yield 0, -1.0
+        yield 0, -1
     elif node.op == "choose":
         chosen = np.asarray(args[0], bool)
         yield from ((1, np.where(chosen, 1.0, 0.0)), (2, np.where(chosen, 0.0, 1.0)))

@@ -11,7 +11,7 @@ from tuner.code.program import Program
 
 Arrays: TypeAlias = list[np.ndarray]
 _FAR, _NOTHING, _SPARSE, _SOME = 0.5, 0.05, 0.3, 0.7
-_RESTING, _FIRST = 0.4, 0.1
+_RESTING, _FIRST, _STILL = 0.4, 0.1, 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,8 +36,13 @@ class Around:
         """States and samples, a field each, ``(count, ...)``."""
         at = self._rows(draw, count)
         row = np.where(draw.random(count) < 1 / 2, at, self._rows(draw, count))
-        states = _all_drawn(draw, self.state, [x[at] for x in self.states])
-        samples = _all_drawn(draw, self.inputs, [x[row] for x in self.samples])
+        still = (draw.random(count) < _STILL) & (self.resting > 0)
+        if self.resting:
+            whole = next(len(x) for x in (*self.states, *self.samples))
+            at = np.where(still, whole - 1 - draw.integers(self.resting, size=count), at)
+            row = np.where(still, at, row)
+        states = _all_drawn(draw, self.state, [x[at] for x in self.states], still)
+        samples = _all_drawn(draw, self.inputs, [x[row] for x in self.samples], still)
         return states, [_with_holes(draw, x) for x in samples]
 
     def _rows(self, draw: np.random.Generator, count: int) -> np.ndarray:
@@ -50,15 +55,22 @@ class Around:
         return np.where(draw.random(count) < _FIRST, 0, rows)
 
 
-def _all_drawn(draw: np.random.Generator, fields: Sequence[Field], near: Arrays) -> Arrays:
-    """Values near given ones, or farther off in all fields or in some."""
+def _all_drawn(
+    draw: np.random.Generator, fields: Sequence[Field], near: Arrays, still: np.ndarray
+) -> Arrays:
+    """Values near given ones, or farther off in all fields or in some.
+
+    Where all is still only symmetric matrices are farther off: whether a filter is at rest is not
+    decided by its covariance.
+    """
     count = len(near[0]) if near else 0
     far = draw.choice([0.0, 0.3, 1.0, 3.0], count)
     some = draw.random(count) < 1 / 2
-    return [
-        _drawn(draw, f, x, np.where(some & (draw.random(count) < _SOME), 0.0, far))
-        for f, x in zip(fields, near, strict=True)
-    ]
+    found = []
+    for f, x in zip(fields, near, strict=True):
+        off = np.where(some & (draw.random(count) < _SOME), 0.0, far)
+        found.append(_drawn(draw, f, x, off if f.half else np.where(still[:count], 0.0, off)))
+    return found
 
 
 def _drawn(

@@ -87,10 +87,15 @@ def _ran(
     return whole[: len(states)], whole[len(states) :]
 
 
-def _roots(program: Program, after: Arrays, outputs: Arrays) -> np.ndarray:
-    """The stored entries of states and outputs, ``(roots, B)``."""
-    fields = zip([*program.state, *program.outputs], [*after, *outputs], strict=True)
-    return np.array([column(x, i) for f, x in fields for i in f.entries()], float)
+def _roots(program: Program, after: Arrays, outputs: Arrays) -> tuple[np.ndarray, np.ndarray]:
+    """The stored entries of states and outputs, ``(roots, B)``; and with the other halves.
+
+    JAX's halves of a symmetric matrix may differ, and C with loops has both.
+    """
+    fields = list(zip([*program.state, *program.outputs], [*after, *outputs], strict=True))
+    own = [column(x, i) for f, x in fields for i in f.entries()]
+    others = [column(x, i[::-1] if f.half else i) for f, x in fields for i in f.entries()]
+    return np.array(own, float), np.array(others, float)
 
 
 def _judged(step: Step, found: Found, around: Around, after: Arrays, outputs: Arrays) -> Steps:
@@ -98,14 +103,15 @@ def _judged(step: Step, found: Found, around: Around, after: Arrays, outputs: Ar
     program = step.program
     given = placed(program, found.states, found.samples)
     right = expected(step, given, np.random.default_rng(1))
-    by_jax = _roots(program, after, outputs)
-    with np.errstate(invalid="ignore"):
-        apart = np.nan_to_num(np.abs(by_jax - right.exact), posinf=0, neginf=0)
-    same = (np.isnan(by_jax) == np.isnan(right.exact)).all(axis=0)
-    same &= right.steady
-    if len(step.order) > LONG:  # whose C with loops is another order of operations, as JAX is
-        same &= agree(step, right, by_jax)
-    right = replace(right, strays=np.maximum(right.strays, apart))
+    same, strays = right.steady, right.strays
+    for by_jax in _roots(program, after, outputs):
+        with np.errstate(invalid="ignore"):
+            apart = np.nan_to_num(np.abs(by_jax - right.exact), posinf=0, neginf=0)
+        same = same & (np.isnan(by_jax) == np.isnan(right.exact)).all(axis=0)
+        if len(step.order) > LONG:  # whose C with loops is another order of operations, as JAX is
+            same &= agree(step, right, by_jax)
+        strays = np.maximum(strays, apart)
+    right = replace(right, strays=strays)
     right = Expected(right.exact[:, same], right.strays[:, same], right.steady[same])
     most, rest = unplaced(program.state, allowed(step, right))
     most_out, _ = unplaced(program.outputs, rest)

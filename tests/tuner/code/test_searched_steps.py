@@ -1,0 +1,101 @@
+"""Parts of the search for single steps, each by itself."""
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from tuner.code.fields import Field
+from tuner.code.graph import Graph
+from tuner.code.mutants import Mutant
+from tuner.code.program import as_graph
+from tuner.code.rounding_errors import Noise
+from tuner.code.states import Around
+from tuner.code.steps import _roots
+from tuner.code.together import Together
+from tuner.code.trace import traced
+
+
+def test_errors_are_small_and_of_their_own():
+    errors = Noise(np.random.default_rng(0), 1e-3, 3).errors(50)
+    found = [next(errors) - 1 for _ in range(40)]
+    assert {one.shape for one in found} == {(3, 50)}
+    assert max(np.abs(one).max() for one in found) <= 1e-3
+    flat = np.array([one.ravel() for one in found])
+    alike = np.corrcoef(flat) - np.eye(len(found))
+    assert np.abs(alike).max() < 0.5
+    assert np.allclose(flat.std(), 1e-3 / np.sqrt(3), rtol=0.1)
+
+
+def test_some_steps_stay_at_rest():
+    states, samples = [np.arange(20.0) + 1], [np.arange(20.0) + 101]
+    around = Around([Field("x", (), "real")], [Field("u", (), "real")], states, samples, 5)
+    (x,), (u,) = around.drawn(np.random.default_rng(0), 400)
+    still = (x >= 16) & (u - x == 100) & (x == np.round(x))
+    assert still.sum() > 400 * 0.08
+    nothing = Around(around.state, around.inputs, states, samples)
+    (x,), (u,) = nothing.drawn(np.random.default_rng(0), 400)
+    assert np.isfinite(x).all()
+
+
+def test_both_halves_of_a_symmetric_matrix_are_compared():
+    field = Field("P", (2, 2), "real", half=True)
+    program = SimpleNamespace(state=[field], outputs=[])
+    own, other = _roots(program, [np.array([[[1.0, 2.0], [3.0, 4.0]]])], [])
+    assert own.ravel().tolist() == [1.0, 2.0, 4.0]
+    assert other.ravel().tolist() == [1.0, 3.0, 4.0]
+
+
+def test_equal_constants_of_one_operation_are_one():
+    graph = Graph()
+    inputs = [graph.input(k) for k in range(3)]
+    half = graph.constant(0.5)
+    first = [graph.apply("mul", x, half) for x in inputs]
+    between = inputs[0]
+    for _ in range(80):
+        between = graph.apply("sin", between)
+    last = graph.apply("mul", between, half)
+    mutants = [Mutant(k, graph.nodes[k].args.index(half)) for k in (*first, last)]
+    together = Together(SimpleNamespace(graph=graph, mutants=mutants))
+    sizes = [np.array([0.9, 1.4, 0.1]), np.array([0.1, 1.4, 0.9]), np.array([0.2, 1.4, 0.2])]
+    together.look(dict(zip(mutants, [*sizes, np.array([1.9, 0.0, 0.0])], strict=True)))
+    together.take([np.array([10.0, 11.0, 12.0])])
+    assert list(together.steps()) == [[11.0]]
+    together.look({mutants[-1]: np.array([0.0, 2.5])})
+    together.take([np.array([20.0, 21.0])])
+    assert list(together.steps()) == [[21.0], [11.0]]
+
+
+class Turning(NamedTuple):
+    matrix: Array
+    P: Array
+
+
+@dataclass(frozen=True)
+class Turned:
+    """A matrix that begins as a unit matrix and turns, and one that stays symmetric."""
+
+    def init(self, params):
+        return Turning(jnp.eye(2), jnp.eye(2))
+
+    def step(self, params, state, inputs):
+        turn = jnp.array([[1.0, -1.0], [1.0, 1.0]]) * params + inputs * jnp.eye(2)
+        return Turning(turn @ state.matrix, turn @ state.P @ turn.T), state.P[0, 1]
+
+
+def test_a_matrix_that_turns_is_told_before_there_is_a_graph(monkeypatch):
+    from tuner.code import program
+
+    tries, attempt = [], program._attempt
+
+    def counted(traced, half, *rest):
+        tries.append(set(half))
+        return attempt(traced, half, *rest)
+
+    monkeypatch.setattr(program, "_attempt", counted)
+    found = as_graph(traced(Turned(), 0.3, 0.7, "double"))
+    assert tries == [{"P"}]
+    assert [field.half for field in found.state] == [False, True]
