@@ -263,6 +263,11 @@ def _scan(
     return [*state, *stacked]
 
 
+def _as_given(*given: np.ndarray, **_: Any) -> list[np.ndarray]:
+    """What tells a compiler what to keep apart."""
+    return list(given)
+
+
 def _linear_solve(*given: np.ndarray, const_lengths: Any, jaxprs: Any) -> list[np.ndarray]:
     """As JAX solves it, which is exact where the way is a factorisation."""
     begin = const_lengths.matvec + const_lengths.vecmat
@@ -288,5 +293,6 @@ CONTROL: dict[str, Evaluate] = {
     "scan": _scan,
     "custom_linear_solve": _linear_solve,
     "platform_index": _platform,
+    "optimization_barrier": _as_given,
 }
 KNOWN: dict[str, Evaluate] = {**ELEMENTWISE, **ARRAYS, **PLACES, **LINALG, **CONTROL}

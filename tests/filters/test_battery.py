@@ -44,14 +44,17 @@ def noted(filter, params, inputs):
 
 
 compiled = jax.jit(noted, static_argnums=0)
-# Without the compiler's optimisation, which changes no formula and takes half of the time.
-quickly = partial(jax.jit, compiler_options={"xla_backend_optimization_level": 0})
+
+
+def built(case: Case, point):
+    """Its parameters as NumPy's arrays, whose types are the same however they were made."""
+    return jax.tree.map(np.asarray, case.build(point))
 
 
 def run_case(case: Case, point=None, measured=None):
     point = case.point if point is None else point
     measured = case.measured if measured is None else measured
-    return compiled(case.filter, case.build(point), case.inputs(measured))
+    return compiled(case.filter, built(case, point), case.inputs(measured))
 
 
 def loss(outputs):
@@ -111,7 +114,7 @@ def test_equal_instances_share_one_compilation(case):
     run_case(case)
     before = len(traced)
     other = dataclasses.replace(case.filter)
-    compiled(other, case.build(case.point), case.inputs(case.measured))
+    compiled(other, built(case, case.point), case.inputs(case.measured))
     assert len(traced) == before > 0
 
 
@@ -159,7 +162,7 @@ def test_a_constant_sample_time_may_come_with_every_sample(case):
     # Its own dt is not used.
     timed = Timed(dataclasses.replace(case.filter, dt=7.0))
     times = TimedSample(jnp.full(N, case.filter.dt), case.inputs(case.measured))
-    _, found = quickly(run, static_argnums=0)(timed, case.build(case.point), times)
+    _, found = evaluated(lambda p, u: run(timed, p, u), case.build(case.point), times)
     for one, other in zip(jax.tree.leaves(found), jax.tree.leaves(run_case(case)[1]), strict=True):
         # Products of dt are rounded at another place: a few units in the last place of each step.
         np.testing.assert_allclose(one, other, rtol=1e-11, atol=1e-12)
@@ -176,8 +179,8 @@ def test_typical_values_make_what_the_filter_takes(case):
     facts = parameter_facts(case.filter)
     params = assembled(case.filter, {name: fact.typical for name, fact in facts.items()})
     # Of the case's own shapes: some filters take several signals.
-    own = jax.tree.map(jnp.asarray, case.build(case.point))
-    params = jax.tree.map(lambda typical, leaf: jnp.broadcast_to(typical, leaf.shape), params, own)
+    own = built(case, case.point)
+    params = jax.tree.map(lambda typical, leaf: np.full(leaf.shape, typical), params, own)
     inputs = case.inputs(case.measured)
     state, outputs = compiled(case.filter, params, inputs)
     assert jax.tree.structure(state) == jax.tree.structure(run_case(case)[0])
@@ -262,7 +265,7 @@ def test_gradient_equals_central_differences(case, record):
     inputs = case.inputs(punctured(case, 7) if record == "punctured" else case.measured)
 
     def by_numpy(point):  # JAX would compile every sum
-        return loss(jax.tree.map(np.asarray, compiled(case.filter, case.build(point), inputs)[1]))
+        return loss(jax.tree.map(np.asarray, compiled(case.filter, built(case, point), inputs)[1]))
 
     difference = central_difference(by_numpy, case.point, 1e-5)
     value, backwards, forwards = gradients(case)(case.point, inputs)
