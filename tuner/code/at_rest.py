@@ -90,9 +90,12 @@ def _middle(leaf: np.ndarray) -> np.ndarray:
 
 def _even(sample: np.ndarray) -> np.ndarray:
     """The same with equal rows: the measurements of a block do not change either."""
-    if sample.ndim < 2 or sample.dtype.kind != "f" or not np.isfinite(sample).any():
+    if sample.ndim < 2 or sample.dtype.kind != "f":
         return sample
-    return np.broadcast_to(np.nanmean(sample, axis=0), sample.shape)
+    there = np.isfinite(sample)
+    total, count = np.where(there, sample, 0.0).sum(axis=0), there.sum(axis=0)
+    mean = np.divide(total, count, out=np.full(total.shape, np.nan), where=count > 0)
+    return np.broadcast_to(mean, sample.shape)
 
 
 def _stacked(rows: list[Arrays], kept: list[bool]) -> Arrays:
