@@ -12,9 +12,9 @@ from tuner.code.array_step import Step
 from tuner.code.detection import LONG, allowed, comparable, expected
 from tuner.code.limits import beside_limits
 from tuner.code.mutants import CHANGE
-from tuner.code.search import rounded, unplaced
+from tuner.code.search import by_field, rounded
 from tuner.code.selftest_tables import stored
-from tuner.code.states import Around, Arrays, placed
+from tuner.code.states import Around, Arrays, by_node
 
 Kind = Literal["without effect", "not reached", "only doubled", "below tolerance", "missed"]
 _NONE = 1e-28
@@ -91,11 +91,11 @@ def _looked(
     batches = [around.drawn(draw, _BATCH) for _ in range(many)]
     for batch in [*batches, *islice(beside_limits(step, around, draw), few)]:
         states, samples = (rounded(part, program.precision) for part in batch)
-        given = placed(program, states, samples)
+        given = by_node(program, states, samples)
         right = expected(step, given, draw)
         good = comparable(step, right)
-        most, rest = unplaced(program.state, allowed(step, right)[:, good])
-        most_out, _ = unplaced(program.outputs, rest)
+        most, rest = by_field(program.state, allowed(step, right)[:, good])
+        most_out, _ = by_field(program.outputs, rest)
         tolerances = [*stored(plain.code.state, most), *stored(plain.code.outputs, most_out)]
         if good.any():
             kept = [x[good] for x in (*states, *samples)]

@@ -7,7 +7,7 @@ import numpy as np
 
 from tuner.code.array_step import Step
 from tuner.code.detection import LONG
-from tuner.code.states import Arrays, placed
+from tuner.code.states import Arrays, by_node
 from tuner.code.variations import varied
 
 _BESIDE, _CLOSE = (-3e-2, -5e-4, -1e-5, 1e-5, 5e-4, 3e-2), (-5e-4, 5e-4)
@@ -48,7 +48,7 @@ def _above(step: Step, own: int, steps: Arrays, bases: Bases) -> np.ndarray:
         bases: what is compared.
     """
     count, pairs = len(steps[0]), [one[1:] for one in bases.compared]
-    values = step.values(placed(step.program, steps[:own], steps[own:]), bases.before)
+    values = step.values(by_node(step.program, steps[:own], steps[own:]), bases.before)
     each = count // len(pairs)
     found = np.empty((2, count))
     for at, pair in enumerate(pairs):

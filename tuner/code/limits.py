@@ -14,7 +14,7 @@ from tuner.code.array_step import Given, Step
 from tuner.code.detection import LONG, detected, plain
 from tuner.code.mutants import OTHERWISE, Mutant
 from tuner.code.operations import COMPARE
-from tuner.code.states import Around, Arrays, placed
+from tuner.code.states import Around, Arrays, by_node
 
 _POOLS, _POOL, _BASES, _FEW, _ALL = 3, 256, 4, 64, 64
 """How often so many steps are drawn, in a long step so few, and the most for one limit."""
@@ -80,7 +80,7 @@ def _bases(
             break
         states, samples = around.drawn(draw, count)
         pool = [*states, *samples]
-        given = placed(step.program, states, samples)
+        given = by_node(step.program, states, samples)
         matters = _matters(step, given, [one[0] for one in missing])
         apart = _distances(step, given, missing, count)
         for one, row, distance in zip(missing, matters, apart, strict=True):

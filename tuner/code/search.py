@@ -23,7 +23,7 @@ from tuner.code.hidden import Hidden
 from tuner.code.limits import beside_limits
 from tuner.code.literal import Precision
 from tuner.code.mutants import is_limit
-from tuner.code.states import Around, Arrays, placed
+from tuner.code.states import Around, Arrays, by_node
 from tuner.code.together import Together
 
 _BATCH, _ROUNDS, _FEW = 64, 12, 4
@@ -74,7 +74,7 @@ def search(step: Step, around: Around, most: int, by_jax: Results) -> Found:
         if not hidden.mutants:
             break
         states, samples = (rounded(part, program.precision) for part in drawn)
-        given = placed(program, states, samples)
+        given = by_node(program, states, samples)
         tried += len(next(iter(given.values()), ()))
         if len(step.order) > LONG:
             right = expected(step, given, draw)
@@ -168,7 +168,7 @@ def _batches(
         yield from islice(beside_limits(step, around, draw, limits), rounds // 2)
 
 
-def unplaced(fields: list[Field], rows: np.ndarray) -> tuple[Arrays, np.ndarray]:
+def by_field(fields: list[Field], rows: np.ndarray) -> tuple[Arrays, np.ndarray]:
     """Rows of stored entries as arrays ``(B, ...)`` of each field, and the rows that remain."""
     found = []
     for field in fields:

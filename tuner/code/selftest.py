@@ -10,7 +10,7 @@ from tuner.code.reference import Reference
 from tuner.code.selftest_tables import (
     compared,
     comparison,
-    placed,
+    filled,
     stepped,
     stored,
     table,
@@ -90,7 +90,7 @@ def _form(code: Implementation, data: Reference) -> Iterator[str]:
     yield f"    {begun}"
     yield from compared("state", code.state, stem, real, "start", "allowed_start", "    ")
     yield f"    for (int k = 0; (k < {len(data.samples[0])}) && (off == 0); k++) {{"
-    yield from placed("input", code.inputs, "samples", real)
+    yield from filled("input", code.inputs, "samples", real)
     yield from stepped(code)
     yield from compared("output", code.outputs, stem, real, "expected[k]", "allowed[k]", "        ")
     yield "        first = k + 1;"
@@ -124,8 +124,8 @@ def _steps(code: Implementation, steps: Steps, before: int) -> Iterator[str]:
     yield from variables(code)
     yield "    int first = 0;"
     yield f"    for (int k = 0; (k < {count}) && (off == 0); k++) {{"
-    yield from placed("state", code.state, "given", real)
-    yield from placed("input", code.inputs, "samples", real)
+    yield from filled("state", code.state, "given", real)
+    yield from filled("input", code.inputs, "samples", real)
     yield from stepped(code)
     for part, fields, right, most in (
         ("output", code.outputs, "expected[k]", "allowed[k]"),

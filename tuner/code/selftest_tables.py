@@ -35,7 +35,7 @@ def variables(code: Implementation) -> Iterator[str]:
         yield f"    {stem}_set(&tables, &params);"
 
 
-def placed(part: str, fields: Sequence[Field], table: str, real: Precision) -> Iterator[str]:
+def filled(part: str, fields: Sequence[Field], table: str, real: Precision) -> Iterator[str]:
     """A struct that is filled from row k of a table."""
     for at, (place, field) in enumerate(_places(part, fields)):
         yield f"        {place} = {_given(f'{table}[k][{at}]', field, real)};"

@@ -124,7 +124,7 @@ def _with_holes(draw: np.random.Generator, values: np.ndarray) -> np.ndarray:
     return np.where(holes, np.nan, values)
 
 
-def placed(program: Program, states: Arrays, samples: Arrays) -> dict[int, np.ndarray]:
+def by_node(program: Program, states: Arrays, samples: Arrays) -> dict[int, np.ndarray]:
     """States and samples by the nodes of their stored entries."""
     found = {}
     for group, fields, arrays in (

@@ -15,8 +15,8 @@ from tuner.code.mutants import Mutant
 from tuner.code.operations import kind_of
 from tuner.code.program import Program
 from tuner.code.reference_filter import SAMPLES, ReferenceFilter
-from tuner.code.search import Found, search, unplaced
-from tuner.code.states import Around, Arrays, column, placed
+from tuner.code.search import Found, by_field, search
+from tuner.code.states import Around, Arrays, by_node, column
 
 STEPS, _UNSEARCHED = 24, 4
 """Most single steps, and their number where there are no formulas to search by."""
@@ -101,7 +101,7 @@ def _roots(program: Program, after: Arrays, outputs: Arrays) -> tuple[np.ndarray
 def _judged(step: Step, found: Found, around: Around, after: Arrays, outputs: Arrays) -> Steps:
     """The steps with their tolerances, which take in how far JAX is from the formulas."""
     program = step.program
-    given = placed(program, found.states, found.samples)
+    given = by_node(program, found.states, found.samples)
     right = expected(step, given, np.random.default_rng(1))
     same, strays = right.steady, right.strays
     for by_jax in _roots(program, after, outputs):
@@ -113,8 +113,8 @@ def _judged(step: Step, found: Found, around: Around, after: Arrays, outputs: Ar
         strays = np.maximum(strays, apart)
     right = replace(right, strays=strays)
     right = Expected(right.exact[:, same], right.strays[:, same], right.steady[same])
-    most, rest = unplaced(program.state, allowed(step, right))
-    most_out, _ = unplaced(program.outputs, rest)
+    most, rest = by_field(program.state, allowed(step, right))
+    most_out, _ = by_field(program.outputs, rest)
     return Steps(
         [x[same] for x in found.states],
         [x[same] for x in found.samples],

@@ -115,11 +115,11 @@ def chi_square_limits(freedom: Floats) -> tuple[Floats, Floats]:
 def _variance(summed: Floats, m: int) -> float:
     """From the sums up to each sample, ``(N + 1,)``; in parts that stay in the cache."""
     count, total = len(summed) - 2 * m, 0.0
-    room = np.empty(min(_PART, count))
+    memory = np.empty(min(_PART, count))
     for start in range(0, count, _PART):
         size = min(_PART, count - start)
         first, middle, last = (summed[start + k * m :][:size] for k in range(3))
-        second = room[:size]
+        second = memory[:size]
         np.subtract(last, middle, out=second)
         second -= middle
         second += first

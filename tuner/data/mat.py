@@ -78,22 +78,22 @@ class Layout:
 
     Args:
         order: byte order, "<" or ">".
-        room: bytes that all of its values together may take.
+        budget: bytes that all of its values together may take.
     """
 
-    def __init__(self, order: str, room: int) -> None:
+    def __init__(self, order: str, budget: int) -> None:
         self.order = order
-        self._room = room
+        self._budget = budget
 
     def take(self, size: int) -> None:
-        """Take some of the room.
+        """Take some of the budget.
 
         Raises:
             ValueError: where there is none left.
         """
-        self._room -= size + _VALUE
-        if self._room < 0:
-            raise ValueError("it would unpack to more than a hundredfold, or than memory has room")
+        self._budget -= size + _VALUE
+        if self._budget < 0:
+            raise ValueError("it would unpack to more than a hundredfold, or than fits in memory")
 
 
 def read(data: Bytes) -> dict[str, Value]:
@@ -108,9 +108,9 @@ def read(data: Bytes) -> dict[str, Value]:
     order = {b"IM": "<", b"MI": ">"}.get(bytes(data[_HEADER - 2 : _HEADER]))
     if order is None:
         raise ValueError("it has no header of a MAT v5 file")
-    room = min(unpacked(len(data)), largest())
-    layout = Layout(order, room)
-    bodies = _variables(memoryview(data)[_HEADER:], order, room)
+    budget = min(unpacked(len(data)), largest())
+    layout = Layout(order, budget)
+    bodies = _variables(memoryview(data)[_HEADER:], order, budget)
     return dict(_value(body, layout, _DEEPEST) for body in bodies)
 
 
@@ -161,7 +161,7 @@ def _unpacked(body: Bytes, budget: int) -> memoryview:
     for at in range(0, len(body), _PIECE):
         out += unpacker.decompress(body[at : at + _PIECE])
         if len(out) > budget:
-            raise ValueError("it would unpack to more than a hundredfold, or than memory has room")
+            raise ValueError("it would unpack to more than a hundredfold, or than fits in memory")
     if not unpacker.eof:
         raise ValueError("it ends too early")
     return memoryview(out)

@@ -219,16 +219,18 @@ def _snapped(signal: Signal, instants: Floats, step: float) -> tuple[Floats, str
     order = np.argsort(-distance[near], kind="stable")
     values = np.full((len(instants), *signal.values.shape[1:]), np.nan)
     values[rows[near][order]] = signal.values[kept[near][order]]
-    placed = len(np.unique(rows[near]))
-    return values, _note(len(kept), placed, int((~near).sum()))
+    matched = len(np.unique(rows[near]))
+    return values, _note(len(kept), matched, int((~near).sum()))
 
 
-def _note(count: int, placed: int, far: int) -> str:
+def _note(count: int, matched: int, far: int) -> str:
     lost = []
     if far:
         lost.append(f"{far} of {counted(count, 'sample')} have no instant within half a step")
-    if count - far > placed:
-        lost.append(f"{count - far - placed} of {counted(count, 'sample')} share one with a nearer")
+    if count - far > matched:
+        lost.append(
+            f"{count - far - matched} of {counted(count, 'sample')} share one with a nearer"
+        )
     return f"{' and '.join(lost)}, and are left out" if lost else ""
 
 

@@ -114,13 +114,13 @@ def _numbers(stream: IO[bytes], header: _Header, most: int) -> Raw:
     size = _size(header)
     if size > most:
         raise ValueError("an array ends too early")
-    array, room = _room(header)
+    array, memory = _memory(header)
     at = 0
     while at < size:
         block = stream.read(min(_BLOCK, size - at))
         if not block:
             raise ValueError("an array ends too early")
-        room[at : at + len(block)] = block
+        memory[at : at + len(block)] = block
         at += len(block)
     return array
 
@@ -129,12 +129,12 @@ def _copied(
     path: Path, member: zipfile.ZipInfo, header: _Header, begins: int, blocks: Blocks
 ) -> Raw:
     """An array that the archive holds as it is, straight from the file, by its checksum."""
-    array, room = _room(header)
-    read_stored(path, member, begins, room, blocks)
+    array, memory = _memory(header)
+    read_stored(path, member, begins, memory, blocks)
     return array
 
 
-def _room(header: _Header) -> tuple[Raw, memoryview]:
+def _memory(header: _Header) -> tuple[Raw, memoryview]:
     """An array to be filled, and its bytes in their order in the file."""
     array = np.empty(header.shape[::-1] if header.in_columns else header.shape, header.dtype)
     bytes_of: Any = array.reshape(-1).view(np.uint8) if array.nbytes else b""

@@ -56,10 +56,10 @@ class Steps:
 
         A block is overwritten by the next one.
         """
-        room = np.empty(min(_BLOCK, len(self)))
+        memory = np.empty(min(_BLOCK, len(self)))
         for start in range(0, len(self), _BLOCK):
             times = self.seconds[start : start + _BLOCK + 1]
-            yield start, np.subtract(times[1:], times[:-1], out=room[: len(times) - 1])
+            yield start, np.subtract(times[1:], times[:-1], out=memory[: len(times) - 1])
 
     @property
     def lowest(self) -> float:

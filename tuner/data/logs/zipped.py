@@ -66,7 +66,7 @@ def is_stored(member: zipfile.ZipInfo) -> bool:
 
 
 def read_stored(
-    path: Path, member: zipfile.ZipInfo, begins: int, room: memoryview, blocks: Blocks
+    path: Path, member: zipfile.ZipInfo, begins: int, memory: memoryview, blocks: Blocks
 ) -> None:
     """Read a stored member from a place to its end, and compare the checksum of all of it.
 
@@ -76,7 +76,7 @@ def read_stored(
         path: the archive, in which ``zipfile`` has found and opened the member.
         member: a member for which :func:`is_stored` holds.
         begins: bytes of it that are passed over.
-        room: what follows them is written here.
+        memory: what follows them is written here.
         blocks: passes it on, too.
 
     Raises:
@@ -89,8 +89,8 @@ def read_stored(
         start = member.header_offset + _LOCAL + name + extra
         stream.seek(start)
         checksum = zlib.crc32(stream.read(begins))
-        for at in range(0, len(room), _BLOCK):
-            block = room[at : at + _BLOCK]
+        for at in range(0, len(memory), _BLOCK):
+            block = memory[at : at + _BLOCK]
             if stream.readinto(block) != len(block):
                 raise EOFError(f"{member.filename!r} ends too early")
             blocks.put(start + begins + at, block)
