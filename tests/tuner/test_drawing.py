@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from tuner.run.drawing import MANY, draw, new_canvas, picture, table
+from tuner.run.drawing import MANY, _draw_numbered, draw, new_canvas, picture, table
 from tuner.run.figure import Chart, Line, Map, merged
 
 NASTY = 'a "quoted", comma\nand line'
@@ -238,6 +238,17 @@ def test_equal_points_of_numbers_stand_side_by_side():
         (pixels == colour).all(axis=-1).sum() for colour in ((0, 114, 178), (213, 94, 0))
     )
     assert blue > 0.3 * orange > 100  # a circle beside a square
+
+
+def test_the_last_number_is_shown_where_its_points_stand_on_one_side():
+    from matplotlib.figure import Figure
+
+    axes = Figure().subplots()
+    whole, first = (np.arange(1.0, 1.0 + n) for n in (3, 1))
+    _draw_numbered((Line("whole", whole, whole), Line("first", first, first)), axes)
+    low, high = axes.get_xlim()
+    assert low + high == pytest.approx(2.0)  # of three numbers the middle is in the middle
+    assert high - low > 3.0
 
 
 def test_points_of_numbers_may_be_missing():

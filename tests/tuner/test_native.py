@@ -207,7 +207,7 @@ def test_a_shorter_way_back_is_xla_s(monkeypatch):
     monkeypatch.setattr(route, "_operations", lambda *_: 10)
     problem = posed()
     exact = problem.by_xla, problem.value_by_xla
-    price = route.BACKWARDS, 0.0
+    price = route.PRICES["backwards"], 0.0
     back = route.Route(problem.static, problem.data, 3, *exact, lambda: price)
     assert back.value_and_gradient(np.zeros(3)) is None
     assert back.choice == "XLA: its way back through the loop is shorter than C's"

@@ -21,7 +21,7 @@ from tuner.native.passes_choice import shortest
 from tuner.native.passes_frame import Code
 from tuner.native.row_function import RowFunction
 from tuner.native.runner import columns, runner_of
-from tuner.native.threads import side_by_side
+from tuner.processors import side_by_side
 
 STORED = 64 << 20
 """Bytes that are stored of a whole record; above it those of parts, which are run again."""

@@ -26,7 +26,7 @@ from tuner.native.row_function import RowFunction
 from tuner.native.runner import columns, runner_of
 from tuner.native.scaled import scaled
 from tuner.native.text import source, varying
-from tuner.native.threads import side_by_side
+from tuner.processors import side_by_side
 
 LANES = 8
 """Directions or points at once: the width of today's widest vectors."""

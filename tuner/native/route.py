@@ -27,8 +27,8 @@ PAYS, COMPILED = 7e7, 2e4
 each operation of a step."""
 AGREED = 1e-9
 """Tolerance of value and gradient against XLA's, over the largest of these numbers."""
-BACKWARDS, IN_PARTS = 3, 5
-"""Cost of a backward gradient in passes, and of one in parts."""
+PRICES = {"forwards": 0, "backwards": 3, "backwards in parts": 5}
+"""Cost in passes of a gradient by XLA that goes backwards; 0 of one forwards."""
 _EVEN, _EVEN_BACK = 6, 3
 """Operations of XLA, those of a step times its passes, over those of C, where both take as long: of
 C that goes forwards, and of a pass with one back."""
@@ -201,7 +201,7 @@ class Route:
 
     def _pays(self, shapes: Any, points: int) -> bool:
         samples = len(jax.tree.leaves(self.data.inputs)[0])
-        if (samples * points * max(1 + self.size, IN_PARTS) - COMPILED) * _MOST < PAYS:
+        if (samples * points * max(1 + self.size, *PRICES.values()) - COMPILED) * _MOST < PAYS:
             return False
         backwards, _ = self._priced
         passes = backwards if backwards and points == 1 else 1 + self.size

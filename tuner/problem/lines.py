@@ -3,7 +3,6 @@
 import heapq
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple, TypeVar, cast
@@ -18,6 +17,7 @@ from objectives import Data, Fold, Way, is_additive, is_fold
 from objectives.likelihood import Likely
 from objectives.squares import Squares
 from tuner.problem.programs import Static, judged_of, sum_and_gradient_of, sum_of
+from tuner.processors import side_by_side
 
 SIDE_BY_SIDE = 8
 """Lines in one time loop: enough to fill the processor's vectors."""
@@ -75,11 +75,8 @@ class Lines:
         return OneRecord(static, data, tuple(each * i for i in range(1, len(self.parts))))
 
     def _each(self, evaluate: Callable[[Data], T]) -> list[T]:
-        """The result of each part, each in a thread."""
-        if len(self.parts) == 1:
-            return [evaluate(self.parts[0])]
-        with ThreadPoolExecutor(min(len(self.parts), os.cpu_count() or 1)) as pool:
-            return list(pool.map(lambda part: jax.block_until_ready(evaluate(part)), self.parts))
+        """The result of each part, each in a thread where there are processors for it."""
+        return side_by_side(lambda part: jax.block_until_ready(evaluate(part)), self.parts)
 
 
 def lines_of(static: Static, data: Data) -> Lines | None:
@@ -99,7 +96,7 @@ def lines_of(static: Static, data: Data) -> Lines | None:
     if type(jax.eval_shape(cast("Fold", objective).init)) not in (Likely, Squares):
         return None
     samples, leaves = len(jax.tree.leaves(data.inputs)[0]), jax.tree.leaves(data.truth)
-    if samples * filter.count < LEAST or not all(_side_by_side(leaf, filter) for leaf in leaves):
+    if samples * filter.count < LEAST or not all(_has_lanes(leaf, filter) for leaf in leaves):
         return None
     lengths = _lengths(leaves)
     if np.sum(lengths > 0) < 2:
@@ -110,7 +107,7 @@ def lines_of(static: Static, data: Data) -> Lines | None:
     return Lines(joined, tuple(_part(data, part, lengths, longest) for part in parts))
 
 
-def _side_by_side(leaf: Any, filter: Lanes) -> bool:
+def _has_lanes(leaf: Any, filter: Lanes) -> bool:
     return np.ndim(leaf) > 1 and np.shape(leaf)[1] == filter.count
 
 
@@ -132,9 +129,9 @@ def _plan(lengths: np.ndarray) -> list[list[list[int]]]:
     used = np.argsort(-lengths, kind="stable")[: np.count_nonzero(lengths)]
     total, longest = int(lengths.sum()), int(lengths.max())
     most = max(1, min(len(used), total // longest))
-    side_by_side = min(SIDE_BY_SIDE, -(-most // (os.cpu_count() or 1)))
-    parts = max(1, min(most // side_by_side, round(total / side_by_side / max(longest, LENGTH))))
-    lines: list[list[int]] = [[] for _ in range(parts * side_by_side)]
+    lanes = min(SIDE_BY_SIDE, -(-most // (os.cpu_count() or 1)))
+    parts = max(1, min(most // lanes, round(total / lanes / max(longest, LENGTH))))
+    lines: list[list[int]] = [[] for _ in range(parts * lanes)]
     taken = [(0, line) for line in range(len(lines))]
     for i in map(int, used):
         samples, line = heapq.heappop(taken)

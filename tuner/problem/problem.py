@@ -16,7 +16,7 @@ from tuner.certificate.single_precision import SinglePrecision, single_precision
 from tuner.certificate.solution import Solution
 from tuner.data.source import Source
 from tuner.export.tuned import Quantity
-from tuner.native.route import BACKWARDS, IN_PARTS, Route
+from tuner.native.route import PRICES, Route
 from tuner.problem.constant_gains import share_of_constant_gains
 from tuner.problem.constraint import Constraint
 from tuner.problem.derived import derived_numbers
@@ -60,11 +60,9 @@ class Problem:
             lambda is compiled anew.
         objective: the function to minimise.
         data: the filter's inputs and the truth, float64 throughout; NaN means missing.
-        derive: numbers of interest that follow from the parameters, by name; None: those that the
-            filter derives.
+        derive: numbers that follow from the parameters, by name; None: those the filter derives.
         constraints: bounds that a solution must satisfy; not every solver supports them.
-        known_starts: points z ``(space.size,)`` from which a search is worth beginning, after the
-            initial values and before random points.
+        known_starts: points z ``(space.size,)`` to begin from before random ones.
         source: the origin of the data.
         exported: the export besides the parameters; None: what the filter declares.
         way: direction of a gradient through the time loop; None: the faster by measured cost.
@@ -165,8 +163,7 @@ class Problem:
 
     def _price(self) -> tuple[int, float]:
         """Price of a gradient by XLA that goes backwards, and its share of constant gains."""
-        prices = {"forwards": 0, "backwards": BACKWARDS, "backwards in parts": IN_PARTS}
-        return prices[self.gradient_way], self.settled
+        return PRICES[self.gradient_way], self.settled
 
     @property
     def gradient_by(self) -> str:

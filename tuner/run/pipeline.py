@@ -11,8 +11,8 @@ from typing import Any
 from tuner import export
 from tuner.certificate.solution import Solution
 from tuner.export.tuned import Tuned
-from tuner.native.threads import beside_others
 from tuner.problem.problem import Problem
+from tuner.processors import beside_others
 from tuner.report.report_json import Kept as ForReport
 from tuner.report.report_json import kept_pictures, nothing_kept
 from tuner.report.write import KEPT, PAGE, page_of

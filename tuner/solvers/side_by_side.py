@@ -10,8 +10,8 @@ from typing import Any, TypeAlias, TypeVar, cast
 
 import numpy as np
 
-from tuner.native.threads import beside_others
 from tuner.problem.problem import Problem
+from tuner.processors import beside_others
 from tuner.solvers.minimum import Descent, Minimum
 
 Begin: TypeAlias = Callable[[np.ndarray], "Future[Minimum]"]

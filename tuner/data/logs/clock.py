@@ -111,8 +111,8 @@ def _judged(steps: Steps, resolution: Callable[[], float]) -> Clock:
     close = steps.highest <= _GAP * steps.lowest  # than those of the median, which takes longer
     if close and apart <= 1.001 * rounding:
         return Clock(since, steps.mean, 1.0 / steps.mean)
-    coarse = 1.001 * (resolution() + rounding)
-    if apart <= coarse and (close or steps.highest <= _GAP * steps.median):
+    coarse = resolution() + rounding
+    if apart <= 1.001 * coarse and (close or steps.highest <= _GAP * steps.median):
         return Clock(since, steps.mean, 1.0 / steps.mean)
     return _uneven(steps, since, coarse)
 
@@ -121,14 +121,12 @@ def _uneven(steps: Steps, since: Floats, coarse: float) -> Clock:
     """The clock of steps that differ by more than the rounding of their digits."""
     limit = _GAP * steps.median
     rows = steps.above(limit)
-    if len(rows) > _SHARE * len(steps) or (
-        len(rows) >= _MANY and _straight(steps.seconds, coarse / 1.001)
-    ):
+    if len(rows) > _SHARE * len(steps) or (len(rows) >= _MANY and _straight(steps.seconds, coarse)):
         # So many are not gaps but normal for the clock; steps of one and two last digits are a
         # coarse clock, not lost samples.
         rows, limit = rows[:0], np.inf
     usual = steps.usual(limit, _STRAY * steps.median)
-    rounded = usual.highest - usual.lowest <= coarse
+    rounded = usual.highest - usual.lowest <= 1.001 * coarse
     steady = rounded or usual.stray <= _SHARE
     close = steady and not rounded and abs(usual.mean - steps.median) <= _DRIFT * steps.median
     step = steps.median if close else usual.mean  # that of alternating steps fits no record

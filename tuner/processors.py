@@ -1,4 +1,4 @@
-"""Calls side by side, in a thread for each processor that is free."""
+"""Calls side by side, in a thread for each processor, unless others compute beside them."""
 
 import os
 from collections.abc import Callable, Sequence
