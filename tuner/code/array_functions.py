@@ -1,7 +1,7 @@
 """The operations of a step as functions of arrays."""
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,7 +11,38 @@ from tuner.code.operations import BINARY, LOGIC, UNARY
 _EXACT = frozenset({"neg", "abs", "choose", "convert", "max", "min", *LOGIC})
 
 
-def is_rounded(node: Node) -> bool:
+class Work(NamedTuple):
+    """A node of a step, with what makes it, and the nodes that are needed no longer after it."""
+
+    k: int
+    node: Node
+    function: Callable[..., Any] | None
+    rounded: bool
+    done: list[int]
+
+
+def work_of(
+    nodes: Sequence[Node],
+    functions: Mapping[int, Callable[..., Any] | None],
+    order: Sequence[int],
+    ends: Collection[int],
+) -> list[Work]:
+    """Some nodes, of which only the ends are kept.
+
+    Args:
+        nodes: of the graph.
+        functions: that make them.
+        order: which are made, and when.
+        ends: those that are needed in the end.
+    """
+    done, last = dict[int, list[int]](), {part: k for k in order for part in nodes[k].args}
+    for part, k in last.items():
+        if part not in ends:
+            done.setdefault(k, []).append(part)
+    return [Work(k, nodes[k], functions[k], _is_rounded(nodes[k]), done.get(k, [])) for k in order]
+
+
+def _is_rounded(node: Node) -> bool:
     """Whether an operation has a rounding error."""
     return node.kind == "real" and bool(node.args) and node.op not in _EXACT
 

@@ -1,32 +1,21 @@
 """A filter's step in NumPy on many states, with constants changed or with rounding errors."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from tuner.code.array_functions import function_of, is_rounded, smooth_operands
+from tuner.code.array_functions import Work, function_of, smooth_operands, work_of
 from tuner.code.graph import Graph
 from tuner.code.mutants import CHANGE, Mutant, mutants_of, with_changes
-from tuner.code.nodes import Node
 from tuner.code.operations import COMPARE
 from tuner.code.program import Program
 from tuner.code.rounding_errors import Noise
 
 Given: TypeAlias = Mapping[int, np.ndarray]
 """Values of the input nodes, a state each: ``(B,)``."""
-
-
-class Work(NamedTuple):
-    """A node of a step, with what makes it, and the nodes that are needed no longer after it."""
-
-    k: int
-    node: Node
-    function: Callable[..., Any] | None
-    rounded: bool
-    done: list[int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,15 +49,7 @@ class Step:
 
     def work(self, order: Sequence[int], ends: Collection[int]) -> list[Work]:
         """Nodes in an order in which they can be made, of which only some are needed in the end."""
-        nodes, done = self.graph.nodes, dict[int, list[int]]()
-        last = {part: k for k in order for part in nodes[k].args}
-        for part, k in last.items():
-            if part not in ends:
-                done.setdefault(k, []).append(part)
-        functions = self.functions
-        return [
-            Work(k, nodes[k], functions[k], is_rounded(nodes[k]), done.get(k, [])) for k in order
-        ]
+        return work_of(self.graph.nodes, self.functions, order, ends)
 
     @cached_property
     def _whole(self) -> list[Work]:
@@ -152,8 +133,8 @@ class Step:
         changed, count = {one.node for one in lanes}, len(mutants)
         found: dict[int, np.ndarray] = {}
         with np.errstate(all="ignore"):
-            for k, node, function, _, done in self._whole:
-                if function is None or (k not in changed and found.keys().isdisjoint(node.args)):
+            for k, node, function, _, done in self._after(changed):
+                if function is None:
                     continue
                 args = [found[part] if part in found else known[part] for part in node.args]
                 if k in changed:
@@ -164,6 +145,27 @@ class Step:
                 for part in done:
                     found.pop(part, None)
         return [found[k] if k in found else known[k] for k in self.roots]
+
+    def _after(self, changed: Collection[int]) -> Iterator[Work]:
+        """Some nodes and those that depend on them, in order."""
+        seen, open_ = set(changed), list(changed)
+        while open_:
+            more = [k for k in self._users.get(open_.pop(), ()) if k not in seen]
+            seen.update(more)
+            open_ += more
+        return map(self._work_of.__getitem__, sorted(seen))
+
+    @cached_property
+    def _work_of(self) -> dict[int, Work]:
+        return {one.k: one for one in self._whole}
+
+    @cached_property
+    def _users(self) -> dict[int, list[int]]:
+        found: dict[int, list[int]] = {}
+        for one in self._whole:
+            for part in one.node.args:
+                found.setdefault(part, []).append(one.k)
+        return found
 
     def noisy_results(
         self, given: Given, noise: Noise, watched: dict[int, np.ndarray]

@@ -10,7 +10,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from tuner.code.array_step import Given, Step, Work
+from tuner.code.array_functions import Work
+from tuner.code.array_step import Given, Step
 from tuner.code.graph import Graph
 
 Pair: TypeAlias = tuple[int, int | float]

@@ -137,14 +137,16 @@ def _by_derivatives(
 ) -> np.ndarray:
     """The same by derivatives, which take one pass for all constants; limits have none."""
     found = moves(step, right, draw)
-    shows = np.array([found[one] > _CLEAR for one in hidden.mutants])
+    sizes = np.array([found[one] for one in hidden.mutants])
+    shows = sizes > _CLEAR
     limits = [k for k, one in enumerate(hidden.mutants) if is_limit(step.graph, one)]
     for at in range(0, len(limits), _TOGETHER):
         part = limits[at : at + _TOGETHER]
         shows[part] = detected(step, [hidden.mutants[k] for k in part], right, 2.0)
-    moved = {one for k, one in enumerate(hidden.mutants) if shows[k].any() or found[one].any()}
-    hidden.idle -= moved
-    together.look({one: found[one] for k, one in enumerate(hidden.mutants) if not shows[k].any()})
+    seen = shows.any(axis=1)
+    moved = np.flatnonzero(seen | sizes.any(axis=1))
+    hidden.idle -= {hidden.mutants[k] for k in moved}
+    together.look({hidden.mutants[k]: sizes[k] for k in np.flatnonzero(~seen)})
     return shows
 
 
