@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from tuner.code.graph import Graph
-from tuner.code.mutants import CHANGE, Mutant, mutants_of, with_changes
+from tuner.code.mutants import CHANGE, Mutant, limits_of, mutants_of, with_changes
 from tuner.code.nodes import Node
 from tuner.code.operations import BINARY, COMPARE, LOGIC, UNARY
 from tuner.code.program import Program
@@ -96,6 +96,11 @@ class Step:
     def mutants(self) -> list[Mutant]:
         """The constants of a step."""
         return list(mutants_of(self.graph, self.order))
+
+    @cached_property
+    def limits(self) -> set[Mutant]:
+        """Those that only decide between results."""
+        return limits_of(self.graph, self.order, self.roots)
 
     def results(
         self,

@@ -1,12 +1,12 @@
 """Derivatives of all results with respect to every constant of a step, in one pass backwards."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
 from tuner.code.array_step import Given, Step
-from tuner.code.mutants import CHANGE, Mutant
+from tuner.code.mutants import CHANGE, WHOLE, Mutant
 from tuner.code.nodes import Node
 
 _WEIGHTINGS = 4
@@ -16,7 +16,11 @@ _SHIFT = 1e-6
 
 
 def sensitivities(
-    step: Step, given: Given, scales: np.ndarray, draw: np.random.Generator
+    step: Step,
+    given: Given,
+    scales: np.ndarray,
+    draw: np.random.Generator,
+    whole: Collection[int] = (),
 ) -> dict[Mutant, np.ndarray]:
     """By how much a change of each constant moves the results of steps, ``(B,)`` each.
 
@@ -29,6 +33,7 @@ def sensitivities(
         given: states and samples.
         scales: a size of each result, ``(roots, B)``.
         draw: a generator.
+        whole: operations whose results are changed by the same share, as if they had a factor.
     """
     count = scales.shape[1]
     values: dict[int, np.ndarray] = dict.fromkeys(step.order, np.zeros(1))
@@ -44,6 +49,8 @@ def sensitivities(
             node, adjoint = step.graph.nodes[k], adjoints.pop(k, None)
             if adjoint is None or not node.args:
                 continue
+            if k in whole:
+                found[Mutant(k, WHOLE)] = _size(adjoint * values[k] * CHANGE, count)
             given_here = [values[part] for part in node.args]
             for at, slope in _slopes(node, step.functions[k], given_here):
                 part = node.args[at]
@@ -52,13 +59,18 @@ def sensitivities(
                 share = _times(adjoint, slope)
                 if (k, at) in constants:
                     moved = share * (CHANGE * step.graph.nodes[part].value)
-                    size = np.sqrt((moved**2).mean(axis=0))
-                    found[Mutant(k, at)] = np.broadcast_to(size, count)
+                    found[Mutant(k, at)] = _size(moved, count)
                 else:
                     before = adjoints.get(part)
                     adjoints[part] = share if before is None else before + share
     none = np.zeros(count)
-    return {one: found.get(one, none) for one in step.mutants}
+    wanted = [*step.mutants, *(Mutant(k, WHOLE) for k in sorted(whole))]
+    return {one: found.get(one, none) for one in wanted}
+
+
+def _size(moved: np.ndarray, count: int) -> np.ndarray:
+    """The root of the mean of squares over all weightings, in each step."""
+    return np.broadcast_to(np.sqrt((moved**2).mean(axis=0)), count)
 
 
 def _times(adjoint: np.ndarray, slope: np.ndarray | int) -> np.ndarray:
