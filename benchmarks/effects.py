@@ -1,6 +1,6 @@
 """What a number does that no step of a self-test shows: one by one, by evaluation."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from itertools import islice
 from typing import Literal
@@ -11,18 +11,23 @@ from benchmarks.numbers_in_c import Changed, Moved
 from tuner.code.array_step import Step
 from tuner.code.detection import LONG, allowed, comparable, expected
 from tuner.code.limits import beside_limits
-from tuner.code.mutants import CHANGE
+from tuner.code.mutants import CHANGE, Mutant
+from tuner.code.needed import Ways
 from tuner.code.search import by_field, rounded
 from tuner.code.selftest_tables import stored
 from tuner.code.states import Around, Arrays, by_node
 
-Kind = Literal["without effect", "not reached", "only doubled", "below tolerance", "missed"]
+Kind = Literal[
+    "proven", "without effect", "not reached", "only doubled", "below tolerance", "missed"
+]
 _NONE = 1e-28
 """Share of the largest result of a step, with 113 bits, below which a move is due to rounding."""
 _ROUNDING = 1e-10
 """Share of the same move with fewer bits below which it is rounding."""
 _TWICE, _LARGE = 1.0, (-0.999, 1e3, 1e6)
 """Changes over the number, and those that turn most of the decisions that it takes part in."""
+_ALIKE = 100
+"""Most constants of one size that are looked at for a proof."""
 _BATCH, _DRAWN, _FREE = 128, 6, 400
 """States looked at together; how often; and with decisions taken at random."""
 
@@ -33,7 +38,8 @@ class Effect:
 
     Attributes:
         line: where it stands.
-        kind: without effect, whatever is decided; with one under decisions that no state tried
+        kind: proven by the formulas to reach no result; without effect, whatever is decided, as far
+            as was tried; with one under decisions that no state tried
             takes together; with one when it is doubled, but not by a thousandth; with one below
             what is allowed; or with a larger one, which the steps of the self-test miss.
         multiple: the largest move that a change by a thousandth makes, over what is allowed.
@@ -42,6 +48,18 @@ class Effect:
     line: str
     kind: Kind
     multiple: float
+
+
+def _proven(step: Step, ways: Ways, undetected: Collection[Mutant], value: float) -> bool:
+    """Whether no constant of this size that is not detected reaches a result, whatever is decided.
+
+    The number is one of them, or the inverse of one where it divides.
+    """
+    nodes = step.graph.nodes
+    sizes = {one: abs(float(nodes[nodes[one.node].args[one.at]].value)) for one in undetected}
+    near = (abs(value), 1 / abs(value))
+    same = [one for one, size in sizes.items() if np.isclose(size, near, rtol=1e-6, atol=0).any()]
+    return 0 < len(same) <= _ALIKE and all(ways.way(one) is None for one in same)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,19 +72,26 @@ class _Looked:
 
 
 def effects(
-    step: Step, around: Around, plain: Changed, wide: Changed, hidden: dict[int, str]
+    step: Step,
+    around: Around,
+    undetected: Collection[Mutant],
+    plain: Changed,
+    wide: Changed,
+    hidden: dict[int, str],
 ) -> Iterator[Effect]:
     """The effect of each of these numbers.
 
     Args:
         step: the formulas of the filter.
         around: where states are drawn.
+        undetected: the constants of the formulas that do not show either.
         plain: its C.
         wide: the same with 113 bits.
         hidden: the numbers, with the line of each.
     """
     draw = np.random.default_rng(5)
     looked = list(_looked(step, around, plain, draw)) if hidden else []
+    ways = Ways(step.graph, step.order, step.roots)
     for number, line in hidden.items():
         multiple = max((_multiple(plain, number, one) for one in looked), default=0.0)
         kind: Kind = "missed"
@@ -77,8 +102,9 @@ def effects(
             elif any(_acts(plain, wide, number, one, _TWICE) for one in some):
                 kind = "only doubled"
             else:
-                free = _matters(step, around, plain, wide, number, draw)
-                kind = "not reached" if free else "without effect"
+                kind = _unseen(step, around, plain, wide, number, draw)
+                if _proven(step, ways, undetected, plain.value(number)):
+                    kind = "proven"
         yield Effect(line, kind, multiple)
 
 
@@ -128,14 +154,14 @@ def _shares(found: Moved) -> np.ndarray:
     return np.asarray(np.abs(found.apart) / np.where(size > 0, size, 1.0))
 
 
-def _matters(
+def _unseen(
     step: Step,
     around: Around,
     plain: Changed,
     wide: Changed,
     number: int,
     draw: np.random.Generator,
-) -> bool:
+) -> Kind:
     """Whether a number has an effect under any decisions, whether a state takes them or not.
 
     Decisions are taken at random; one that the number may turn is taken otherwise with it.
@@ -152,11 +178,11 @@ def _matters(
     for change in (CHANGE, _TWICE, *_LARGE):
         one = found(wide, change, forces)
         if change in (CHANGE, _TWICE) and _shows(one, found(plain, change, forces)):
-            return True
+            return "not reached"
         turned |= one.turned.any(axis=0)
     for k in np.flatnonzero(turned):
         sides = [forces.copy(), forces.copy()]
         sides[0][:, k], sides[1][:, k] = -1, 1
         if _shows(found(wide, CHANGE, *sides), found(plain, CHANGE, *sides)):
-            return True
-    return False
+            return "not reached"
+    return "without effect"

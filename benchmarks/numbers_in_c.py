@@ -218,6 +218,13 @@ class Changed:
         self._function(number, 1 + change, len(given), given, *places, *ends)
         return Moved(right, apart, turned != 0)
 
+    def value(self, number: int) -> float:
+        """The number itself."""
+        place = self._library.place
+        kind = ctypes.c_float if self.code.precision == "float" else ctypes.c_double
+        place.argtypes, place.restype = [ctypes.c_int], ctypes.POINTER(kind)
+        return float(place(number)[0])
+
     @cached_property
     def decisions(self) -> int:
         """Number of decisions that can be forced."""
@@ -228,7 +235,7 @@ class Changed:
         return sum(field.size for field in (*self.code.state, *self.code.outputs))
 
     @cached_property
-    def _function(self) -> Any:
+    def _library(self) -> ctypes.CDLL:
         real, stem = self.code.precision, self.code.stem
         name, libraries = "plain", ["-lm"]
         texts = [self.header, undecided(self.source)[0]]
@@ -245,7 +252,11 @@ class Changed:
         command = ["gcc", "-std=gnu99", "-O1", "-w", "-shared", "-fPIC", f"{name}.c"]
         command += ["-o", f"{name}.so", *libraries]
         subprocess.run(command, cwd=self.folder, check=True)
-        function = ctypes.CDLL(str(self.folder / f"{name}.so")).changed
+        return ctypes.CDLL(str(self.folder / f"{name}.so"))
+
+    @cached_property
+    def _function(self) -> Any:
+        function = self._library.changed
         doubles = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
         function.argtypes = [ctypes.c_int, ctypes.c_double, ctypes.c_size_t, doubles]
         function.argtypes += [*[ctypes.c_void_p] * 3, doubles, doubles]

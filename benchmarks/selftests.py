@@ -106,7 +106,8 @@ def judged(case: Any, precision: Precision) -> Seen:
         rest: list[Effect] = []
         if hidden and steps and found.program is not None:
             plain, wide = Changed(*implemented), Changed(*implemented, wide=True)
-            rest = list(effects(Step(found.program), steps.around, plain, wide, hidden))
+            step = Step(found.program)
+            rest = list(effects(step, steps.around, steps.undetected, plain, wide, hidden))
     return Seen(
         case.name,
         precision,

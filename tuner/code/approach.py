@@ -1,64 +1,45 @@
 """Steps that are varied until they are beyond a limit, and brought close to it by bisection."""
 
-from dataclasses import dataclass
-from typing import TypeAlias
-
 import numpy as np
 
 from tuner.code.array_step import Step
-from tuner.code.compared import ComparedNumbers
+from tuner.code.bases import Bases, above, missing
+from tuner.code.by_one_entry import by_one_entry
 from tuner.code.detection import LONG
-from tuner.code.states import Arrays, by_node
+from tuner.code.states import Arrays
 from tuner.code.variations import varied
 
 _BESIDE, _CLOSE = (-3e-2, -5e-4, -1e-5, 1e-5, 5e-4, 3e-2), (-5e-4, 5e-4)
 """Distances from a limit, over the limit, and those of a long step: one that is changed passes the
 steps that are closer than 1e-3."""
-_BEYOND = 1e-3
-"""Distance from a limit, over it, from which a step is well beyond."""
-_ROUNDS, _KEPT, _CHILDREN, _HALVINGS = 32, 2, 12, 26
+_ROUNDS, _KEPT, _CHILDREN, _HALVINGS = 32, 2, 12, 40
 _NEARER, _PATIENCE = 0.95, 6
 """A step has come nearer where at most this share of its distance is left; after so many rounds in
 which it has not, it is given up; but that of a long filter, which has few."""
-Compared: TypeAlias = tuple[int, int, int | float]
-"""A comparison, the number that is compared, and its limit: a node, or a half for rounding."""
-
-
-@dataclass(frozen=True, eq=False)
-class Bases:
-    """Steps that are to be brought to a limit.
-
-    Attributes:
-        compared: at which decision, of each step.
-        steps: states and samples, a field each.
-        numbers: those that are compared.
-    """
-
-    compared: list[Compared]
-    steps: Arrays
-    numbers: ComparedNumbers
-
-
-def _above(step: Step, own: int, steps: Arrays, bases: Bases) -> np.ndarray:
-    """The number that is compared, and its limit, ``(2, count)``: in as many steps for each base.
-
-    Args:
-        step: the filter's.
-        own: number of fields of the state.
-        steps: those of the first base, then those of the next.
-        bases: what is compared.
-    """
-    given = by_node(step.program, steps[:own], steps[own:])
-    return bases.numbers.in_own_steps(given, [one[1:] for one in bases.compared])
 
 
 def beyond(step: Step, own: int, bases: Bases, draw: np.random.Generator) -> Arrays:
     """Steps on the other side of the limit, or as close to it as variations come."""
+    x, limit = above(step, own, bases.steps, bases)
+    side = np.where(x > limit, 1.0, -1.0)
+    found, there = by_one_entry(step, own, bases, side)
+    rest = np.flatnonzero(~there)
+    if len(rest):
+        compared = [bases.compared[k] for k in rest]
+        some = Bases(compared, [x[rest] for x in bases.steps], bases.numbers)
+        for field, one in zip(found, _varied(step, own, some, side[rest], draw), strict=True):
+            field[rest] = one
+    return found
+
+
+def _varied(
+    step: Step, own: int, bases: Bases, first: np.ndarray, draw: np.random.Generator
+) -> Arrays:
+    """The same by variations of all entries, of which the best are varied again."""
     count = len(bases.compared)
-    x, limit = _above(step, own, bases.steps, bases)
-    side = np.repeat(np.where(x > limit, 1.0, -1.0), _KEPT)
+    side = np.repeat(first, _KEPT)
     best = [np.repeat(field, _KEPT, axis=0) for field in bases.steps]
-    gap, idle = _gap(step, own, best, bases, side), np.zeros(count, int)
+    (gap, _), idle = missing(step, own, best, bases, side), np.zeros(count, int)
     patience = _ROUNDS if len(step.order) > LONG else _PATIENCE
     for _ in range(_ROUNDS):
         least = gap[::_KEPT].copy()
@@ -69,7 +50,7 @@ def beyond(step: Step, own: int, bases: Bases, draw: np.random.Generator) -> Arr
         some = Bases([bases.compared[k] for k in going], [], bases.numbers)
         parents = [field[rows] for field in best]
         children = varied(draw, [np.repeat(field, _CHILDREN, axis=0) for field in parents])
-        moved = _gap(step, own, children, some, np.repeat(side[rows], _CHILDREN))
+        moved, _ = missing(step, own, children, some, np.repeat(side[rows], _CHILDREN))
         both = [_by_base(one, len(going)) for one in (gap[rows], moved)]
         order = np.argsort(np.concatenate(both, axis=1), axis=1, kind="stable")[:, :_KEPT]
         gap[rows] = np.take_along_axis(np.concatenate(both, axis=1), order, axis=1).ravel()
@@ -80,14 +61,6 @@ def beyond(step: Step, own: int, bases: Bases, draw: np.random.Generator) -> Arr
             field[rows] = chosen.reshape(len(rows), *field.shape[1:])
         idle = np.where(gap[::_KEPT] < _NEARER * least, 0, idle + 1)
     return [_by_base(field, count)[:, 0] for field in best]
-
-
-def _gap(step: Step, own: int, steps: Arrays, bases: Bases, side: np.ndarray) -> np.ndarray:
-    """How much is missing to be well beyond the limit."""
-    x, limit = _above(step, own, steps, bases)
-    with np.errstate(all="ignore"):
-        gap = side * (x - limit) + _BEYOND * np.abs(limit)
-    return np.where(np.isfinite(gap), np.maximum(gap, 0), np.inf)
 
 
 def _by_base(x: np.ndarray, count: int) -> np.ndarray:
@@ -114,7 +87,7 @@ def close(step: Step, own: int, bases: Bases, others: Arrays) -> Arrays:
         ]
 
     def below(share: np.ndarray) -> np.ndarray:
-        x, limit = _above(step, own, between(share), bases)
+        x, limit = above(step, own, between(share), bases)
         with np.errstate(invalid="ignore"):
             return np.asarray(x < goal * limit)
 

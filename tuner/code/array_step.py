@@ -7,9 +7,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from tuner.code.array_functions import Work, function_of, smooth_operands, work_of
+from tuner.code.array_functions import Work, function_of, work_of
 from tuner.code.graph import Graph
-from tuner.code.mutants import CHANGE, Mutant, mutants_of, with_changes
+from tuner.code.mutants import CHANGE, Mutant, limits_of, mutants_of, with_changes
 from tuner.code.operations import COMPARE
 from tuner.code.program import Program
 from tuner.code.rounding_errors import Noise
@@ -84,18 +84,9 @@ class Step:
         return list(mutants_of(self.graph, self.order))
 
     @cached_property
-    def ways_back(self) -> list[tuple[int, list[int]]]:
-        """Operations that depend on a constant smoothly, and by which operands, in order."""
-        constants = {(one.node, one.at) for one in self.mutants}
-        found: dict[int, list[int]] = {}
-        for k in self.order:
-            node = self.graph.nodes[k]
-            smooth = [
-                at for at in smooth_operands(node) if (k, at) in constants or node.args[at] in found
-            ]
-            if smooth:
-                found[k] = smooth
-        return list(found.items())
+    def limits(self) -> set[Mutant]:
+        """Those that only decide between results."""
+        return limits_of(self.graph, self.order, self.roots)
 
     def values(self, given: Given, work: Sequence[Work]) -> dict[int, np.ndarray]:
         """The nodes that some work leaves in the end, ``(B,)`` or ``(1,)`` each."""

@@ -81,7 +81,11 @@ class Hidden:
 
     def _at_limits(self, one: Mutant) -> bool:
         way = self._known.get(one)
-        return one.limit or (way is not None and bool(way.turned))
+        return one.limit or self._summand(one) or (way is not None and bool(way.turned))
+
+    def _summand(self, one: Mutant) -> bool:
+        """Whether it is added, which shows where the rest of the sum is not much larger."""
+        return self._step.graph.nodes[one.node].op == "add"
 
     def _equal(self, one: Mutant) -> bool:
         """Whether it decides if numbers are equal, which needs no limit to be close."""
@@ -98,7 +102,7 @@ class Hidden:
             way = self._way(one)
             if way is not None:
                 found |= way.turned | {k for k, _ in way.needed}
-            if one.limit or self._step.graph.nodes[one.node].op in ("max", "min"):
+            if one.limit or self._step.graph.nodes[one.node].op in ("max", "min", "add"):
                 found.add(one.node)
         return found
 

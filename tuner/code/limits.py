@@ -6,11 +6,13 @@ it is on the other side, and then brought close to the limit by bisection.
 """
 
 from collections.abc import Collection, Iterator
+from itertools import zip_longest
 
 import numpy as np
 
-from tuner.code.approach import Bases, Compared, beyond, close
+from tuner.code.approach import beyond, close
 from tuner.code.array_step import Given, Step
+from tuner.code.bases import Bases, Compared
 from tuner.code.compared import ComparedNumbers, reaches
 from tuner.code.detection import LONG, detected, plain
 from tuner.code.mutants import OTHERWISE, Mutant
@@ -50,15 +52,18 @@ def beside_limits(
 def _compared(step: Step, wanted: Collection[int] | None) -> list[Compared]:
     """Real numbers that are compared, the second no zero and not infinite, and rounded ones.
 
+    So are what a constant is added to and the constant, which shows where neither is much larger.
     In a long step only early ones: the others take too long.
     """
     nodes, found = step.graph.nodes, list[Compared]()
-    for k in step.order if wanted is None else sorted(wanted):
-        if nodes[k].op in COMPARE or nodes[k].op in ("max", "min"):
+    decisions = (k for k in step.order if nodes[k].op != "add")
+    for k in decisions if wanted is None else sorted(wanted):
+        if nodes[k].op in COMPARE or nodes[k].op in ("max", "min", "add"):
             x, limit = nodes[k].args
             if nodes[x].op == "constant":
                 x, limit = limit, x
             real = nodes[x].kind == nodes[limit].kind == "real"
+            real = real and (nodes[k].op != "add" or nodes[limit].op == "constant")
             if real and not any(step.graph.is_constant(limit, one) for one in (0.0, np.inf)):
                 found.append((k, x, limit))
         elif nodes[k].op == "round":
@@ -75,7 +80,8 @@ def _bases(
     """Steps in which these decisions matter; where there is none, others."""
     chosen, steps = list[Compared](), list[Arrays]()
     long = len(step.order) > LONG
-    count, most = (_FEW, 3) if long else (_POOL, max(_BASES, _ALL // max(len(compared), 1)))
+    share = _ALL // max(len(compared), 1)
+    count, most = (_FEW, min(max(3, 2 * share), 8)) if long else (_POOL, max(_BASES, share))
     for turn in range(_POOLS):
         missing = [one for one in compared if one not in chosen]
         if not missing:
@@ -87,7 +93,7 @@ def _bases(
         apart = _distances(step, given, missing, count)
         for one, row, distance in zip(missing, matters, apart, strict=True):
             at = draw.permutation(np.flatnonzero(row))
-            nearest = at[np.argsort(distance[at], kind="stable")][: most // 2]
+            nearest = _nearest(at, distance[at], (most + 1) // 2)
             at = np.unique(np.concatenate([nearest, at[: most - len(nearest)]]))
             if not len(at) and turn + 1 == _POOLS and not long:
                 at = draw.integers(count, size=1)
@@ -96,6 +102,14 @@ def _bases(
                 steps.append([x[at] for x in pool])
     numbers = ComparedNumbers(step, [one[1:] for one in chosen])
     return Bases(chosen, [np.concatenate(column) for column in zip(*steps, strict=True)], numbers)
+
+
+def _nearest(at: np.ndarray, distance: np.ndarray, most: int) -> np.ndarray:
+    """Those closest to the limit, from both sides in turn: one may be held back."""
+    order = np.argsort(np.abs(distance), kind="stable")
+    sides = [at[order[distance[order] > 0]], at[order[~(distance[order] > 0)]]]
+    both = [one for pair in zip_longest(*sides) for one in pair if one is not None]
+    return np.array(both[:most], int)
 
 
 def _matters(step: Step, given: Given, decisions: list[int]) -> np.ndarray:
@@ -107,10 +121,10 @@ def _matters(step: Step, given: Given, decisions: list[int]) -> np.ndarray:
 def _distances(
     step: Step, given: Given, compared: list[Compared], count: int
 ) -> Iterator[np.ndarray]:
-    """How far each number is from its limit, in each step; what is no number last."""
+    """How far each number is above its limit, in each step; what is no number last."""
     ends = {k for one in compared for k in one[1:] if isinstance(k, int)}
     values = step.values(given, step.work(step.graph.reached(ends), ends))
     for _, x, limit in compared:
         with np.errstate(all="ignore"):
-            apart = np.abs(values[x] - (values[limit] if isinstance(limit, int) else limit))
+            apart = values[x] - (values[limit] if isinstance(limit, int) else limit)
         yield np.broadcast_to(np.nan_to_num(apart, nan=np.inf), count)

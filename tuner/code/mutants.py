@@ -7,14 +7,15 @@ import numpy as np
 
 from tuner.code.graph import Graph
 from tuner.code.nodes import Node
-from tuner.code.operations import COMPARE
+from tuner.code.operations import STEPPED
 
 CHANGE = 1e-3
 """A constant is changed by this share of itself."""
 
 
-OTHERWISE = -1
-"""In place of an operand: the decision itself is taken the other way round."""
+OTHERWISE, WHOLE = -1, -2
+"""In place of an operand: the decision itself is taken the other way round, or the result is
+changed as if it had one factor more."""
 
 
 class Mutant(NamedTuple):
@@ -36,6 +37,7 @@ _OTHERWISE: Mapping[str, Callable[..., Any]] = {
     "max": np.minimum,
     "min": np.maximum,
     "round": lambda x: np.rint(x) + 1,
+    "add": lambda x, y: 2 * (x + y),
 }
 Lanes: TypeAlias = Mapping[Mutant, Sequence[int]]
 """The rows of an array in which a constant is changed."""
@@ -53,9 +55,23 @@ def mutants_of(graph: Graph, order: Sequence[int]) -> Iterator[Mutant]:
                     yield Mutant(k, at, limit=True)
 
 
-def is_limit(graph: Graph, one: Mutant) -> bool:
-    """Whether a constant decides between two results, which depend on it in no smooth way."""
-    return one.limit or graph.nodes[one.node].op in COMPARE
+def limits_of(graph: Graph, order: Sequence[int], roots: Sequence[int]) -> set[Mutant]:
+    """The constants that only decide between results, which depend on them in no smooth way.
+
+    Args:
+        graph: of a step.
+        order: its nodes.
+        roots: its results.
+    """
+    smooth = set(roots)
+    for k in reversed(order):
+        if k in smooth and graph.nodes[k].op not in STEPPED:
+            smooth.update(graph.nodes[k].args)
+    return {
+        one
+        for one in mutants_of(graph, order)
+        if one.limit or one.node not in smooth or graph.nodes[one.node].op in STEPPED
+    }
 
 
 def _changes(node: Node) -> bool:

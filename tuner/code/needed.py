@@ -5,13 +5,11 @@ from typing import NamedTuple, TypeAlias
 
 from tuner.code.graph import Graph
 from tuner.code.mutants import Mutant
-from tuner.code.operations import COMPARE
+from tuner.code.operations import STEPPED
 
 Decided: TypeAlias = frozenset[tuple[int, bool]]
 """Truth values, and what they are."""
 _NOTHING: Decided = frozenset()
-_STEPPED = COMPARE | {"round", "floor", "ceil"}
-"""Operations whose result does not move with its operands, or jumps."""
 
 
 class Way(NamedTuple):
@@ -58,7 +56,7 @@ class Ways:
                 continue
             found[k] = frozenset.intersection(*ways)
             if k == one.node or not moving.isdisjoint(nodes[k].args):
-                (turned if nodes[k].op in _STEPPED else moving).add(k)
+                (turned if nodes[k].op in STEPPED else moving).add(k)
         ends = [found[root] for root in self._roots if root in found]
         if not ends:
             return None

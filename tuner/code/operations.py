@@ -70,6 +70,8 @@ BINARY: dict[str, Callable[..., Any]] = {
 
 COMMUTE = frozenset({"add", "mul", "and", "or", "xor", "eq", "ne"})
 COMPARE = frozenset({"eq", "ne", "lt", "le", "gt", "ge"})
+STEPPED = COMPARE | {"round", "floor", "ceil"}
+"""Operations whose result does not move with its operands, or jumps."""
 LOGIC = COMPARE | {"and", "or", "xor", "not", "is_finite", "isnan"}
 """Operations whose result is a truth value."""
 

@@ -10,6 +10,7 @@ import numpy as np
 from tuner.code.array_step import Given, Step
 from tuner.code.detection import (
     LONG,
+    SAFE,
     Expected,
     agree,
     comparable,
@@ -22,9 +23,9 @@ from tuner.code.fields import Field
 from tuner.code.hidden import Hidden
 from tuner.code.limits import beside_limits
 from tuner.code.literal import Precision
-from tuner.code.mutants import is_limit
+from tuner.code.mutants import WHOLE
 from tuner.code.states import Around, Arrays, by_node
-from tuner.code.together import Together
+from tuner.code.together import Inverses, Together
 
 _BATCH, _ROUNDS, _FEW = 64, 12, 4
 """States looked at together, and how often: at most, and in the longest steps."""
@@ -69,7 +70,7 @@ def search(step: Step, around: Around, most: int, by_jax: Results) -> Found:
         by_jax: JAX's results of steps, with which those of a long step have to agree.
     """
     draw, tried, chosen, gains = np.random.default_rng(0), 0, list[Arrays](), list[int]()
-    program, hidden, together = step.program, Hidden(step), Together(step)
+    program, hidden, together, inverses = step.program, Hidden(step), Together(step), Inverses(step)
     for drawn in _batches(step, around, draw, hidden):
         if not hidden.mutants:
             break
@@ -77,11 +78,12 @@ def search(step: Step, around: Around, most: int, by_jax: Results) -> Found:
         given = by_node(program, states, samples)
         tried += len(next(iter(given.values()), ()))
         if len(step.order) > LONG:
-            right = expected(step, given, draw)
+            right = expected(step, given, draw, SAFE)
             same = [agree(step, right, found) for found in by_jax(states, samples)]
             right = replace(right, steady=np.logical_and.reduce([right.steady, *same]))
             shows = _by_derivatives(step, right, hidden, draw, together)
             together.take([*states, *samples])
+            inverses.look(right, [*states, *samples])
         else:
             shows = _by_changes(step, given, hidden, draw)
         while shows.any():
@@ -94,9 +96,10 @@ def search(step: Step, around: Around, most: int, by_jax: Results) -> Found:
         if len(step.order) <= LONG:
             hidden.leave_proven()
 
-    for one in together.steps():
-        chosen.append(one)
-        gains.append(0)
+    for gain, more in ((1, inverses.steps()), (0, together.steps())):
+        for one in more:
+            chosen.append(one)
+            gains.append(gain)
     kept = np.sort(np.argsort(-np.array(gains, int), kind="stable")[:most])
     fields = [*program.state, *program.inputs]
     whole = [
@@ -121,7 +124,7 @@ def _by_changes(step: Step, given: Given, hidden: Hidden, draw: np.random.Genera
     some |= detected(step, idle, exact, 1.0, change=1.0).any(axis=0)
     if some.any():
         part = {k: x[some] for k, x in given.items()}
-        right = expected(step, part, draw)
+        right = expected(step, part, draw, SAFE)
         whole[:, some] = detected(step, mutants, right, 2.0)
         doubled = np.atleast_1d(detected(step, idle, right, 1.0, change=1.0).any(axis=1))
         hidden.idle -= {one for one, shows in zip(idle, doubled, strict=True) if shows}
@@ -136,17 +139,18 @@ def _by_derivatives(
     together: Together,
 ) -> np.ndarray:
     """The same by derivatives, which take one pass for all constants; limits have none."""
-    found = moves(step, right, draw)
+    found = moves(step, right, draw, together.whole)
     sizes = np.array([found[one] for one in hidden.mutants])
     shows = sizes > _CLEAR
-    limits = [k for k, one in enumerate(hidden.mutants) if is_limit(step.graph, one)]
+    limits = [k for k, one in enumerate(hidden.mutants) if one in step.limits]
     for at in range(0, len(limits), _TOGETHER):
         part = limits[at : at + _TOGETHER]
         shows[part] = detected(step, [hidden.mutants[k] for k in part], right, 2.0)
-    seen = shows.any(axis=1)
+    seen = np.asarray(shows.any(axis=1))
     moved = np.flatnonzero(seen | sizes.any(axis=1))
     hidden.idle -= {hidden.mutants[k] for k in moved}
-    together.look({hidden.mutants[k]: sizes[k] for k in np.flatnonzero(~seen)})
+    rest = {one for one, shown in zip(hidden.mutants, seen, strict=True) if not shown}
+    together.look({one: x for one, x in found.items() if one in rest or one.at == WHOLE})
     return shows
 
 
@@ -163,7 +167,7 @@ def _batches(
         yield from beside_limits(step, around, draw, hidden.wanted())
         yield from beside_limits(step, around, draw, hidden.wanted(moving=True))
     else:
-        limits = {one.node for one in hidden.mutants if is_limit(step.graph, one)}
+        limits = {one.node for one in hidden.mutants if one in step.limits}
         limits |= {k for k in step.order if step.graph.nodes[k].op == "round"}
         yield from islice(beside_limits(step, around, draw, limits), rounds // 2)
 

@@ -1,12 +1,13 @@
 """Derivatives of all results with respect to every constant of a step, in one pass backwards."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from tuner.code.array_functions import smooth_operands
 from tuner.code.array_step import Step
-from tuner.code.mutants import CHANGE, Mutant
+from tuner.code.mutants import CHANGE, WHOLE, Mutant
 from tuner.code.nodes import Node
 
 _WEIGHTINGS = 4
@@ -16,7 +17,11 @@ _SHIFT = 1e-6
 
 
 def sensitivities(
-    step: Step, values: Mapping[int, np.ndarray], scales: np.ndarray, draw: np.random.Generator
+    step: Step,
+    values: Mapping[int, np.ndarray],
+    scales: np.ndarray,
+    draw: np.random.Generator,
+    whole: Collection[int] = (),
 ) -> dict[Mutant, np.ndarray]:
     """By how much a change of each constant moves the results of steps, ``(B,)`` each.
 
@@ -29,17 +34,22 @@ def sensitivities(
         values: all its nodes, ``(B,)`` or ``(1,)`` each.
         scales: a size of each result, ``(roots, B)``.
         draw: a generator.
+        whole: operations whose results are changed by the same share, as if they had a factor.
     """
-    nodes, rows = step.graph.nodes, _rows(step.mutants)
-    squares = np.zeros((len(step.mutants), scales.shape[1]))
+    wanted = [*step.mutants, *(Mutant(k, WHOLE) for k in sorted(whole))]
+    nodes, rows = step.graph.nodes, _rows(wanted)
+    squares = np.zeros((len(wanted), scales.shape[1]))
     with np.errstate(all="ignore"):
         adjoints = _weighted(step.roots, scales, draw)
-        for k, wanted in reversed(step.ways_back):
+        for k, smooth in reversed(_ways_back(step, rows)):
             adjoint = adjoints.pop(k, None)
             if adjoint is None:
                 continue
             node, given = nodes[k], [values[part] for part in nodes[k].args]
-            for at in wanted:
+            if k in whole:
+                moved = adjoint * values[k] * CHANGE
+                np.add.reduce(moved * moved, axis=0, out=squares[rows[k, WHOLE]])
+            for at in smooth:
                 part = node.args[at]
                 share = _times(adjoint, _slope(node, step.functions[k], given, at))
                 if (k, at) in rows:
@@ -48,12 +58,23 @@ def sensitivities(
                 else:
                     before = adjoints.get(part)
                     adjoints[part] = share if before is None else before + share
-    return dict(zip(step.mutants, np.sqrt(squares / _WEIGHTINGS), strict=True))
+    return dict(zip(wanted, np.sqrt(squares / _WEIGHTINGS), strict=True))
 
 
 def _rows(mutants: Sequence[Mutant]) -> dict[tuple[int, int], int]:
     """The places of constants, but limits, by the operations and the operands that they are."""
     return {(one.node, one.at): k for k, one in enumerate(mutants) if not one.limit}
+
+
+def _ways_back(step: Step, rows: Collection[tuple[int, int]]) -> list[tuple[int, list[int]]]:
+    """Operations that depend on something changed smoothly, and by which operands, in order."""
+    found: dict[int, list[int]] = {}
+    for k in step.order:
+        node = step.graph.nodes[k]
+        smooth = [at for at in smooth_operands(node) if (k, at) in rows or node.args[at] in found]
+        if smooth or (k, WHOLE) in rows:
+            found[k] = smooth
+    return list(found.items())
 
 
 def _weighted(

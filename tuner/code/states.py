@@ -14,6 +14,8 @@ from tuner.code.program import Program
 Arrays: TypeAlias = list[np.ndarray]
 _FAR, _NOTHING, _SPARSE, _SOME = 0.5, 0.05, 0.3, 0.7
 _RESTING, _FIRST, _STILL = 0.4, 0.1, 0.1
+_WIDE = 7.0
+"""Powers of ten by which a covariance is farther off than all else."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +28,8 @@ class Around:
         states: states that a filter was in, a field each, ``(N, ...)``.
         samples: the sample that came then, a field each.
         resting: number of states, the last ones, in which nothing changed any more.
+        wide: whether covariances are much farther off than all else: what makes up for rounding
+            shows only there, and long steps have no time to be brought there.
     """
 
     state: Sequence[Field]
@@ -33,6 +37,7 @@ class Around:
     states: Arrays
     samples: Arrays
     resting: int = 0
+    wide: bool = False
 
     def drawn(self, draw: np.random.Generator, count: int) -> tuple[Arrays, Arrays]:
         """States and samples, a field each, ``(count, ...)``."""
@@ -43,7 +48,7 @@ class Around:
             whole = next(len(x) for x in (*self.states, *self.samples))
             at = np.where(still, whole - 1 - draw.integers(self.resting, size=count), at)
             row = np.where(still, at, row)
-        states = _all_drawn(draw, self.state, [x[at] for x in self.states], still)
+        states = _all_drawn(draw, self.state, [x[at] for x in self.states], still, self.wide)
         samples = _all_drawn(draw, self.inputs, [x[row] for x in self.samples], still)
         return states, [_with_holes(draw, x) for x in samples]
 
@@ -58,7 +63,11 @@ class Around:
 
 
 def _all_drawn(
-    draw: np.random.Generator, fields: Sequence[Field], near: Arrays, still: np.ndarray
+    draw: np.random.Generator,
+    fields: Sequence[Field],
+    near: Arrays,
+    still: np.ndarray,
+    wide: bool = False,
 ) -> Arrays:
     """Values near given ones, or farther off in all fields or in some.
 
@@ -71,6 +80,8 @@ def _all_drawn(
     found = []
     for f, x in zip(fields, near, strict=True):
         off = np.where(some & (draw.random(count) < _SOME), 0.0, far)
+        if f.half and wide:
+            off = np.where(still[:count] | (draw.random(count) < 1 / 2), off, _WIDE)
         found.append(_drawn(draw, f, x, off if f.half else np.where(still[:count], 0.0, off)))
     return found
 

@@ -18,7 +18,7 @@ from tuner.code.reference_filter import SAMPLES, ReferenceFilter
 from tuner.code.search import Found, by_field, search
 from tuner.code.states import Around, Arrays, by_node, column
 
-STEPS, _UNSEARCHED = 24, 4
+STEPS, _UNSEARCHED = 32, 4
 """Most single steps, and their number where there are no formulas to search by."""
 
 
@@ -62,14 +62,13 @@ def searched_steps(
     """Steps in which constants show, with JAX's results."""
     step = Step(program)
     around = whereabouts(own, program.state, program.inputs, met, samples)
+    around = replace(around, wide=len(step.order) > LONG)
 
     def ran(states: Arrays, given: Arrays) -> tuple[Arrays, Arrays]:
         return _ran(own, jax.tree.structure(samples), states, given, wanted)
 
     found = search(step, around, STEPS, lambda *given: _roots(program, *ran(*given)))
-    if found.count == 0:
-        return None
-    return _judged(step, found, around, *ran(found.states, found.samples))
+    return _judged(step, found, around, *ran(found.states, found.samples)) if found.count else None
 
 
 def _ran(

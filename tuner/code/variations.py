@@ -11,6 +11,9 @@ _BEGUN = 0.2
 _ZERO = 0.04
 """Share of the entries that become zero, and of those that change their sign."""
 
+_EVEN = 0.06
+"""Share of the fields whose entries are all zero or of one size, as where axes coincide."""
+
 
 def varied(draw: np.random.Generator, steps: Arrays) -> Arrays:
     """The same steps with some entries of some fields moved, by much or by little.
@@ -32,4 +35,6 @@ def _moved(draw: np.random.Generator, x: np.ndarray) -> np.ndarray:
     scale = (by * np.where(size > 0, size, begun))[axes]
     moved = x + scale * draw.normal(size=x.shape) * (draw.random(x.shape) < 1 / 2)
     rare = draw.random(x.shape)
-    return np.where(rare < _ZERO, 0.0, np.where(rare > 1 - _ZERO, -moved, moved))
+    found = np.where(rare < _ZERO, 0.0, np.where(rare > 1 - _ZERO, -moved, moved))
+    even = (draw.random(count) < _EVEN)[axes]
+    return np.where(even, size[axes] * draw.integers(-1, 2, x.shape), found)

@@ -59,7 +59,8 @@ def test_equal_constants_of_one_operation_are_one():
         between = graph.apply("sin", between)
     last = graph.apply("mul", between, half)
     mutants = [Mutant(k, graph.nodes[k].args.index(half)) for k in (*first, last)]
-    together = Together(SimpleNamespace(graph=graph, mutants=mutants))
+    order = graph.reached([*first, last])
+    together = Together(SimpleNamespace(graph=graph, order=order, mutants=mutants))
     sizes = [np.array([0.9, 1.4, 0.1]), np.array([0.1, 1.4, 0.9]), np.array([0.2, 1.4, 0.2])]
     together.look(dict(zip(mutants, [*sizes, np.array([1.9, 0.0, 0.0])], strict=True)))
     together.take([np.array([10.0, 11.0, 12.0])])

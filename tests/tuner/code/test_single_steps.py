@@ -203,7 +203,7 @@ class Guarded:
         ratio = jnp.where(missing, 0.625, state.x / jnp.where(missing, 1.5, inputs))
         x = state.x + 1.25
         nothing = (x * x - state.x**2) - (2.5 * state.x + 1.5625)
-        after = params * (x + jnp.where(z > 1e30, 8.5, 0.0)) + 3e-19 * z
+        after = params * (x + jnp.where(z * z > 1e200, 8.5 * z, 0.0)) + 3e-19 * jnp.sin(z)
         return Place(after), (ratio, 2.25 * nothing)
 
 
@@ -216,10 +216,11 @@ def test_what_hidden_numbers_do_is_found(tmp_path):
     texts = code, text.header, source, tmp_path
     plain, wide = Changed(*texts), Changed(*texts, wide=True)
     of_lines = {}
-    for one in effects(Step(found.program), data.steps.around, plain, wide, dict(enumerate(lines))):
+    step, hidden = Step(found.program), dict(enumerate(lines))
+    for one in effects(step, data.steps.around, data.steps.undetected, plain, wide, hidden):
         of_lines.setdefault(one.line, []).append(one.kind)
     for number, kind in {
-        "1.5 ": "without effect",
+        "1.5 ": "proven",
         "2.25": "without effect",
         "3e-19": "below tolerance",
         "8.5": "not reached",
