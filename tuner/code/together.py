@@ -21,6 +21,9 @@ _APART = 64
 _LEAST = 2.0
 """The move of equal constants together, over its tolerance, that is worth a step."""
 
+_PART = 32
+"""Factors that are changed together: what depends on none of them is not worked out."""
+
 
 class Together:
     """The steps in which equal constants of equal operations move most.
@@ -98,7 +101,9 @@ class Inverses:
         """Keep those of these steps, a field each, that show a factor that none did before."""
         if not self._factors:
             return
-        shows = detected(self._step, self._factors, right, 2.0, change=-CHANGE)
+        parts = [self._factors[at : at + _PART] for at in range(0, len(self._factors), _PART)]
+        found = [detected(self._step, part, right, 2.0, change=-CHANGE) for part in parts]
+        shows = np.concatenate(found)
         some = np.asarray(shows.any(axis=1))
         self._found += [[x[at] for x in steps] for at in sorted({*shows[some].argmax(axis=1)})]
         self._factors = [one for one, seen in zip(self._factors, some, strict=True) if not seen]
