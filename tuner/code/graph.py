@@ -24,6 +24,9 @@ class Graph:
             them.
         most: limit of nodes; None: none.
 
+    Attributes:
+        means: nodes that stand for half their sum with an equal one.
+
     Raises:
         TooLargeError: as it grows beyond that.
 
@@ -43,6 +46,7 @@ class Graph:
     ) -> None:
         self.precision, self.halves, self.most = precision, halves, most
         self.nodes: list[Node] = []
+        self.means = set[int]()
         self.points = Points(self.nodes, 1e-10 if precision is np.float64 else 4e-6)
         self._known: dict[Any, int] = {}
 

@@ -31,6 +31,7 @@ class Nodes(Protocol):
     points: Points
     precision: type[np.floating]
     halves: bool
+    means: set[int]
 
     def constant(self, value: Any) -> int:
         """A number."""

@@ -132,7 +132,10 @@ def _times_half(graph: Nodes, x: int, y: int) -> int | None:
     if not graph.halves or not graph.is_constant(x, 0.5) or graph.nodes[y].op != "add":
         return None
     one, other = graph.nodes[y].args
-    return one if graph.points.same(one, other) else None
+    if not graph.points.same(one, other):
+        return None
+    graph.means.add(one)
+    return one
 
 
 @_commutative

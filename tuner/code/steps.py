@@ -18,7 +18,7 @@ from tuner.code.reference_filter import SAMPLES, ReferenceFilter
 from tuner.code.search import Found, by_field, search
 from tuner.code.states import Around, Arrays, by_node, column
 
-STEPS, _UNSEARCHED = 32, 4
+STEPS, _UNSEARCHED = 40, 4
 """Most single steps, and their number where there are no formulas to search by."""
 
 

@@ -6,12 +6,11 @@ where the number becomes larger.
 """
 
 from collections.abc import Iterator, Mapping
-from itertools import product
 
 import numpy as np
 
 from tuner.code.array_step import Step
-from tuner.code.detection import Expected, detected
+from tuner.code.detection import EPS, Expected, detected
 from tuner.code.mutants import CHANGE, WHOLE, Mutant
 from tuner.code.nodes import Node
 from tuner.code.states import Arrays
@@ -32,12 +31,12 @@ class Together:
         step: whose constants they are.
 
     Attributes:
-        whole: entries of an operation on arrays that have no factor though others have, since it
-            cancels: half of what is added to itself; with their group.
+        whole: products that formulas have once, and C as half a sum with an equal one, with their
+            group.
     """
 
     def __init__(self, step: Step) -> None:
-        self._step, self._nodes = step, step.graph.nodes
+        self._step, self._known = step, set(step.order)
         self._group = dict[Mutant, int]()
         last = dict[tuple[str, int, float], Mutant]()
         for one in step.mutants:
@@ -47,28 +46,53 @@ class Together:
             apart = before is None or one.node - before.node > _APART
             self._group[one] = len(self._group) if apart else self._group[last[key]]
             last[key] = one
-        self.whole = self._without_factor()
+        self.whole = self._halved()
+        self._constantless = {*self.whole.values()} - {*self._group.values()}
+        # What is zero but for rounding, as those sums are, was evaluated in double.
+        self._rounding = EPS[step.program.precision] / EPS["double"]
         self._best = dict[int, tuple[float, Arrays]]()
         self._looked = dict[int, np.ndarray]()
 
-    def _without_factor(self) -> dict[int, int]:
-        """Of half the sum of two mirrored products the diagonal, where both are one."""
-        nodes, found = self._nodes, dict[int, int]()
-        products = {frozenset(nodes[k].args): k for k in self._step.order if nodes[k].op == "mul"}
+    def _halved(self) -> dict[int, int]:
+        """Products of operations on arrays of which C takes half of the sum with the mirrored one.
+
+        Formulas have no half where both are one, as on the diagonal, or the same but for rounding.
+        """
+        graph, members, last = self._step.graph, dict[int, list[int]](), -_APART
         for one, group in self._group.items():
-            added = nodes[nodes[one.node].args[1 - one.at]] if nodes[one.node].op == "mul" else None
-            if added is not None and added.op == "add":
-                both = [nodes[k].args if nodes[k].op == "mul" else () for k in added.args]
-                pairs = map(frozenset, product(*both))
-                found |= {products[pair]: group for pair in pairs if pair in products}
+            added = graph.nodes[graph.nodes[one.node].args[1 - one.at]]
+            if graph.nodes[one.node].op == "mul" and added.op == "add":
+                members.setdefault(group, []).extend(added.args)
+        group = len(self._group)
+        for k in sorted(graph.means.intersection(self._step.order)):
+            group += k - last > _APART
+            members.setdefault(group, []).append(k)
+            last = k
+        found = dict[int, int]()
+        for group, some in members.items():
+            parts = {part for k in some for part in self._factors(k)}
+            for k in range(min(some) - _APART, max(some) + _APART + 1):
+                if k in self._known and parts.issuperset(self._factors(k) or {-1}):
+                    found[k] = group
         return found
 
+    def _factors(self, k: int) -> tuple[int, ...]:
+        node = self._step.graph.nodes[k]
+        return node.args if node.op == "mul" else ()
+
     def look(self, moves: Mapping[Mutant, np.ndarray]) -> None:
-        """Sum up moves of constants in steps, ``(B,)`` each, of which none is large."""
+        """Sum up moves of constants in steps, ``(B,)`` each, of which none is large.
+
+        Operations of which all constants show by themselves are left out.
+        """
         self._looked = {}
+        hidden = {self._group[one] for one in moves if one.at != WHOLE}
         for one, size in moves.items():
+            if one.at == WHOLE and self.whole[one.node] not in hidden | self._constantless:
+                continue
             group = self.whole[one.node] if one.at == WHOLE else self._group[one]
-            self._looked[group] = self._looked.get(group, 0.0) + size**2
+            moved = size * self._rounding if one.at == WHOLE else size
+            self._looked[group] = self._looked.get(group, 0.0) + moved**2
 
     def take(self, steps: Arrays) -> None:
         """Keep those of these steps, a field each, that are the best so far."""

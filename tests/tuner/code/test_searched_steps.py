@@ -60,7 +60,9 @@ def test_equal_constants_of_one_operation_are_one():
     last = graph.apply("mul", between, half)
     mutants = [Mutant(k, graph.nodes[k].args.index(half)) for k in (*first, last)]
     order = graph.reached([*first, last])
-    together = Together(SimpleNamespace(graph=graph, order=order, mutants=mutants))
+    program = SimpleNamespace(precision="double")
+    step = SimpleNamespace(graph=graph, order=order, mutants=mutants, program=program)
+    together = Together(step)
     sizes = [np.array([0.9, 1.4, 0.1]), np.array([0.1, 1.4, 0.9]), np.array([0.2, 1.4, 0.2])]
     together.look(dict(zip(mutants, [*sizes, np.array([1.9, 0.0, 0.0])], strict=True)))
     together.take([np.array([10.0, 11.0, 12.0])])
