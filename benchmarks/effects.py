@@ -13,9 +13,8 @@ from tuner.code.detection import LONG, allowed, comparable, expected
 from tuner.code.limits import beside_limits
 from tuner.code.mutants import CHANGE, Mutant
 from tuner.code.needed import Ways
-from tuner.code.search import by_field, rounded
 from tuner.code.selftest_tables import stored
-from tuner.code.states import Around, Arrays, by_node
+from tuner.code.states import Around, Arrays, by_field, by_node, rounded
 
 Kind = Literal[
     "proven", "without effect", "not reached", "only doubled", "below tolerance", "missed"

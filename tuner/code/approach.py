@@ -12,16 +12,20 @@ from tuner.code.variations import varied
 _BESIDE, _CLOSE = (-3e-2, -5e-4, -1e-5, 1e-5, 5e-4, 3e-2), (-5e-4, 5e-4)
 """Distances from a limit, over the limit, and those of a long step: one that is changed passes the
 steps that are closer than 1e-3."""
-_ROUNDS, _KEPT, _CHILDREN, _HALVINGS = 32, 2, 12, 40
+_ROUNDS, _KEPT, _CHILDREN, _HALVINGS = 32, 2, 12, 26
 _NEARER, _PATIENCE = 0.95, 6
 """A step has come nearer where at most this share of its distance is left; after so many rounds in
 which it has not, it is given up; but that of a long filter, which has few."""
 
 
-def beyond(step: Step, own: int, bases: Bases, draw: np.random.Generator) -> Arrays:
+def beyond(
+    step: Step, own: int, bases: Bases, draw: np.random.Generator, *, by_one: bool
+) -> Arrays:
     """Steps on the other side of the limit, or as close to it as variations come."""
     x, limit = above(step, own, bases.steps, bases)
     side = np.where(x > limit, 1.0, -1.0)
+    if not by_one:
+        return _varied(step, own, bases, side, draw)
     found, there = by_one_entry(step, own, bases, side)
     rest = np.flatnonzero(~there)
     if len(rest):

@@ -10,7 +10,7 @@ import numpy as np
 from tuner.code.array_functions import Work, function_of, work_of
 from tuner.code.graph import Graph
 from tuner.code.mutants import CHANGE, Mutant, limits_of, mutants_of, with_changes
-from tuner.code.operations import COMPARE
+from tuner.code.operations import COMPARE, STEPPED
 from tuner.code.program import Program
 from tuner.code.rounding_errors import Noise
 
@@ -87,6 +87,12 @@ class Step:
     def limits(self) -> set[Mutant]:
         """Those that only decide between results."""
         return limits_of(self.graph, self.order, self.roots)
+
+    @cached_property
+    def own_limits(self) -> set[Mutant]:
+        """Those of the latter that a number is compared with themselves."""
+        nodes = self.graph.nodes
+        return {one for one in self.limits if one.limit or nodes[one.node].op in STEPPED}
 
     def values(self, given: Given, work: Sequence[Work]) -> dict[int, np.ndarray]:
         """The nodes that some work leaves in the end, ``(B,)`` or ``(1,)`` each."""

@@ -31,8 +31,9 @@ def by_one_entry(step: Step, own: int, bases: Bases, side: np.ndarray) -> tuple[
     """
     x, limit = above(step, own, bases.steps, bases)
     moved = [np.repeat(x, _LANES, axis=0) for x in bases.steps]
+    entries_of = {one: _entries(step, one) for one in dict.fromkeys(bases.compared)}
     for at, one in enumerate(bases.compared):
-        entries = _entries(step, one)
+        entries = entries_of[one]
         for k, (field, index) in enumerate(entries):
             rows = np.arange(at * _LANES + k, (at + 1) * _LANES, len(entries))
             by = _moves(len(rows), bases.steps[field][at][index], limit[at], x[at] - limit[at])

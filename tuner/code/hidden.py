@@ -97,7 +97,7 @@ class Hidden:
         """The operations that decide whether those show that may, or those with an effect."""
         found = set[int]()
         for one in self.open:
-            if moving and one in self.idle and not one.limit:
+            if moving and one in self.idle and one not in self._step.own_limits:
                 continue
             way = self._way(one)
             if way is not None:

@@ -27,7 +27,12 @@ _EARLY = 3000
 
 
 def beside_limits(
-    step: Step, around: Around, draw: np.random.Generator, wanted: Collection[int] | None = None
+    step: Step,
+    around: Around,
+    draw: np.random.Generator,
+    wanted: Collection[int] | None = None,
+    *,
+    by_one: bool = True,
 ) -> Iterator[tuple[Arrays, Arrays]]:
     """States and samples, a field each, in batches.
 
@@ -36,12 +41,13 @@ def beside_limits(
         around: where states are drawn.
         draw: a generator.
         wanted: the operations that compare; None: all.
+        by_one: whether one entry alone is moved first, which leaves more as it is, and takes time.
     """
     own = len(around.states)
     bases = _bases(step, around, _compared(step, wanted), draw)
     if not bases.compared:
         return
-    others = beyond(step, own, bases, draw)
+    others = beyond(step, own, bases, draw, by_one=by_one)
     near = close(step, own, bases, others)
     found = [np.concatenate(both) for both in zip(near, others, strict=True)]
     for at in range(0, len(found[0]), _BATCH):

@@ -10,7 +10,6 @@ import numpy as np
 from tuner.code.array_step import Given, Step
 from tuner.code.detection import (
     LONG,
-    SAFE,
     Expected,
     agree,
     comparable,
@@ -19,12 +18,10 @@ from tuner.code.detection import (
     moves,
     plain,
 )
-from tuner.code.fields import Field
 from tuner.code.hidden import Hidden
 from tuner.code.limits import beside_limits
-from tuner.code.literal import Precision
 from tuner.code.mutants import WHOLE
-from tuner.code.states import Around, Arrays, by_node
+from tuner.code.states import Around, Arrays, by_node, rounded
 from tuner.code.together import Inverses, Together
 
 _BATCH, _ROUNDS, _FEW = 64, 12, 4
@@ -33,7 +30,7 @@ _LEAST = 4
 """Rounds at least, before only steps beside limits are looked at."""
 _OPERATIONS = 72_000
 """Operations that are looked at in all rounds together."""
-_TOGETHER = 32
+_TOGETHER = 96
 """Limits of a long step that are changed together."""
 _CLEAR = 10.0
 """The move over its tolerance, of the results together, from which one of them probably shows."""
@@ -71,19 +68,25 @@ def search(step: Step, around: Around, most: int, by_jax: Results) -> Found:
     """
     draw, tried, chosen, gains = np.random.default_rng(0), 0, list[Arrays](), list[int]()
     program, hidden, together, inverses = step.program, Hidden(step), Together(step), Inverses(step)
-    for drawn in _batches(step, around, draw, hidden):
+    for drawn, beside in _batches(step, around, draw, hidden):
         if not hidden.mutants:
             break
         states, samples = (rounded(part, program.precision) for part in drawn)
         given = by_node(program, states, samples)
         tried += len(next(iter(given.values()), ()))
         if len(step.order) > LONG:
-            right = expected(step, given, draw, SAFE)
+            right = expected(step, given, draw)
             same = [agree(step, right, found) for found in by_jax(states, samples)]
             right = replace(right, steady=np.logical_and.reduce([right.steady, *same]))
-            shows = _by_derivatives(step, right, hidden, draw, together)
+            good = comparable(step, right)
+            if not good.any():
+                continue
+            right = right.of(good)
+            states, samples = ([x[good] for x in part] for part in (states, samples))
+            shows = _by_derivatives(step, right, hidden, draw, together, beside)
             together.take([*states, *samples])
-            inverses.look(right, [*states, *samples])
+            if beside:
+                inverses.look(right, [*states, *samples])
         else:
             shows = _by_changes(step, given, hidden, draw)
         while shows.any():
@@ -124,7 +127,7 @@ def _by_changes(step: Step, given: Given, hidden: Hidden, draw: np.random.Genera
     some |= detected(step, idle, exact, 1.0, change=1.0).any(axis=0)
     if some.any():
         part = {k: x[some] for k, x in given.items()}
-        right = expected(step, part, draw, SAFE)
+        right = expected(step, part, draw)
         whole[:, some] = detected(step, mutants, right, 2.0)
         doubled = np.atleast_1d(detected(step, idle, right, 1.0, change=1.0).any(axis=1))
         hidden.idle -= {one for one, shows in zip(idle, doubled, strict=True) if shows}
@@ -137,12 +140,17 @@ def _by_derivatives(
     hidden: Hidden,
     draw: np.random.Generator,
     together: Together,
+    beside: bool,
 ) -> np.ndarray:
-    """The same by derivatives, which take one pass for all constants; limits have none."""
+    """The same by derivatives, which take one pass for all constants; limits have none.
+
+    Factors of what is compared show beside limits, and are looked at only there.
+    """
     found = moves(step, right, draw, together.whole)
     sizes = np.array([found[one] for one in hidden.mutants])
     shows = sizes > _CLEAR
-    limits = [k for k, one in enumerate(hidden.mutants) if one in step.limits]
+    where = step.limits if beside else step.own_limits
+    limits = [k for k, one in enumerate(hidden.mutants) if one in where]
     for at in range(0, len(limits), _TOGETHER):
         part = limits[at : at + _TOGETHER]
         shows[part] = detected(step, [hidden.mutants[k] for k in part], right, 2.0)
@@ -156,43 +164,23 @@ def _by_derivatives(
 
 def _batches(
     step: Step, around: Around, draw: np.random.Generator, hidden: Hidden
-) -> Iterator[tuple[Arrays, Arrays]]:
-    long = len(step.order) > LONG
+) -> Iterator[tuple[tuple[Arrays, Arrays], bool]]:
+    """States and samples, and whether they are beside limits."""
+    near, long = replace(around, wide=False), len(step.order) > LONG
     rounds = max(_FEW, min(_ROUNDS, _OPERATIONS // len(step.order)))
     for turn in range(rounds):
-        yield around.drawn(draw, _BATCH)
+        yield near.drawn(draw, _BATCH), False
         if not long and turn + 1 >= _LEAST and hidden.only_at_limits:
             break
     if not long:
-        yield from beside_limits(step, around, draw, hidden.wanted())
-        yield from beside_limits(step, around, draw, hidden.wanted(moving=True))
+        for moving in (False, True):
+            wanted = hidden.wanted(moving=moving)
+            batches = beside_limits(step, near, draw, wanted, by_one=moving)
+            yield from ((one, True) for one in batches)
     else:
         limits = {one.node for one in hidden.mutants if one in step.limits}
         limits |= {k for k in step.order if step.graph.nodes[k].op == "round"}
-        yield from islice(beside_limits(step, around, draw, limits), rounds // 2)
-
-
-def by_field(fields: list[Field], rows: np.ndarray) -> tuple[Arrays, np.ndarray]:
-    """Rows of stored entries as arrays ``(B, ...)`` of each field, and the rows that remain."""
-    found = []
-    for field in fields:
-        own, rows = rows[: field.size], rows[field.size :]
-        array = np.zeros((own.shape[1], *field.shape))
-        for row, index in zip(own, field.entries(), strict=True):
-            array[_at(index)] = row
-            if field.half:
-                array[_at(index[::-1])] = row
-        found.append(array)
-    return found, rows
-
-
-def _at(index: tuple[int, ...]) -> tuple[slice | int, ...]:
-    return (slice(None), *index)
-
-
-def rounded(arrays: Arrays, precision: Precision) -> Arrays:
-    """Numbers that the precision has."""
-    if precision == "double":
-        return arrays
-    with np.errstate(all="ignore"):
-        return [x.astype(np.float32).astype(float) if x.dtype.kind == "f" else x for x in arrays]
+        batches = islice(beside_limits(step, near, draw, limits), rounds // 2)
+        yield from ((one, True) for one in batches)
+        if around.wide:
+            yield around.drawn(draw, _BATCH), False

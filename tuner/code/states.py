@@ -9,6 +9,7 @@ from typing import TypeAlias
 import numpy as np
 
 from tuner.code.fields import Field
+from tuner.code.literal import Precision
 from tuner.code.program import Program
 
 Arrays: TypeAlias = list[np.ndarray]
@@ -161,3 +162,29 @@ def column(array: np.ndarray, index: tuple[int, ...]) -> np.ndarray:
     """An entry of each of many arrays, which are stacked along the first axis."""
     flat = array.reshape(len(array), math.prod(array.shape[1:]))
     return np.asarray(flat[:, int(np.ravel_multi_index(index, array.shape[1:])) if index else 0])
+
+
+def by_field(fields: list[Field], rows: np.ndarray) -> tuple[Arrays, np.ndarray]:
+    """Rows of stored entries as arrays ``(B, ...)`` of each field, and the rows that remain."""
+    found = []
+    for field in fields:
+        own, rows = rows[: field.size], rows[field.size :]
+        array = np.zeros((own.shape[1], *field.shape))
+        for row, index in zip(own, field.entries(), strict=True):
+            array[_at(index)] = row
+            if field.half:
+                array[_at(index[::-1])] = row
+        found.append(array)
+    return found, rows
+
+
+def _at(index: tuple[int, ...]) -> tuple[slice | int, ...]:
+    return (slice(None), *index)
+
+
+def rounded(arrays: Arrays, precision: Precision) -> Arrays:
+    """Numbers that the precision has."""
+    if precision == "double":
+        return arrays
+    with np.errstate(all="ignore"):
+        return [x.astype(np.float32).astype(float) if x.dtype.kind == "f" else x for x in arrays]

@@ -15,8 +15,8 @@ from tuner.code.mutants import Mutant
 from tuner.code.operations import kind_of
 from tuner.code.program import Program
 from tuner.code.reference_filter import SAMPLES, ReferenceFilter
-from tuner.code.search import Found, by_field, search
-from tuner.code.states import Around, Arrays, by_node, column
+from tuner.code.search import Found, search
+from tuner.code.states import Around, Arrays, by_field, by_node, column
 
 STEPS, _UNSEARCHED = 40, 4
 """Most single steps, and their number where there are no formulas to search by."""

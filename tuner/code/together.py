@@ -20,7 +20,7 @@ _APART = 64
 _LEAST = 2.0
 """The move of equal constants together, over its tolerance, that is worth a step."""
 
-_PART = 32
+_PART = 96
 """Factors that are changed together: what depends on none of them is not worked out."""
 
 
