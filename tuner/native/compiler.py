@@ -35,13 +35,12 @@ SECONDS = 30
 def options_of_rows(length: int) -> tuple[str, ...]:
     """Compiler options for loops over rows of matrices.
 
-    Of vectors of 256 bits a row of one or two entries more than eight would leave the third nearly
-    empty.
+    Of vectors of 256 bits a row of nine entries would leave the third nearly empty.
 
     Args:
         length: of a row.
     """
-    wide = length > 8 and length % 8 in (1, 2)
+    wide = length == 9
     return (*_ROWS, f"-mprefer-vector-width={512 if wide else 256}", "-O2" if wide else "-O3")
 
 
