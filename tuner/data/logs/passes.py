@@ -14,7 +14,7 @@ from tuner.processors import side_by_side
 
 BLOCK = 1 << 15
 """Rows that fit in the cache with what is made of them."""
-_LONG = 1 << 19
+_LONG = 1 << 21
 """Rows from which a thread is worth its start."""
 
 A = TypeVar("A")

@@ -4,10 +4,10 @@ The steps of a long record fill as much memory as its times: they are made block
 for what nothing else settles.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,31 +20,13 @@ _SAMPLED = 40_000
 _AROUND = (0.49, 0.51)  # four standard deviations of the median of so many
 
 
-class Extremes(NamedTuple):
-    """The shortest and the longest of steps; NaN where a time is missing."""
-
-    lowest: float
-    highest: float
-
-    @classmethod
-    def of(cls, steps: Floats) -> "Extremes":
-        """Those of some steps, of which there may be none."""
-        return cls(float(steps.min(initial=np.inf)), float(steps.max(initial=-np.inf)))
-
-    @classmethod
-    def of_all(cls, parts: "Sequence[Extremes]") -> "Extremes":
-        """Those of several parts."""
-        both = np.array(parts)
-        return cls(float(both[:, 0].min()), float(both[:, 1].max()))
-
-
 @dataclass(frozen=True, eq=False)
 class Steps:
     """The steps between times.
 
     Attributes:
         seconds: the times, ``(N,)`` with N of at least 2.
-        known: their extremes, where they were found as the times were made.
+        known: ``extremes``, where they were found as the times were made.
 
     >>> steps = Steps(np.array([0.0, 1.0, 2.0, 5.0]))
     >>> len(steps), steps.lowest, steps.highest, steps.median
@@ -52,12 +34,12 @@ class Steps:
     """
 
     seconds: Floats
-    known: Extremes | None = None
+    known: Floats | None = None
 
     def __len__(self) -> int:
         return len(self.seconds) - 1
 
-    def blocks(self, starts: range) -> Iterator[tuple[int, Floats]]:
+    def blocks(self, starts: Iterable[int]) -> Iterator[tuple[int, Floats]]:
         """The steps of the blocks that begin at some rows, each with that row.
 
         A block is overwritten by the next one.
@@ -67,23 +49,26 @@ class Steps:
             times = self.seconds[start : start + BLOCK + 1]
             yield start, np.subtract(times[1:], times[:-1], out=memory[: len(times) - 1])
 
+    @cached_property
+    def extremes(self) -> Floats:
+        """The shortest and the longest step of each block, ``(blocks, 2)``."""
+        if self.known is not None:
+            return self.known
+        return np.concatenate(in_parts(self._extremes_of, len(self)))
+
+    def _extremes_of(self, starts: range) -> Floats:
+        with np.errstate(invalid="ignore", over="ignore"):  # others tell what is missing
+            return np.array([_ends(block) for _, block in self.blocks(starts)])
+
     @property
     def lowest(self) -> float:
         """The shortest one; NaN where a time is missing."""
-        return self._extremes.lowest
+        return float(self.extremes[:, 0].min())
 
     @property
     def highest(self) -> float:
         """The longest one; NaN where a time is missing."""
-        return self._extremes.highest
-
-    @cached_property
-    def _extremes(self) -> Extremes:
-        return self.known or Extremes.of_all(in_parts(self._extremes_of, len(self)))
-
-    def _extremes_of(self, starts: range) -> Extremes:
-        with np.errstate(invalid="ignore", over="ignore"):  # others tell what is missing
-            return Extremes.of_all([Extremes.of(block) for _, block in self.blocks(starts)])
+        return float(self.extremes[:, 1].max())
 
     @cached_property
     def median(self) -> float:
@@ -124,8 +109,8 @@ class Steps:
             return np.empty(0, np.intp)
 
         def of_part(starts: range) -> list[NDArray[np.intp]]:
-            blocks = self.blocks(starts)
-            return [at + np.flatnonzero(b > limit) for at, b in blocks if b.max() > limit]
+            blocks = self.blocks(at for at in starts if self.extremes[at // BLOCK, 1] > limit)
+            return [at + np.flatnonzero(block > limit) for at, block in blocks]
 
         found = [rows for part in in_parts(of_part, len(self)) for rows in part]
         return np.concatenate([np.empty(0, np.intp), *found])
@@ -148,20 +133,27 @@ def since_first(column: Raw, scale: float) -> Steps:
         return Steps(np.ascontiguousarray(column))
     seconds = np.empty(len(column))
 
-    def made(starts: range) -> Extremes:
+    def made(starts: range) -> Floats:
         memory, found = np.empty(BLOCK), []
         with np.errstate(invalid="ignore", over="ignore"):
             for start in starts:
                 block = seconds[start : start + BLOCK]
                 _write(column[start : start + BLOCK], first, scale, block)
                 steps = np.subtract(block[1:], block[:-1], out=memory[: len(block) - 1])
-                found.append(Extremes.of(steps))
-        return Extremes.of_all(found)
+                found.append(_ends(steps))
+        return np.array(found)
 
-    parts = in_parts(made, len(column))
+    extremes = np.concatenate(in_parts(made, len(column)))
     with np.errstate(invalid="ignore", over="ignore"):
         between = seconds[BLOCK::BLOCK] - seconds[BLOCK - 1 : -1 : BLOCK]
-    return Steps(seconds, Extremes.of_all([*parts, Extremes.of(between)]))
+    np.minimum(extremes[: len(between), 0], between, out=extremes[: len(between), 0])
+    np.maximum(extremes[: len(between), 1], between, out=extremes[: len(between), 1])
+    return Steps(seconds, extremes)
+
+
+def _ends(steps: Floats) -> tuple[float, float]:
+    """The lowest and the highest of steps, of which there may be none."""
+    return float(steps.min(initial=np.inf)), float(steps.max(initial=-np.inf))
 
 
 def _write(block: Raw, first: Any, scale: float, seconds: Floats) -> None:

@@ -1,14 +1,14 @@
 """Steps between the times of samples that are no gaps."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tuner.data.logs.passes import in_parts
+from tuner.data.logs.passes import BLOCK, in_parts
 from tuner.data.logs.steps import Steps
 from tuner.data.logs.table import Floats
 
@@ -32,10 +32,10 @@ class Usual:
     def __len__(self) -> int:
         return len(self.steps) - len(self.gaps)
 
-    def blocks(self, starts: range) -> Iterator[Floats]:
+    def blocks(self, starts: Iterable[int]) -> Iterator[Floats]:
         """The usual steps of blocks that have some; each is overwritten by the next one."""
-        for _, block in self.steps.blocks(starts):
-            whole = not len(self.gaps) or block.max() <= self.limit
+        for start, block in self.steps.blocks(starts):
+            whole = self.steps.extremes[start // BLOCK, 1] <= self.limit
             own = block if whole else block[block <= self.limit]
             if len(own):
                 yield own
@@ -48,13 +48,10 @@ class Usual:
     @cached_property
     def highest(self) -> float:
         """The longest one, s."""
-        if not len(self.gaps):
-            return self.steps.highest
-
-        def of_part(starts: range) -> float:
-            return max((float(own.max()) for own in self.blocks(starts)), default=-np.inf)
-
-        return max(in_parts(of_part, len(self.steps)))
+        each = self.steps.extremes[:, 1]
+        known = float(each.max(initial=-np.inf, where=each <= self.limit))
+        starts = BLOCK * np.flatnonzero(each > self.limit)
+        return max([known, *(float(own.max()) for own in self.blocks(starts.tolist()))])
 
     @cached_property
     def mean(self) -> float:
@@ -78,14 +75,15 @@ class Usual:
     def stray(self, far: float) -> float:
         """The share of those that are further from the median than far."""
         usual = self.steps.median
-        if max(abs(self.lowest - usual), abs(self.highest - usual)) <= far:
-            return 0.0
+        away = np.abs(self.steps.extremes - usual).max(axis=1) > far
 
         def of_part(starts: range) -> int:
-            count = 0
-            for own in self.blocks(starts):
-                away = np.abs(np.subtract(own, usual, out=own), out=own)
-                count += int(np.count_nonzero(away > far))
-            return count
+            blocks = self.blocks(start for start in starts if away[start // BLOCK])
+            return sum(_count_away(own, usual, far) for own in blocks)
 
-        return sum(in_parts(of_part, len(self.steps))) / len(self)
+        return sum(in_parts(of_part, len(self.steps))) / len(self) if away.any() else 0.0
+
+
+def _count_away(steps: Floats, usual: float, far: float) -> int:
+    away = np.abs(np.subtract(steps, usual, out=steps), out=steps)
+    return int(np.count_nonzero(away > far))
