@@ -42,6 +42,8 @@ def columns(rows):
     yield "flags", k > rows // 2, 1.0
     yield "backwards", -0.01 * k, 1.0
     yield "every second of two", np.stack([0.1 * k, k], axis=1)[:, 0], 1.0
+    yield "shortest between blocks", 0.01 * k - 0.005 * (k >= BLOCK) + 1.0, 1.0
+    yield "longest between blocks", 0.01 * k + 0.005 * (k >= BLOCK) + 1.0, 1.0
     yield "missing", np.where(k == rows // 2, np.nan, 0.01 * k + 1), 1.0
     yield "infinite", np.where(k == rows // 2, np.inf, 0.01 * k + 1), 1.0
 
@@ -133,6 +135,16 @@ def test_clock_is_that_of_the_textbook(parts, kind, rows):
     assert found.jitter == pytest.approx(jitter, rel=1e-9, abs=1e-9)  # 0 where it is rounding
     assert found.steady == steady
     assert found.seconds is times
+
+
+def test_steps_of_one_and_two_last_digits_are_a_coarse_clock_and_no_gaps(parts, tmp_path):
+    rows = np.arange(2 * BLOCK)
+    coarse = rows * 1000 // 950
+    for times, gaps in ((coarse, 0), (coarse + 500 * (rows > 1000), (np.diff(coarse) > 1).sum())):
+        np.savez(tmp_path / "log.npz", t_ms=times, x=rows)
+        found = read_record(tmp_path / "log.npz", ["z=x"]).channels["z"].clock
+        assert abs(len(found.gaps) - gaps) <= (gaps > 0)  # the pause may be on one of them
+        assert found.step == pytest.approx(1e-3 if gaps else 1e-3 * np.diff(times).mean(), rel=1e-9)
 
 
 def test_usual_steps_are_those_without_gaps(parts):
@@ -257,7 +269,12 @@ def test_numbers_of_any_kind_times_a_factor(parts, tmp_path, rows, kind):
 @pytest.mark.parametrize("rows", [3, 2 * BLOCK + 1])
 def test_what_was_not_measured_is_nan(parts, tmp_path, rows):
     x = np.random.default_rng(4).normal(size=(rows, 2))
-    x[-1, 1], x[0, 0], x[1] = np.inf, -1e200, 1e149
+    x[1] = 1e149
+    for wrong in (np.inf, -1e200, np.nan):
+        x[0, 0] = wrong
+        found = values_of(tmp_path / "log.npz", x, "z=x*2")
+        np.testing.assert_array_equal(found, np.where(np.abs(x) < 1e150, 2 * x, np.nan))
+    x[-1, 1] = -np.inf
     for text, factor in (("z=x", 1.0), ("z=x*100", 100.0)):
         found = values_of(tmp_path / "log.npz", x, text)
         np.testing.assert_array_equal(
