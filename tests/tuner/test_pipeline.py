@@ -82,6 +82,16 @@ def test_solutions_in_the_order_of_the_tasks(tmp_path):
         assert (solution.problem, solution.solver) == (name, solver)
 
 
+def test_figures_are_drawn_while_exports_are_made(tmp_path):
+    run, said = begin(tmp_path), []
+    solutions = run.solve(1, {})
+    finish(replace(run, progress=lambda *what: said.append(what)), solutions)
+    first = [words.split()[0] for words, *_ in said]
+    assert first.index("drawing") < first.index("exporting")
+    done = [done for _, done, _ in said]
+    assert done[:-1] == sorted(done[:-1])
+
+
 def test_every_solution_is_saved_at_once(tmp_path):
     saved = []
 

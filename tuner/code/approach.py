@@ -6,6 +6,7 @@ from typing import TypeAlias
 import numpy as np
 
 from tuner.code.array_step import Step
+from tuner.code.compared import ComparedNumbers
 from tuner.code.detection import LONG
 from tuner.code.states import Arrays, by_node
 from tuner.code.variations import varied
@@ -30,12 +31,12 @@ class Bases:
     Attributes:
         compared: at which decision, of each step.
         steps: states and samples, a field each.
-        before: the nodes that these decisions depend on, in order.
+        numbers: those that are compared.
     """
 
     compared: list[Compared]
     steps: Arrays
-    before: list[int]
+    numbers: ComparedNumbers
 
 
 def _above(step: Step, own: int, steps: Arrays, bases: Bases) -> np.ndarray:
@@ -47,16 +48,8 @@ def _above(step: Step, own: int, steps: Arrays, bases: Bases) -> np.ndarray:
         steps: those of the first base, then those of the next.
         bases: what is compared.
     """
-    count, pairs = len(steps[0]), [one[1:] for one in bases.compared]
-    values = step.values(by_node(step.program, steps[:own], steps[own:]), bases.before)
-    each = count // len(pairs)
-    found = np.empty((2, count))
-    for at, pair in enumerate(pairs):
-        lanes = slice(at * each, (at + 1) * each)
-        for side, k in enumerate(pair):
-            one = values[k] if isinstance(k, int) else k
-            found[side, lanes] = np.broadcast_to(one, count)[lanes]
-    return found
+    given = by_node(step.program, steps[:own], steps[own:])
+    return bases.numbers.in_own_steps(given, [one[1:] for one in bases.compared])
 
 
 def beyond(step: Step, own: int, bases: Bases, draw: np.random.Generator) -> Arrays:
@@ -73,7 +66,7 @@ def beyond(step: Step, own: int, bases: Bases, draw: np.random.Generator) -> Arr
         if not len(going):
             break
         rows = (going[:, None] * _KEPT + np.arange(_KEPT)).ravel()
-        some = Bases([bases.compared[k] for k in going], [], bases.before)
+        some = Bases([bases.compared[k] for k in going], [], bases.numbers)
         parents = [field[rows] for field in best]
         children = varied(draw, [np.repeat(field, _CHILDREN, axis=0) for field in parents])
         moved = _gap(step, own, children, some, np.repeat(side[rows], _CHILDREN))

@@ -1,32 +1,21 @@
 """A filter's step in NumPy on many states, with constants changed or with rounding errors."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
+from tuner.code.array_functions import Work, function_of, smooth_operands, work_of
 from tuner.code.graph import Graph
 from tuner.code.mutants import CHANGE, Mutant, mutants_of, with_changes
-from tuner.code.nodes import Node
-from tuner.code.operations import BINARY, COMPARE, LOGIC, UNARY
+from tuner.code.operations import COMPARE
 from tuner.code.program import Program
 from tuner.code.rounding_errors import Noise
 
-_EXACT = frozenset({"neg", "abs", "choose", "convert", "max", "min", *LOGIC})
 Given: TypeAlias = Mapping[int, np.ndarray]
 """Values of the input nodes, a state each: ``(B,)``."""
-
-
-class _Work(NamedTuple):
-    """A node of a step, and the nodes that are needed no longer after it."""
-
-    k: int
-    node: Node
-    function: Callable[..., Any] | None
-    rounded: bool
-    done: list[int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,20 +47,17 @@ class Step:
         """The nodes of a step."""
         return self.graph.reached(self.roots)
 
+    def work(self, order: Sequence[int], ends: Collection[int]) -> list[Work]:
+        """Nodes in an order in which they can be made, of which only some are needed in the end."""
+        return work_of(self.graph.nodes, self.functions, order, ends)
+
     @cached_property
-    def _order_of_work(self) -> list[_Work]:
-        """Each node with what makes it, and with the nodes that are needed no longer after it."""
-        last = {part: k for k in self.order for part in self.graph.nodes[k].args}
-        done: dict[int, list[int]] = {}
-        roots = set(self.roots)
-        for part, k in last.items():
-            if part not in roots:
-                done.setdefault(k, []).append(part)
-        nodes = self.graph.nodes
-        return [
-            _Work(k, nodes[k], self.functions[k], k in self._rounded, done.get(k, []))
-            for k in self.order
-        ]
+    def _whole(self) -> list[Work]:
+        return self.work(self.order, set(self.roots))
+
+    @cached_property
+    def _kept(self) -> list[Work]:
+        return self.work(self.order, set(self.order))
 
     @cached_property
     def decisions(self) -> list[tuple[int, int]]:
@@ -97,92 +83,116 @@ class Step:
         """The constants of a step."""
         return list(mutants_of(self.graph, self.order))
 
+    @cached_property
+    def ways_back(self) -> list[tuple[int, list[int]]]:
+        """Operations that depend on a constant smoothly, and by which operands, in order."""
+        constants = {(one.node, one.at) for one in self.mutants}
+        found: dict[int, list[int]] = {}
+        for k in self.order:
+            node = self.graph.nodes[k]
+            smooth = [
+                at for at in smooth_operands(node) if (k, at) in constants or node.args[at] in found
+            ]
+            if smooth:
+                found[k] = smooth
+        return list(found.items())
+
+    def values(self, given: Given, work: Sequence[Work]) -> dict[int, np.ndarray]:
+        """The nodes that some work leaves in the end, ``(B,)`` or ``(1,)`` each."""
+        known: dict[int, np.ndarray] = {}
+        with np.errstate(all="ignore"):
+            for k, node, function, _, done in work:
+                if function is None:
+                    known[k] = given[k] if node.op == "input" else np.array([node.value])
+                else:
+                    known[k] = function(*[known[part] for part in node.args])
+                for part in done:
+                    del known[part]
+        return known
+
+    def all_values(self, given: Given) -> dict[int, np.ndarray]:
+        """All nodes of the step, ``(B,)`` or ``(1,)`` each."""
+        return self.values(given, self._kept)
+
     def results(
         self,
-        given: Given,
-        mutants: list[Mutant] | None = None,
-        noise: Noise | None = None,
-        watched: dict[int, np.ndarray] | None = None,
+        known: Mapping[int, np.ndarray],
+        mutants: Sequence[Mutant] = (),
         change: float = CHANGE,
     ) -> list[np.ndarray]:
-        """The roots, ``(B,)`` or ``(1,)`` each; with mutants ``(M, B)`` where they make a change.
+        """The roots, ``(B,)`` or ``(1,)`` each, or ``(M, B)`` where mutants make a change.
 
         Args:
-            given: the inputs.
+            known: all nodes as they are without a change.
             mutants: constants to be changed, one in each of M lanes.
-            noise: rounding errors of every operation; the roots are ``(repeats, B)`` then.
-            watched: nodes whose values are filled in.
             change: of a constant, as a share of itself.
         """
         lanes: dict[Mutant, list[int]] = {}
-        for lane, one in enumerate(mutants or ()):
+        for lane, one in enumerate(mutants):
             lanes.setdefault(one, []).append(lane)
-        changed, count = {one.node for one in lanes}, len(mutants or ())
-        width = max(map(len, given.values()), default=1)
-        errors = None if noise is None else noise.errors(width)
+        changed, count = {one.node for one in lanes}, len(mutants)
+        found: dict[int, np.ndarray] = {}
+        with np.errstate(all="ignore"):
+            for k, node, function, _, done in self._after(changed):
+                if function is None:
+                    continue
+                args = [found[part] if part in found else known[part] for part in node.args]
+                if k in changed:
+                    by = 1 + change
+                    found[k] = with_changes(self.graph, k, function, args, lanes, count, by)
+                else:
+                    found[k] = function(*args)
+                for part in done:
+                    found.pop(part, None)
+        return [found[k] if k in found else known[k] for k in self.roots]
+
+    def _after(self, changed: Collection[int]) -> Iterator[Work]:
+        """Some nodes and those that depend on them, in order."""
+        seen, open_ = set(changed), list(changed)
+        while open_:
+            more = [k for k in self._users.get(open_.pop(), ()) if k not in seen]
+            seen.update(more)
+            open_ += more
+        return map(self._work_of.__getitem__, sorted(seen))
+
+    @cached_property
+    def _work_of(self) -> dict[int, Work]:
+        return {one.k: one for one in self._whole}
+
+    @cached_property
+    def _users(self) -> dict[int, list[int]]:
+        found: dict[int, list[int]] = {}
+        for one in self._whole:
+            for part in one.node.args:
+                found.setdefault(part, []).append(one.k)
+        return found
+
+    def noisy_results(
+        self, given: Given, noise: Noise, watched: dict[int, np.ndarray]
+    ) -> list[np.ndarray]:
+        """The roots with random rounding errors of every operation, ``(repeats, B)`` each.
+
+        Args:
+            given: the inputs.
+            noise: the errors.
+            watched: nodes whose values are filled in.
+        """
+        errors = noise.errors(max(map(len, given.values()), default=1))
         known: dict[int, np.ndarray] = {}
         with np.errstate(all="ignore"):
-            for k, node, function, rounded, done in self._order_of_work:
+            for k, node, function, rounded, done in self._whole:
                 if function is None:
                     found = given[k] if node.op == "input" else np.array([node.value])
                 else:
-                    args = [known[part] for part in node.args]
-                    if k in changed:
-                        by = 1 + change
-                        found = with_changes(self.graph, k, function, args, lanes, count, by)
-                    else:
-                        found = function(*args)
-                if errors is not None and rounded:
-                    found = found * next(errors)
-                known[k] = found
-                if watched is not None and k in watched:
-                    watched[k] = found
+                    found = function(*[known[part] for part in node.args])
+                known[k] = found * next(errors) if rounded else found
+                if k in watched:
+                    watched[k] = known[k]
                 for part in done:
                     del known[part]
         return [known[k] for k in self.roots]
 
-    def values(self, given: Given, nodes: Sequence[int]) -> dict[int, np.ndarray]:
-        """Nodes, ``(B,)`` or ``(1,)`` each: in order, and none without what it is made of."""
-        known: dict[int, np.ndarray] = {}
-        with np.errstate(all="ignore"):
-            for k in nodes:
-                node, function = self.graph.nodes[k], self.functions[k]
-                if function is None:
-                    known[k] = given[k] if node.op == "input" else np.array([node.value])
-                else:
-                    known[k] = np.asarray(function(*(known[part] for part in node.args)))
-        return known
-
     @cached_property
     def functions(self) -> dict[int, Callable[..., Any] | None]:
         """The function that makes each node of its operands; None for inputs and constants."""
-        return {k: _function(self.graph.nodes[k], self.graph.nodes) for k in self.order}
-
-    @cached_property
-    def _rounded(self) -> set[int]:
-        """The nodes that have a rounding error."""
-        nodes = self.graph.nodes
-        real = (k for k in self.order if nodes[k].kind == "real" and nodes[k].args)
-        return {k for k in real if nodes[k].op not in _EXACT}
-
-
-def _function(node: Node, nodes: list[Node]) -> Callable[..., Any] | None:
-    """The function of arrays that an operation is."""
-    if node.op in ("input", "constant"):
-        return None
-    if node.op == "choose":
-        return np.where
-    if node.op == "convert":
-        if node.kind == "whole" and nodes[node.args[0]].kind == "real":
-            return _whole
-        kind = {"real": float, "whole": int, "truth": bool}[node.kind]
-        return lambda x: np.asarray(x, kind)
-    if node.kind == "whole" and node.op == "div":
-        return lambda x, y: np.nan_to_num(np.trunc(x / y)).astype(int)
-    return (UNARY if len(node.args) == 1 else BINARY)[node.op]
-
-
-def _whole(x: np.ndarray) -> np.ndarray:
-    """Real numbers made whole, as in C."""
-    whole = np.nan_to_num(np.trunc(x), posinf=2**31 - 1, neginf=-(2**31))
-    return np.asarray(np.clip(whole, -(2**31), 2**31 - 1).astype(int))
+        return {k: function_of(self.graph.nodes[k], self.graph.nodes) for k in self.order}

@@ -37,34 +37,42 @@ class Expected:
         exact: without, ``(roots, B)``.
         strays: by how much rounding changes them.
         steady: whether rounding is far from changing a decision, ``(B,)``.
+        values: all nodes without rounding errors, ``(B,)`` or ``(1,)`` each.
     """
 
     exact: np.ndarray
     strays: np.ndarray
     steady: np.ndarray
+    values: Mapping[int, np.ndarray]
+
+    def of(self, which: np.ndarray) -> "Expected":
+        """Those of some of the steps."""
+        values = {k: x[which] if len(x) == len(which) else x for k, x in self.values.items()}
+        return Expected(self.exact[:, which], self.strays[:, which], self.steady[which], values)
 
 
-def plain(step: Step, given: Given, watched: dict[int, np.ndarray] | None = None) -> Expected:
+def plain(step: Step, given: Given) -> Expected:
     """The results of steps, without rounding errors."""
     count = max(map(len, given.values()), default=1)
-    found = [np.broadcast_to(one, count) for one in step.results(given, watched=watched)]
+    values = step.all_values(given)
+    found = [np.broadcast_to(values[k], count) for k in step.roots]
     exact = np.array(found, float).reshape(-1, count)
-    return Expected(exact, np.zeros(exact.shape), np.ones(count, bool))
+    return Expected(exact, np.zeros(exact.shape), np.ones(count, bool), values)
 
 
 def expected(step: Step, given: Given, draw: np.random.Generator) -> Expected:
     """The results of steps, and by how much rounding errors change them."""
-    decided = {k: np.zeros(1) for pair in step.decisions for k in pair}
-    decided |= {k: np.zeros(1) for k in step.to_whole}
-    noisy = dict(decided)
-    exact = plain(step, given, decided).exact
+    noisy = {k: np.zeros(1) for pair in step.decisions for k in pair}
+    noisy |= {k: np.zeros(1) for k in step.to_whole}
+    right = plain(step, given)
+    exact = right.exact
     noise = Noise(draw, EPS[step.program.precision], _REPEATS)
-    runs = step.results(given, noise=noise, watched=noisy)
+    runs = step.noisy_results(given, noise, noisy)
     with np.errstate(all="ignore"):
         apart = [np.abs(run - right) for run, right in zip(runs, exact, strict=True)]
     strays = np.array([np.max(np.atleast_2d(one), axis=0) for one in apart]).reshape(exact.shape)
-    steady = _steady(step, decided, noisy, exact.shape[1])
-    return Expected(exact, np.where(np.isnan(exact), 0, strays), steady)
+    steady = _steady(step, right.values, noisy, exact.shape[1])
+    return Expected(exact, np.where(np.isnan(exact), 0, strays), steady, right.values)
 
 
 def _steady(
@@ -103,7 +111,6 @@ def agree(step: Step, right: Expected, found: np.ndarray) -> np.ndarray:
 
 def detected(
     step: Step,
-    given: Given,
     mutants: list[Mutant],
     right: Expected,
     margin: float,
@@ -113,40 +120,38 @@ def detected(
     most = margin * allowed(step, right)
     found = np.zeros((len(mutants), right.exact.shape[1]), bool)
     with np.errstate(all="ignore"):
-        for k, row in enumerate(step.results(given, mutants, change=change)):
+        for k, row in enumerate(step.results(right.values, mutants, change)):
             if row.ndim == 2:
                 apart = np.abs(row.astype(float) - right.exact[k])
                 found |= (apart > most[k]) | (np.isnan(row) != np.isnan(right.exact[k]))
     return np.asarray(found & comparable(step, right))
 
 
-def moves(
-    step: Step, given: Given, right: Expected, draw: np.random.Generator
-) -> dict[Mutant, np.ndarray]:
+def moves(step: Step, right: Expected, draw: np.random.Generator) -> dict[Mutant, np.ndarray]:
     """By how much each constant moves the results, over their tolerances, to first order.
 
     The root of the sum of squares, ``(B,)``; 0 in steps that are not compared.
     """
     good = comparable(step, right)
-    found = sensitivities(step, given, allowed(step, right), draw)
+    found = sensitivities(step, right.values, allowed(step, right), draw)
     return {one: np.where(good, size, 0.0) for one, size in found.items()}
 
 
-def undetected(step: Step, given: Given, right: Expected) -> list[Mutant]:
+def undetected(step: Step, right: Expected) -> list[Mutant]:
     """The constants that show in none of the steps."""
     mutants = step.mutants
     if not right.exact.shape[1]:
         return mutants
     if len(step.order) <= LONG:
-        return _unseen(mutants, detected(step, given, mutants, right, 1.0))
-    found = moves(step, given, right, np.random.default_rng(2))
+        return _unseen(mutants, detected(step, mutants, right, 1.0))
+    found = moves(step, right, np.random.default_rng(2))
     size = {one: float(x.max()) for one, x in found.items()}
     limits = {one for one in mutants if is_limit(step.graph, one)}
     hidden = [one for one in mutants if one not in limits and size[one] <= _FAINT]
     rest = [one for one in mutants if one in limits or _FAINT < size[one] <= _CLEAR]
     for at in range(0, len(rest), _PART):
         part = rest[at : at + _PART]
-        hidden += _unseen(part, detected(step, given, part, right, 1.0))
+        hidden += _unseen(part, detected(step, part, right, 1.0))
     return hidden
 
 

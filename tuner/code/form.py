@@ -1,7 +1,6 @@
 """A form of a filter in C, flat or with loops, with its test samples."""
 
 from collections.abc import Collection
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import jax
@@ -9,24 +8,16 @@ import numpy as np
 
 from filters import Lanes, Timed, TimedSample
 from filters.declared import bare, channel_facts
-from tuner.code.functions import implementation
 from tuner.code.graph import TooLargeError
 from tuner.code.implementation import Implementation
+from tuner.code.implemented import implemented
 from tuner.code.literal import Precision
-from tuner.code.looped import looped
-from tuner.code.names import in_comment
 from tuner.code.program import Program, as_graph
 from tuner.code.reference import Reference, reference
 from tuner.code.refused import NoCounterpartError
 from tuner.code.trace import Traced, traced
 
-FLAT = 1500
-"""Most operations of a step that is written without loops."""
-NUMBERS = 400
-"""Most numbers in state, inputs and outputs of a step without loops."""
-_GRAPH = 6000
 _FORMULAS, _STATE = 30_000, 600
-_LARGEST = 20_000
 
 
 class Form(NamedTuple):
@@ -36,23 +27,23 @@ class Form(NamedTuple):
     reference: Reference
 
 
-class Ready(NamedTuple):
-    """A traced filter, ready to be written with constant or adjustable parameters.
+class Prepared(NamedTuple):
+    """A traced filter, ready to be written and to be tried.
 
     Attributes:
         traced: the filter.
-        reference: its test samples.
-        note: a sentence about this form; "" for none.
         program: its graph; None where that is too large, or has no counterpart.
+        filter, params, inputs: what was traced, and a recording, time first.
     """
 
     traced: Traced
-    reference: Reference
-    note: str
     program: Program | None
+    filter: Any
+    params: Any
+    inputs: Any
 
-    def form(self, stem: str, *, tunable: bool = False) -> Form:
-        """The filter in C.
+    def implementation(self, stem: str, *, tunable: bool = False) -> Implementation:
+        """The filter in C, without test samples.
 
         Args:
             stem: prefix of its types and functions.
@@ -62,8 +53,34 @@ class Ready(NamedTuple):
             ValueError: for an operation that C has no counterpart for.
         """
         program = None if tunable else self.program
-        code = _implemented(self.traced, stem, tunable=tunable, program=program)
-        return Form(_noted(code, self.note), self.reference)
+        note = getattr(self.filter, "note", "")
+        return implemented(self.traced, stem, note, tunable=tunable, program=program)
+
+    def tried(self) -> Reference:
+        """Its test samples, with what it makes of them."""
+        kept, precision = self.traced.kept, self.traced.precision
+        return reference(self.filter, self.params, self.inputs, kept, precision, self.program)
+
+
+class Ready(NamedTuple):
+    """A traced filter with its test samples, ready to be written."""
+
+    prepared: Prepared
+    reference: Reference
+
+    @property
+    def traced(self) -> Traced:
+        """The filter."""
+        return self.prepared.traced
+
+    @property
+    def program(self) -> Program | None:
+        """Its graph; None where that is too large, or has no counterpart."""
+        return self.prepared.program
+
+    def form(self, stem: str, *, tunable: bool = False) -> Form:
+        """The filter in C; the arguments are those of :meth:`Prepared.implementation`."""
+        return Form(self.prepared.implementation(stem, tunable=tunable), self.reference)
 
 
 def form(
@@ -99,12 +116,16 @@ def form(
 
 def ready(filter: Any, params: Any, inputs: Any, precision: Precision = "double") -> Ready:
     """A filter traced and run on test samples; the arguments are those of :func:`form`."""
+    one = prepared(filter, params, inputs, precision)
+    return Ready(one, one.tried())
+
+
+def prepared(filter: Any, params: Any, inputs: Any, precision: Precision) -> Prepared:
+    """A filter traced; the arguments are those of :func:`form`."""
     filter, inputs = one_record(filter, inputs)
     sample = jax.tree.map(lambda leaf: np.asarray(leaf)[0], inputs)
     whole = traced(filter, params, sample, precision, _wanted(filter))
-    program = formulas(whole)
-    data = reference(filter, params, inputs, whole.kept, precision, program)
-    return Ready(whole, data, getattr(filter, "note", ""), program)
+    return Prepared(whole, formulas(whole), filter, params, inputs)
 
 
 def formulas(traced: Traced) -> Program | None:
@@ -141,14 +162,8 @@ def write_form(
     Raises:
         ValueError: for a state that is too large, or an operation that C has no counterpart for.
     """
-    code = _implemented(traced(filter, params, sample, precision, keep), stem, tunable=tunable)
-    return _noted(code, getattr(filter, "note", ""))
-
-
-def _noted(code: Implementation, note: str) -> Implementation:
-    if not note:
-        return code
-    return replace(code, declarations=[f"/* {in_comment(note, 200)} */", *code.declarations])
+    whole, note = traced(filter, params, sample, precision, keep), getattr(filter, "note", "")
+    return implemented(whole, stem, note, tunable=tunable)
 
 
 def one_record(filter: Any, inputs: Any) -> tuple[Any, Any]:
@@ -168,28 +183,3 @@ def _wanted(filter: Any) -> Collection[str] | None:
         return None
     facts = channel_facts(own, "outputs")
     return [name for name, fact in facts.items() if fact.kind != "detail"] or None
-
-
-def _implemented(
-    whole: Traced, stem: str, *, tunable: bool, program: Program | None = None
-) -> Implementation:
-    """The flat form where it is short, else one with loops, else the flat form after all."""
-    code = None
-    numbers = sum(field.size for field in (*whole.state, *whole.inputs, *whole.outputs))
-    try:
-        if numbers > NUMBERS:
-            raise TooLargeError("its arrays are loops of their own")
-        if program is not None and len(program.graph.nodes) > _GRAPH:
-            raise TooLargeError("its operations are loops")
-        program = program or as_graph(whole, tunable=tunable, most=_GRAPH)
-        code = implementation(program, stem, whole.values)
-        if code.operations <= FLAT:
-            return code
-    except TooLargeError:
-        pass
-    try:
-        return looped(whole, stem, tunable=tunable)
-    except NoCounterpartError:
-        if code is not None:
-            return code
-    return implementation(as_graph(whole, tunable=tunable, most=_LARGEST), stem, whole.values)

@@ -1,6 +1,7 @@
 """The constants that no step of a self-test shows yet, and where to look for such steps."""
 
 from collections import Counter
+from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
@@ -50,14 +51,13 @@ class Hidden:
             self._known[one] = self._ways.way(one)
         return self._known[one]
 
-    @property
-    def decisions(self) -> list[int]:
-        """The truth values that these constants need, of those that were looked at."""
-        ways = (self._known.get(one) for one in self.mutants)
-        return sorted({k for way in ways if way for k, _ in way.needed})
+    def count(self, values: Mapping[int, np.ndarray], good: np.ndarray) -> None:
+        """Take note of the decisions in steps, of which some are good.
 
-    def count(self, values: dict[int, np.ndarray], good: np.ndarray) -> None:
-        """Take note of the decisions in steps, of which some are good."""
+        Args:
+            values: all nodes, ``(B,)`` or ``(1,)`` each.
+            good: which steps are, ``(B,)``.
+        """
         for one in self.mutants:
             way = self._known.get(one)
             if way is not None:

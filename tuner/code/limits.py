@@ -11,6 +11,7 @@ import numpy as np
 
 from tuner.code.approach import Bases, Compared, beyond, close
 from tuner.code.array_step import Given, Step
+from tuner.code.compared import ComparedNumbers, reaches
 from tuner.code.detection import LONG, detected, plain
 from tuner.code.mutants import OTHERWISE, Mutant
 from tuner.code.operations import COMPARE
@@ -64,7 +65,8 @@ def _compared(step: Step, wanted: Collection[int] | None) -> list[Compared]:
             found += [(k, nodes[k].args[0], half) for half in (-0.5, 0.5)]
     if len(step.order) <= LONG:
         return found
-    return [one for one in found if len(step.graph.reached(one[1:2])) <= _EARLY]
+    before = reaches(step.graph, step.order, {x for _, x, _ in found})
+    return [one for one in found if before[one[1]].bit_count() <= _EARLY]
 
 
 def _bases(
@@ -92,22 +94,22 @@ def _bases(
             if len(at):
                 chosen += [one] * len(at)
                 steps.append([x[at] for x in pool])
-    before = step.graph.reached(k for one in chosen for k in one[1:] if isinstance(k, int))
-    return Bases(chosen, [np.concatenate(column) for column in zip(*steps, strict=True)], before)
+    numbers = ComparedNumbers(step, [one[1:] for one in chosen])
+    return Bases(chosen, [np.concatenate(column) for column in zip(*steps, strict=True)], numbers)
 
 
 def _matters(step: Step, given: Given, decisions: list[int]) -> np.ndarray:
     """Whether each decision, taken otherwise, changes a result of each step."""
     turned = [Mutant(k, OTHERWISE) for k in decisions]
-    return detected(step, given, turned, plain(step, given), 1.0)
+    return detected(step, turned, plain(step, given), 1.0)
 
 
 def _distances(
     step: Step, given: Given, compared: list[Compared], count: int
 ) -> Iterator[np.ndarray]:
     """How far each number is from its limit, in each step; what is no number last."""
-    nodes = step.graph.reached(k for one in compared for k in one[1:] if isinstance(k, int))
-    values = step.values(given, nodes)
+    ends = {k for one in compared for k in one[1:] if isinstance(k, int)}
+    values = step.values(given, step.work(step.graph.reached(ends), ends))
     for _, x, limit in compared:
         with np.errstate(all="ignore"):
             apart = np.abs(values[x] - (values[limit] if isinstance(limit, int) else limit))

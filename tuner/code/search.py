@@ -80,7 +80,7 @@ def search(step: Step, around: Around, most: int, by_jax: Results) -> Found:
             right = expected(step, given, draw)
             same = [agree(step, right, found) for found in by_jax(states, samples)]
             right = replace(right, steady=np.logical_and.reduce([right.steady, *same]))
-            shows = _by_derivatives(step, given, right, hidden, draw, together)
+            shows = _by_derivatives(step, right, hidden, draw, together)
             together.take([*states, *samples])
         else:
             shows = _by_changes(step, given, hidden, draw)
@@ -113,40 +113,40 @@ def _by_changes(step: Step, given: Given, hidden: Hidden, draw: np.random.Genera
     count = max(map(len, given.values()), default=1)
     whole = np.zeros((len(mutants), count), bool)
     # Rounding is measured where a change shows at all, which is in few of the later steps.
-    values = {k: np.zeros(1) for k in hidden.decisions}
-    exact = plain(step, given, values)
-    hidden.count(values, comparable(step, exact))
+    exact = plain(step, given)
+    hidden.count(exact.values, comparable(step, exact))
     open_ = hidden.open
-    some = detected(step, given, open_, exact, 2.0).any(axis=0)
+    some = detected(step, open_, exact, 2.0).any(axis=0)
     idle = sorted(hidden.idle.intersection(open_))
-    some |= detected(step, given, idle, exact, 1.0, change=1.0).any(axis=0)
+    some |= detected(step, idle, exact, 1.0, change=1.0).any(axis=0)
     if some.any():
         part = {k: x[some] for k, x in given.items()}
         right = expected(step, part, draw)
-        whole[:, some] = detected(step, part, mutants, right, 2.0)
-        doubled = np.atleast_1d(detected(step, part, idle, right, 1.0, change=1.0).any(axis=1))
+        whole[:, some] = detected(step, mutants, right, 2.0)
+        doubled = np.atleast_1d(detected(step, idle, right, 1.0, change=1.0).any(axis=1))
         hidden.idle -= {one for one, shows in zip(idle, doubled, strict=True) if shows}
     return whole
 
 
 def _by_derivatives(
     step: Step,
-    given: Given,
     right: Expected,
     hidden: Hidden,
     draw: np.random.Generator,
     together: Together,
 ) -> np.ndarray:
     """The same by derivatives, which take one pass for all constants; limits have none."""
-    found = moves(step, given, right, draw)
-    shows = np.array([found[one] > _CLEAR for one in hidden.mutants])
+    found = moves(step, right, draw)
+    sizes = np.array([found[one] for one in hidden.mutants])
+    shows = sizes > _CLEAR
     limits = [k for k, one in enumerate(hidden.mutants) if is_limit(step.graph, one)]
     for at in range(0, len(limits), _TOGETHER):
         part = limits[at : at + _TOGETHER]
-        shows[part] = detected(step, given, [hidden.mutants[k] for k in part], right, 2.0)
-    moved = {one for k, one in enumerate(hidden.mutants) if shows[k].any() or found[one].any()}
-    hidden.idle -= moved
-    together.look({one: found[one] for k, one in enumerate(hidden.mutants) if not shows[k].any()})
+        shows[part] = detected(step, [hidden.mutants[k] for k in part], right, 2.0)
+    seen = shows.any(axis=1)
+    moved = np.flatnonzero(seen | sizes.any(axis=1))
+    hidden.idle -= {hidden.mutants[k] for k in moved}
+    together.look({hidden.mutants[k]: sizes[k] for k in np.flatnonzero(~seen)})
     return shows
 
 

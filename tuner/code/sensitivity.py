@@ -1,11 +1,11 @@
 """Derivatives of all results with respect to every constant of a step, in one pass backwards."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from tuner.code.array_step import Given, Step
+from tuner.code.array_step import Step
 from tuner.code.mutants import CHANGE, Mutant
 from tuner.code.nodes import Node
 
@@ -16,7 +16,7 @@ _SHIFT = 1e-6
 
 
 def sensitivities(
-    step: Step, given: Given, scales: np.ndarray, draw: np.random.Generator
+    step: Step, values: Mapping[int, np.ndarray], scales: np.ndarray, draw: np.random.Generator
 ) -> dict[Mutant, np.ndarray]:
     """By how much a change of each constant moves the results of steps, ``(B,)`` each.
 
@@ -26,45 +26,51 @@ def sensitivities(
 
     Args:
         step: the filter's.
-        given: states and samples.
+        values: all its nodes, ``(B,)`` or ``(1,)`` each.
         scales: a size of each result, ``(roots, B)``.
         draw: a generator.
     """
-    count = scales.shape[1]
-    values: dict[int, np.ndarray] = dict.fromkeys(step.order, np.zeros(1))
-    step.results(given, watched=values)
-    adjoints: dict[int, np.ndarray] = {}
+    nodes, rows = step.graph.nodes, _rows(step.mutants)
+    squares = np.zeros((len(step.mutants), scales.shape[1]))
     with np.errstate(all="ignore"):
-        for root, scale in zip(step.roots, scales, strict=True):
-            weights = draw.normal(size=(_WEIGHTINGS, 1)) / scale
-            adjoints[root] = adjoints.get(root, 0.0) + np.where(np.isfinite(weights), weights, 0.0)
-        found: dict[Mutant, np.ndarray] = {}
-        constants = {(one.node, one.at) for one in step.mutants}
-        for k in reversed(step.order):
-            node, adjoint = step.graph.nodes[k], adjoints.pop(k, None)
-            if adjoint is None or not node.args:
+        adjoints = _weighted(step.roots, scales, draw)
+        for k, wanted in reversed(step.ways_back):
+            adjoint = adjoints.pop(k, None)
+            if adjoint is None:
                 continue
-            given_here = [values[part] for part in node.args]
-            for at, slope in _slopes(node, step.functions[k], given_here):
+            node, given = nodes[k], [values[part] for part in nodes[k].args]
+            for at in wanted:
                 part = node.args[at]
-                if not step.graph.nodes[part].args and (k, at) not in constants:
-                    continue
-                share = _times(adjoint, slope)
-                if (k, at) in constants:
-                    moved = share * (CHANGE * step.graph.nodes[part].value)
-                    size = np.sqrt((moved**2).mean(axis=0))
-                    found[Mutant(k, at)] = np.broadcast_to(size, count)
+                share = _times(adjoint, _slope(node, step.functions[k], given, at))
+                if (k, at) in rows:
+                    moved = share * (CHANGE * nodes[part].value)
+                    np.add.reduce(moved * moved, axis=0, out=squares[rows[k, at]])
                 else:
                     before = adjoints.get(part)
                     adjoints[part] = share if before is None else before + share
-    none = np.zeros(count)
-    return {one: found.get(one, none) for one in step.mutants}
+    return dict(zip(step.mutants, np.sqrt(squares / _WEIGHTINGS), strict=True))
+
+
+def _rows(mutants: Sequence[Mutant]) -> dict[tuple[int, int], int]:
+    """The places of constants, but limits, by the operations and the operands that they are."""
+    return {(one.node, one.at): k for k, one in enumerate(mutants) if not one.limit}
+
+
+def _weighted(
+    roots: Sequence[int], scales: np.ndarray, draw: np.random.Generator
+) -> dict[int, np.ndarray]:
+    """Random weights of the results over their scales, ``(_WEIGHTINGS, B)`` each."""
+    found: dict[int, np.ndarray] = {}
+    for root, scale in zip(roots, scales, strict=True):
+        weights = draw.normal(size=(_WEIGHTINGS, 1)) / scale
+        found[root] = found.get(root, 0.0) + np.where(np.isfinite(weights), weights, 0.0)
+    return found
 
 
 def _times(adjoint: np.ndarray, slope: np.ndarray | int) -> np.ndarray:
     if isinstance(slope, int):
         return adjoint if slope == 1 else -adjoint
-    return np.asarray(adjoint * _finite(slope))
+    return np.asarray(adjoint * (slope if slope.dtype == bool else _finite(slope)))
 
 
 def _finite(slope: np.ndarray) -> np.ndarray:
@@ -74,25 +80,21 @@ def _finite(slope: np.ndarray) -> np.ndarray:
     return slope
 
 
-def _slopes(
-    node: Node, function: Callable[..., Any] | None, args: Sequence[np.ndarray]
-) -> Iterator[tuple[int, Any]]:
-    """The operands that an operation depends on smoothly, with its partial derivatives."""
-    if node.kind != "real" or function is None:
-        return
+def _slope(
+    node: Node, function: Callable[..., Any] | None, args: Sequence[np.ndarray], at: int
+) -> Any:
+    """The partial derivative of a smooth operation by one of its operands."""
     if node.op in ("add", "sub"):
-        yield from ((0, 1), (1, 1 if node.op == "add" else -1))
-    elif node.op == "mul":
-        yield from ((0, args[1]), (1, args[0]))
-    elif node.op == "div":
-        yield from ((0, 1 / args[1]), (1, -args[0] / args[1] ** 2))
-    elif node.op == "neg":
-        yield 0, -1
-    elif node.op == "choose":
-        chosen = np.asarray(args[0], bool)
-        yield from ((1, np.where(chosen, 1.0, 0.0)), (2, np.where(chosen, 0.0, 1.0)))
-    elif node.op != "convert":
-        for at, x in enumerate(args):
-            h = _SHIFT * np.maximum(np.abs(x), _SHIFT)
-            ends = [function(*args[:at], x + side, *args[at + 1 :]) for side in (h, -h)]
-            yield at, (ends[0] - ends[1]) / (2 * h)
+        return -1 if node.op == "sub" and at == 1 else 1
+    if node.op == "mul":
+        return args[1 - at]
+    if node.op == "div":
+        return 1 / args[1] if at == 0 else -args[0] / args[1] ** 2
+    if node.op == "neg":
+        return -1
+    if node.op == "choose":
+        return np.asarray(args[0], bool) if at == 1 else np.logical_not(args[0])
+    x = args[at]
+    h = _SHIFT * np.maximum(np.abs(x), _SHIFT)
+    ends = [function(*args[:at], x + side, *args[at + 1 :]) for side in (h, -h)] if function else []
+    return (ends[0] - ends[1]) / (2 * h)

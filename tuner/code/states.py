@@ -1,7 +1,9 @@
 """States and samples to try a filter's step on: near those of a record, and far from them."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import TypeAlias
 
 import numpy as np
@@ -126,18 +128,25 @@ def _with_holes(draw: np.random.Generator, values: np.ndarray) -> np.ndarray:
 
 def by_node(program: Program, states: Arrays, samples: Arrays) -> dict[int, np.ndarray]:
     """States and samples by the nodes of their stored entries."""
-    found = {}
+    found: dict[int, np.ndarray] = {}
     for group, fields, arrays in (
         ("state", program.state, states),
         ("in", program.inputs, samples),
     ):
         for f, nodes, array in zip(fields, program.known[group], arrays, strict=True):
-            for index in f.entries():
-                found[int(nodes[index])] = column(array, index)
+            flat = array.reshape(len(array), math.prod(array.shape[1:]))
+            found |= {nodes.flat[k]: flat[:, k] for k in _stored(f)}
     return found
+
+
+@cache
+def _stored(field: Field) -> list[int]:
+    """The places of the stored entries among all."""
+    shape = field.shape
+    return [int(np.ravel_multi_index(index, shape)) if index else 0 for index in field.entries()]
 
 
 def column(array: np.ndarray, index: tuple[int, ...]) -> np.ndarray:
     """An entry of each of many arrays, which are stacked along the first axis."""
-    flat = array.reshape(len(array), int(np.prod(array.shape[1:])))
+    flat = array.reshape(len(array), math.prod(array.shape[1:]))
     return np.asarray(flat[:, int(np.ravel_multi_index(index, array.shape[1:])) if index else 0])

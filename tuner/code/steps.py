@@ -9,7 +9,7 @@ import numpy as np
 
 from tuner.code.array_step import Step
 from tuner.code.at_rest import whereabouts
-from tuner.code.detection import LONG, Expected, agree, allowed, expected, undetected
+from tuner.code.detection import LONG, agree, allowed, expected, undetected
 from tuner.code.fields import Field
 from tuner.code.mutants import Mutant
 from tuner.code.operations import kind_of
@@ -112,7 +112,7 @@ def _judged(step: Step, found: Found, around: Around, after: Arrays, outputs: Ar
             same &= agree(step, right, by_jax)
         strays = np.maximum(strays, apart)
     right = replace(right, strays=strays)
-    right = Expected(right.exact[:, same], right.strays[:, same], right.steady[same])
+    right = right.of(same)
     most, rest = by_field(program.state, allowed(step, right))
     most_out, _ = by_field(program.outputs, rest)
     return Steps(
@@ -123,7 +123,7 @@ def _judged(step: Step, found: Found, around: Around, after: Arrays, outputs: Ar
         most_out,
         most,
         len(step.mutants),
-        undetected(step, {k: x[same] for k, x in given.items()}, right),
+        undetected(step, right),
         found.idle,
         found.tried,
         around,

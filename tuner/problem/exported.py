@@ -97,6 +97,16 @@ class Exported:
     runs: Callable[[Any], Mapping[str, Trial]] | None = None
     machine: Callable[[Any], Mapping[str, Trial]] | None = None
 
+    def tried(self, filter: Any, params: Any, inputs: Any) -> Mapping[str, Trial]:
+        """The forms to try in single precision, by name.
+
+        Args:
+            filter: of the problem.
+            params: its parameters.
+            inputs: its inputs, time first.
+        """
+        return trials_of(filter, params, inputs) if self.runs is None else self.runs(params)
+
 
 def exported_of(filter: Any, unit: str = "") -> Exported:
     """The declared export of a filter: its states, and what it derives from its parameters."""

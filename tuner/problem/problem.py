@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import jax
@@ -296,8 +296,8 @@ class Problem:
         one (a method ``steady``) is checked as well.
         """
         what, params = self.what_is_exported(), self.params(solution)
-        runs = what.runs or partial(trials_of, self.filter, inputs=self.data.inputs)
-        return tuple(single_precision(form, *trial) for form, trial in runs(params).items())
+        trials = what.tried(self.filter, params, self.data.inputs)
+        return tuple(single_precision(form, *trial) for form, trial in trials.items())
 
     def on_machine(self, solution: Solution) -> Mapping[str, Trial]:
         """The forms to write as C for a solution, by name, the main one first.

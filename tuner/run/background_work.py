@@ -62,6 +62,18 @@ def differentiate(problem: Any) -> None:
             problem.by_xla(problem.space.start())
 
 
+def compile_checks(problem: Problem) -> None:
+    """Compile what tries a tuned filter in single precision, by trying it where a search begins."""
+    if not _is_short(problem):
+        return
+    with suppress(Exception):
+        params = problem.made(problem.parameters(problem.space.start()))
+        what = problem.what_is_exported()
+        for filter, *given in what.tried(problem.filter, params, problem.data.inputs).values():
+            run_filter(filter, *given)
+            run_filter(filter, *halved(tuple(given)))
+
+
 def of_each_program(problems: Iterable[Any]) -> list[Problem]:
     """One problem of those that share a gradient's program, in order; convex ones have none."""
     found: dict[Any, Problem] = {}

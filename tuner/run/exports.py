@@ -95,13 +95,13 @@ def write_exports(
     """Write tuned filters in all formats, of solutions that can be trusted."""
     exports = Exports()
     for each, making, checking in pending:
-        progress(f"exporting {each.tuned.name}", 1, 4)
+        progress(f"exporting {each.tuned.name}", 2, 4)
         code = making.result()
         if each.solution.status.trusted:
             exports.records.extend(_export(folder, each, form, code.headers) for form in formats)
         exports.others.extend(code.others)
         exports.code.extend(code.records)
-        progress(f"single precision {each.tuned.name}", 2, 4)
+        progress(f"single precision {each.tuned.name}", 3, 4)
         exports.single_precision.extend(checking.result())
     return exports
 

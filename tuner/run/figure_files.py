@@ -41,7 +41,7 @@ def draw_figures(
     written = FigureFiles()
     try:
         for figure in figures():
-            progress(f"drawing {figure.name}", 3, 4)
+            progress(f"drawing {figure.name}", 1, 4)
             try:
                 made = {"csv": table(figure), "png": picture(figure)}
             except Exception as error:

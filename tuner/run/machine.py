@@ -1,15 +1,18 @@
 """A tuned filter as C: in both precisions, with its numbers fixed or to be set."""
 
-from collections.abc import Callable, Mapping
-from concurrent.futures import Future
-from functools import partial
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping
+from concurrent.futures import Executor, Future
+from contextlib import contextmanager
+from typing import Any, NamedTuple
 
-from tuner.code.document import files
+from tuner.code.document import sources
 from tuner.code.files import Files
-from tuner.code.form import Form, Ready, ready
+from tuner.code.form import Form, Prepared, prepared
+from tuner.code.implementation import Implementation
 from tuner.code.literal import Precision
 from tuner.code.names import identifier
+from tuner.code.reference import Reference
+from tuner.code.selftest import selftest
 from tuner.code.size import Size, size
 from tuner.export.tuned import Tuned
 from tuner.problem.exported import Trial
@@ -43,33 +46,66 @@ def code_of(tuned: Tuned, trials: Mapping[str, Trial], variant: Variant, include
         ValueError: in one sentence, where there is nothing that runs, or what it does has no
             counterpart in C.
     """
-    return _code(tuned, _ready(tuned, trials, variant.precision), variant, include)
+    found = _prepared(tuned, trials, variant.precision)
+    return _written(tuned, found, variant, include).tested(_tried(found))
 
 
-def _ready(tuned: Tuned, trials: Mapping[str, Trial], precision: Precision) -> dict[str, Ready]:
+class _Written(NamedTuple):
+    """Header and source, with each form by its name, before there is a self-test."""
+
+    include: str
+    header: str
+    source: str
+    forms: Mapping[str, Implementation]
+
+    def tested(self, references: Mapping[str, Reference]) -> Code:
+        forms = {name: Form(code, references[name]) for name, code in self.forms.items()}
+        test = selftest(self.include, list(forms.values()))
+        return Code(Files(self.header, self.source, test), forms)
+
+
+def _prepared(
+    tuned: Tuned, trials: Mapping[str, Trial], precision: Precision
+) -> dict[str, Prepared]:
     if not trials:
         raise ValueError(
             f"{tuned.name} is a design without a filter that runs on samples, so there is no C for "
             "it; give the design a sample time"
         )
-    found = dict[str, Ready]()
+    found = dict[str, Prepared]()
     for name, trial in trials.items():
-        try:
-            found[name] = ready(*trial, precision)
-        except TypeError as error:  # of JAX, for a filter that insists on its own precision
-            raise ValueError(
-                f"{type(trial.filter).__name__} cannot be traced in {precision} "
-                f"({str(error).splitlines()[0][:120]}); give its numbers no type of their own"
-            ) from error
+        with _traced_in(trial.filter, precision):
+            found[name] = prepared(*trial, precision)
     return found
 
 
-def _code(tuned: Tuned, found: Mapping[str, Ready], variant: Variant, include: str) -> Code:
-    stem, forms = tuned.name.lower(), dict[str, Form]()
+def _tried(found: Mapping[str, Prepared]) -> dict[str, Reference]:
+    tried = dict[str, Reference]()
+    for name, one in found.items():
+        with _traced_in(one.filter, one.traced.precision):
+            tried[name] = one.tried()
+    return tried
+
+
+@contextmanager
+def _traced_in(filter: Any, precision: Precision) -> Iterator[None]:
+    try:
+        yield
+    except TypeError as error:  # of JAX, for a filter that insists on its own precision
+        raise ValueError(
+            f"{type(filter).__name__} cannot be traced in {precision} "
+            f"({str(error).splitlines()[0][:120]}); give its numbers no type of their own"
+        ) from error
+
+
+def _written(
+    tuned: Tuned, found: Mapping[str, Prepared], variant: Variant, include: str
+) -> _Written:
+    stem, forms = tuned.name.lower(), dict[str, Implementation]()
     for name, one in found.items():
         own = f"{stem}_{identifier(name)}" if forms else stem
-        forms[name] = one.form(own, tunable=variant.tunable)
-    return Code(files(tuned, include, list(forms.values())), forms)
+        forms[name] = one.implementation(own, tunable=variant.tunable)
+    return _Written(include, *sources(tuned, include, list(forms.values())), forms)
 
 
 def in_all_variants(
@@ -79,29 +115,52 @@ def in_all_variants(
 
     What has no code is told with the reason: it ends no run.
     """
-    found: dict[str, bytes] = {}
-    records: list[Callable[[], CodeRecord]] = []
+    found, records = dict[str, bytes](), list[CodeRecord]()
     # Both compilers, JAX's of the trial and that of C, work without the interpreter's lock.
-    with at_once(2) as pool:
+    with at_once(2) as pool, at_once(1) as compiler:
         precisions = dict.fromkeys(variant.precision for variant in VARIANTS)
-        ready = {one: pool.submit(_ready, tuned, trials, one) for one in precisions}
-        for variant in VARIANTS:
-            include = f"{tuned.name}.h"
-            names = [f"{kept(tuned.name, variant)}{end}" for end in (".h", ".c", "_selftest.c")]
+        ready = {one: pool.submit(_prepared, tuned, trials, one) for one in precisions}
+        tried = {one: pool.submit(lambda own: _tried(own.result()), ready[one]) for one in ready}
+        begun = [_begun(tuned, ready[v.precision], v, compiler) for v in VARIANTS]
+        for variant, part in zip(VARIANTS, begun, strict=True):
             try:
-                code = _code(tuned, ready[variant.precision].result(), variant, include)
+                texts, record = part.finished(tuned.name, variant, tried[variant.precision])
             except ValueError as error:
-                record = partial(_refused, tuned.name, variant, str(error))
-            else:
-                texts = zip(names, code.files.in_order, strict=True)
-                found |= {name: text.encode("ascii") for name, text in texts}
-                measured = None
-                if not variant.tunable:
-                    measured = pool.submit(size, code.files.header, code.files.source, include)
-                record = partial(_record, tuned.name, variant, names[0], code, measured)
+                texts, record = {}, _refused(tuned.name, variant, str(error))
+            found |= texts
             if not variant.tunable:
                 records.append(record)
-        return found, [record() for record in records]
+    return found, records
+
+
+class _Begun(NamedTuple):
+    """A variant that is written, or why it is not; and its size."""
+
+    written: _Written | ValueError
+    size: Future[Size | None] | None = None
+
+    def finished(
+        self, name: str, variant: Variant, tried: Future[dict[str, Reference]]
+    ) -> tuple[dict[str, bytes], CodeRecord]:
+        if isinstance(self.written, ValueError):
+            raise self.written
+        names = [f"{kept(name, variant)}{end}" for end in (".h", ".c", "_selftest.c")]
+        code = self.written.tested(tried.result())
+        pairs = zip(names, code.files.in_order, strict=True)
+        texts = {name: text.encode("ascii") for name, text in pairs}
+        return texts, _record(name, variant, names[0], code, self.size)
+
+
+def _begun(
+    tuned: Tuned, ready: Future[dict[str, Prepared]], variant: Variant, compiler: Executor
+) -> _Begun:
+    try:
+        written = _written(tuned, ready.result(), variant, f"{tuned.name}.h")
+    except ValueError as error:
+        return _Begun(error)
+    if variant.tunable:
+        return _Begun(written)
+    return _Begun(written, compiler.submit(size, written.header, written.source, written.include))
 
 
 def _refused(name: str, variant: Variant, why: str) -> CodeRecord:

@@ -17,6 +17,7 @@ from tuner.report.report_json import Kept as ForReport
 from tuner.report.report_json import kept_pictures, nothing_kept
 from tuner.report.write import KEPT, PAGE, page_of
 from tuner.run.background_work import (
+    compile_checks,
     differentiate,
     import_report_packages,
     in_background,
@@ -108,7 +109,7 @@ class Run:
         open_tasks = [task for task in self.plan.tasks if task_key(task) not in solutions]
         self.progress("solving", len(solutions), len(self.plan.tasks))
         self._save(solutions, digests)  # a run that is interrupted at once can go on as well
-        with in_background(import_report_packages), at_once(jobs) as pool:
+        with in_background(self._prepare), at_once(jobs) as pool:
             for problem in of_each_program(task.problem for task in open_tasks):
                 pool.submit(differentiate, problem)
             several = jobs > 1 and len(open_tasks) > 1
@@ -120,6 +121,13 @@ class Run:
                 words = f"{task.problem.name}: {task.solver.name}"
                 self.progress(words, len(solutions), len(self.plan.tasks))
         return _agreement({task_key(task): solutions[task_key(task)] for task in self.plan.tasks})
+
+    def _prepare(self) -> None:
+        """Import and compile what the end of the run takes."""
+        import_report_packages()
+        if self.plan.report is None:  # a fit has compiled its own as it was planned
+            for problem in exported(self.plan):
+                compile_checks(problem)
 
     def solve_together(self, together: Together, finished: Solutions) -> Solutions:
         """Solve all tasks beside other processes; what they found is scored again here.
@@ -157,16 +165,17 @@ class Run:
         """Compare, export, check in single precision and draw; write the result."""
         found = [(problem, best(problem.name, solutions)) for problem in exported(self.plan)]
         tuned = [TunedFilter(*each, self.tuned(*each)) for each in found]
-        with at_once(2) as pool:  # beside the comparisons: compilers free the interpreter
+        outputs: list[str] = []
+        # Beside comparisons and figures: compilers free the interpreter.
+        with at_once(2) as pool:
             pending = begin_exports(pool, self.folder, tuned, formats)
             self.progress("comparing", 0, 4)
             comparisons = self.plan.compare(solutions, self.claims)
+            if self.plan.report is not None:
+                outputs = [write_outputs(self.folder, *each) for each in found]
+            figures = partial(self.plan.figures, self.plan.case, solutions)
+            drawn = draw_figures(self.folder, figures, self.progress)
             exports = write_exports(self.folder, pending, formats, self.progress)
-        outputs: list[str] = []
-        if self.plan.report is not None:
-            outputs = [write_outputs(self.folder, *each) for each in found]
-        figures = partial(self.plan.figures, self.plan.case, solutions)
-        drawn = draw_figures(self.folder, figures, self.progress)
         files = (*exports.files, *outputs, *drawn.files, KEPT, PAGE)
         result = Result(
             schema="tuner.result/1",

@@ -117,7 +117,7 @@ def test_a_decision_is_taken_otherwise():
     step = Step(SimpleNamespace(graph=graph, state=[], after=[], outputs=[], out=[]))
     step.__dict__["roots"] = [out]
     turned = [Mutant(less, OTHERWISE), Mutant(most, OTHERWISE)]
-    (found,) = step.results({x: np.array([1.0, 3.0])}, turned)
+    (found,) = step.results(step.all_values({x: np.array([1.0, 3.0])}), turned)
     assert found.tolist() == [[1.0, 5.0], [5.0, 3.0]]
 
 
@@ -154,9 +154,10 @@ def test_a_changed_constant_is_one_lane():
     step = numbers_of("double")
     x, u = (next(iter(step.program.known[part][0].flat)) for part in ("state", "in"))
     given = {int(x): np.array([8.0, 0.0]), int(u): np.array([0.0, 1e-3])}
-    (limited, out) = step.results(given)
+    values = step.all_values(given)
+    (limited, out) = step.results(values)
     assert limited.tolist() == [7.0, 0.0005]
-    lanes = step.results(given, step.mutants)
+    lanes = step.results(values, step.mutants)
     moved = np.array([np.broadcast_to(lanes[0], (len(step.mutants), 2)) != limited])
     assert moved.any(axis=-1).sum() >= 2
     assert np.broadcast_to(lanes[1], (len(step.mutants), 2)).shape == (len(step.mutants), len(out))
@@ -166,12 +167,13 @@ def test_derivatives_tell_how_far_a_change_moves_a_result():
     step = numbers_of("double")
     x, u = (next(iter(step.program.known[part][0].flat)) for part in ("state", "in"))
     given = {int(x): np.array([0.03, 5.7]), int(u): np.array([0.02, 0.1])}
-    plain = [np.broadcast_to(row, 2) for row in step.results(given)]
-    changed = step.results(given, step.mutants)
+    values = step.all_values(given)
+    plain = [np.broadcast_to(row, 2) for row in step.results(values)]
+    changed = step.results(values, step.mutants)
     for root, row in enumerate(changed):
         scales = np.full((len(changed), 2), np.inf)
         scales[root] = 1.0
-        found = sensitivities(step, given, scales, np.random.default_rng(0))
+        found = sensitivities(step, values, scales, np.random.default_rng(0))
         moved = np.abs(np.broadcast_to(row, (len(step.mutants), 2)) - plain[root])
         moved[[k for k, one in enumerate(step.mutants) if not found[one].any()]] = 0.0
         at, size = moved > 1e-12, np.array([found[one] for one in step.mutants])

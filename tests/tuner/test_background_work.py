@@ -1,0 +1,70 @@
+"""What a run does beside its searches and its comparisons."""
+
+from threading import Event
+
+import numpy as np
+
+from filters import AlphaBeta, AlphaBetaGains, LevelSample, LocalLevel
+from objectives import Data, InnovationLikelihood
+from tests.tuner.export_cases import tuned
+from tuner import NelderMead, Positive, Problem, Space
+from tuner.problem.exported import Trial
+from tuner.problem.programs import run_filter
+from tuner.run import machine
+from tuner.run.background_work import compile_checks
+
+RECORD = Data(LevelSample(np.sin(0.3 * np.arange(73.0))), np.zeros(73))
+LEVEL = Problem(
+    name="level",
+    space=Space.of(q=Positive(0.1, 1e-6, 1e3), R=Positive(0.2, 1e-6, 1e3)),
+    filter=LocalLevel(dt=0.25),
+    build=None,
+    objective=InnovationLikelihood(),
+    data=RECORD,
+)
+
+
+def test_checks_in_single_precision_are_compiled_ahead():
+    before = run_filter._cache_size()
+    compile_checks(LEVEL)
+    compiled = run_filter._cache_size()
+    assert compiled > before
+    LEVEL.single_precision(NelderMead(seed=0, starts=1)(LEVEL))
+    assert run_filter._cache_size() == compiled
+
+
+def test_what_fails_ahead_is_left_for_its_end(monkeypatch):
+    def fails(self, values):
+        raise ValueError("not now")
+
+    monkeypatch.setattr(Problem, "made", fails)
+    compile_checks(LEVEL)
+
+
+def test_c_is_compiled_beside_the_trial_of_its_filter(monkeypatch):
+    measured = Event()
+    tried = machine._tried
+
+    def waits(found):
+        assert measured.wait(60), "the size was asked for after the trial"
+        return tried(found)
+
+    monkeypatch.setattr(machine, "_tried", waits)
+    monkeypatch.setattr(machine, "size", lambda *_: measured.set())
+    trials = {"full": Trial(AlphaBeta(0.1), AlphaBetaGains(0.5, 0.1), np.arange(60.0))}
+    found, records = machine.in_all_variants(tuned(name="track"), trials)
+    assert [record.refused for record in records] == ["", ""]
+    assert len(found) == 12
+    assert b"track_selftest" in found["exports/float/track_selftest.c"]
+
+
+def test_a_filter_that_cannot_be_tried_is_told_with_the_reason(monkeypatch):
+    def fails(found):
+        raise ValueError("it has no samples")
+
+    monkeypatch.setattr(machine, "_tried", fails)
+    monkeypatch.setattr(machine, "size", lambda *_: None)
+    trials = {"full": Trial(AlphaBeta(0.1), AlphaBetaGains(0.5, 0.1), np.arange(60.0))}
+    found, records = machine.in_all_variants(tuned(name="track"), trials)
+    assert found == {}
+    assert [record.refused for record in records] == ["it has no samples"] * 2

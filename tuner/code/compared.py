@@ -1,0 +1,121 @@
+"""The numbers that are compared, each pair in steps of its own.
+
+A comparison depends on a part of a step, often a small one: only that is worked out in its steps.
+"""
+
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from functools import cached_property, reduce
+from operator import or_
+from typing import TypeAlias
+
+import numpy as np
+
+from tuner.code.array_functions import Work
+from tuner.code.array_step import Given, Step
+from tuner.code.graph import Graph
+
+Pair: TypeAlias = tuple[int, int | float]
+"""A node, and the one that it is compared with, or a number."""
+_OVERHEAD, _EACH = 300, 24
+"""Steps in which to work out a node takes twice as long as in one, and the steps of a pair."""
+
+
+class ComparedNumbers:
+    """The numbers that are compared in a step.
+
+    Args:
+        step: the filter's.
+        pairs: that are asked for, some of them often.
+    """
+
+    def __init__(self, step: Step, pairs: Sequence[Pair]) -> None:
+        before = reaches(step.graph, step.order, {k for one in pairs for k in _nodes(one)})
+        bits = [reduce(or_, (before[k] for k in _nodes(one))) for one in pairs]
+        groups = _grouped(bits)
+        self._parts = [_Part(step, one, before.keys()) for one in groups]
+        which = {one: at for at, group in enumerate(groups) for one in bits if one | group == group}
+        self._part_of = {pair: which[one] for pair, one in zip(pairs, bits, strict=True)}
+
+    def in_own_steps(self, given: Given, pairs: Sequence[Pair]) -> np.ndarray:
+        """Both numbers of each pair, ``(2, B)``: of each in as many steps, one after another."""
+        count = max(map(len, given.values()), default=1)
+        each, own = count // len(pairs), dict[int, list[int]]()
+        for at, pair in enumerate(pairs):
+            own.setdefault(self._part_of[pair], []).append(at)
+        found = np.empty((2, len(pairs), each))
+        for part, where in own.items():
+            rows = (np.array(where)[:, None] * each + np.arange(each)).ravel()
+            values = self._parts[part].values(given, rows)
+            for k, at in enumerate(where):
+                for side, one in enumerate(pairs[at]):
+                    row = values[one] if isinstance(one, int) else np.array([one])
+                    found[side, at] = row if len(row) == 1 else row[k * each : (k + 1) * each]
+        return found.reshape(2, count)
+
+
+class _Part:
+    """The nodes of a step, given as bits, that some pairs depend on."""
+
+    def __init__(self, step: Step, bits: int, ends: Collection[int]) -> None:
+        self._step, self._bits, self._ends = step, bits, ends
+
+    @cached_property
+    def _work(self) -> list[Work]:
+        return self._step.work(set_bits(self._bits), self._ends)
+
+    def values(self, given: Given, rows: np.ndarray) -> dict[int, np.ndarray]:
+        """The ends in some of the steps."""
+        here = {one.k: given[one.k][rows] for one in self._work if one.node.op == "input"}
+        return self._step.values(here, self._work)
+
+
+def _grouped(bits: Sequence[int]) -> list[int]:
+    """What pairs depend on, together where that takes less time than one after another."""
+    counts = {one: bits.count(one) for one in sorted(set(bits))}
+    groups: list[tuple[int, int]] = []
+    for one in counts.items():
+        if groups:
+            both = groups[-1][0] | one[0], groups[-1][1] + one[1]
+            if _cost(*both) <= _cost(*groups[-1]) + _cost(*one):
+                groups[-1] = both
+                continue
+        groups.append(one)
+    return [group for group, _ in groups]
+
+
+def _cost(bits: int, pairs: int) -> int:
+    return bits.bit_count() * (_OVERHEAD + _EACH * pairs)
+
+
+def reaches(graph: Graph, order: Sequence[int], wanted: Collection[int]) -> dict[int, int]:
+    """The nodes that some depend on, themselves included, as the set bits of a number each.
+
+    Args:
+        graph: of the nodes.
+        order: these and all before them, in order.
+        wanted: of which it is told.
+    """
+    nodes, last = graph.nodes, {part: k for k in order for part in graph.nodes[k].args}
+    found = dict[int, int]()
+    for k in order:
+        args = set(nodes[k].args)
+        found[k] = reduce(or_, (found[part] for part in args), 1 << k)
+        for part in args:
+            if last[part] == k and part not in wanted:
+                del found[part]
+    return {k: found[k] for k in wanted}
+
+
+def set_bits(number: int) -> list[int]:
+    """The places of the bits of a number that are set.
+
+    >>> set_bits(0b1101)
+    [0, 2, 3]
+    """
+    digits = np.frombuffer(number.to_bytes(number.bit_length() // 8 + 1, "little"), np.uint8)
+    places: list[int] = np.flatnonzero(np.unpackbits(digits, bitorder="little")).tolist()
+    return places
+
+
+def _nodes(pair: Iterable[int | float]) -> Iterator[int]:
+    return (k for k in pair if isinstance(k, int))
