@@ -30,10 +30,10 @@ from tuner.problem.programs import (
     Assemble,
     Build,
     Static,
+    digest_of,
     excesses_of,
     finite,
     run_filter,
-    text_of,
     value_and_gradient_of,
     value_of,
 )
@@ -113,9 +113,9 @@ class Problem:
         It does not depend on names, solvers or their starts.
         """
         at = self.static, *self._at(self.space.start())[1:]
-        programs = [text_of(value_of, *at)]
+        programs = [digest_of(value_of, *at)]
         if self.constraints:
-            programs.append(text_of(excesses_of, self.static, self.space.start(), self.data))
+            programs.append(digest_of(excesses_of, self.static, self.space.start(), self.data))
         return identity_of(programs, self.space, self.data)
 
     def value(self, z: np.ndarray) -> float:
@@ -199,7 +199,7 @@ class Problem:
         params = None if self.filter is None else jax.eval_shape(self.static.built, start)
         way = way_of(self.filter, params, self.space.size, self.way)
         if self.way is None and way != "forwards":
-            traced = value_of.trace(*self._at(start)).jaxpr
+            traced = value_of.traced.trace(*self._at(start)).jaxpr
             return way if turns_round(traced.jaxpr) else "forwards"
         return way
 
@@ -347,4 +347,4 @@ class Problem:
     def static(self) -> "Static":
         """The static part for which code is compiled: everything but the numbers."""
         build = Assemble(self.filter) if self.build is None else self.build
-        return Static(self.space, self.filter, self.objective, build, self.constraints)
+        return Static(self.space.form(), self.filter, self.objective, build, self.constraints)
