@@ -13,7 +13,7 @@ import threading
 import time
 import zlib
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -22,6 +22,7 @@ from typing import Any, TypeAlias
 import jax
 import numpy as np
 from jax import monitoring
+from jax.tree_util import PyTreeDef
 
 from tuner import code_version
 from tuner.cached import digest, keep, kept, own, processor, program_folder
@@ -51,14 +52,14 @@ def _trusted(folder: Path) -> bool:
 
 @cache
 def _surroundings() -> str:
-    """The code, the versions and the settings under which programs are traced and compiled."""
+    """The versions and the settings under which programs are traced and compiled."""
     settings = [
         f"{name} {value!r}"
         for name, value in sorted(jax.config.values.items())
         if name != "jax_compilation_cache_dir"
     ]
     flags = os.environ.get("XLA_FLAGS", ""), sys.version, processor()
-    return repr((code_version.code_version(), settings, flags))
+    return repr((sorted(code_version.versions().items()), settings, flags))
 
 
 def key_of(*things: Any) -> str | None:
@@ -67,7 +68,11 @@ def key_of(*things: Any) -> str | None:
         text = described(things)
     except NotPlainError:
         return None
-    return digest(f"{_surroundings()}\0{text}".encode())
+    return _hashed(code_version.code_version(), text)
+
+
+def _hashed(*texts: str) -> str:
+    return digest("\0".join([_surroundings(), *texts]).encode())
 
 
 def stored_text(make: Callable[[], str], *things: Any) -> str:
@@ -173,28 +178,32 @@ class StoredProgram:
             return None
         found = kept(program_folder(), key)
         if found is not None:
-            with suppress(Exception):  # damaged: compiled anew
-                return _loaded(found, static, len(leaves))
-        return self._compiled(static, leaves, tree, key)
+            with suppress(Exception):  # damaged, or its program is gone
+                known = json.loads(found)
+                return _loaded(known["program"], read(known["result"], static), len(leaves))
+        program, result, call = self._traced_anew(static, leaves, tree)
+        with suppress(NotPlainError):
+            known = {"program": program, "result": written(result, static)}
+            keep(program_folder(), key, json.dumps(known).encode())
+        return call
 
-    def _compiled(self, static: Any, leaves: list[Any], tree: Any, key: str) -> Call:
-        ends: list[Any] = []
+    def _traced_anew(
+        self, static: Any, leaves: list[Any], tree: Any
+    ) -> tuple[str, PyTreeDef, Call]:
+        """The key of a program by its text, the structure of its result, and itself."""
+        ends: list[PyTreeDef] = []
 
         def flat(*leaves: Any) -> list[Any]:
-            found, out = jax.tree.flatten(
-                self._function(*static, *jax.tree.unflatten(tree, leaves))
-            )
-            ends[:] = [out]
+            given = jax.tree.unflatten(tree, leaves)
+            found, ends[:] = _flattened(self._function(*static, *given))
             return found
 
         flat.__name__ = flat.__qualname__ = f"stored_{self.__name__}"
         lowered = jax.jit(flat, compiler_options=self._options or None).lower(*leaves)
-        with _read_by_jax() as parts:
-            compiled = lowered.compile()
-        if not parts:  # what JAX has read itself lacks some functions when it is written again
-            with suppress(Exception):  # what cannot be stored is compiled in every run
-                keep(program_folder(), key, _packed(compiled, ends[0], static))
-        return _calling(compiled, ends[0])
+        program = _hashed(lowered.as_text(), repr(self._options))
+        with suppress(Exception):  # none yet, or damaged: compiled anew
+            return program, ends[0], _loaded(program, ends[0], len(leaves))
+        return program, ends[0], _calling(_compiled(lowered, program), ends[0])
 
 
 def _shape(leaf: Any) -> tuple[tuple[int, ...], str, bool] | None:
@@ -206,42 +215,58 @@ def _shape(leaf: Any) -> tuple[tuple[int, ...], str, bool] | None:
     return leaf.shape, leaf.dtype.str, bool(getattr(leaf, "weak_type", False))
 
 
-def _flattened(result: Any) -> tuple[list[Any], list[Any]]:
+def _flattened(result: Any) -> tuple[list[Any], list[PyTreeDef]]:
     leaves, tree = jax.tree.flatten(result)
     return leaves, [tree]
 
 
-def _calling(compiled: Any, tree: Any) -> Call:
+def _calling(compiled: Any, tree: PyTreeDef) -> Call:
     return lambda *leaves: jax.tree.unflatten(tree, compiled(*leaves))
 
 
-def _packed(compiled: Any, tree: Any, static: Any) -> bytes:
-    """A compiled program and the structure of its result."""
+def _compiled(lowered: Any, key: str) -> Any:
+    """A program, compiled and stored."""
     from jax.experimental.serialize_executable import serialize
 
-    head = json.dumps(written(tree, static)).encode()
-    program, _, _ = serialize(compiled)
-    return len(head).to_bytes(8, "big") + head + zlib.compress(program, 1)
+    with _not_by_jax() as parts:
+        compiled = lowered.compile()
+    if not parts:  # what JAX has read itself lacks some functions when it is written again
+        with suppress(Exception):  # what cannot be stored is compiled in every run
+            keep(program_folder(), key, zlib.compress(serialize(compiled)[0], 1))
+    return compiled
 
 
-def _loaded(data: bytes, static: Any, given: int) -> Call:
-    """The program that :func:`_packed` has packed, of so many leaves."""
+def _loaded(key: str, tree: PyTreeDef, given: int) -> Call:
+    """The program under a key, of so many leaves, with the structure of its result.
+
+    Raises:
+        Exception: of any kind, where it is missing or of no use.
+    """
     from jax.experimental.serialize_executable import deserialize_and_load
 
-    end = 8 + int.from_bytes(data[:8], "big")
-    tree = read(json.loads(data[8:end]), static)
+    program = zlib.decompress(kept(program_folder(), key) or b"")
     leaves = jax.tree.structure(((0,) * given, {})), jax.tree.structure([0] * tree.num_leaves)
     device = jax.devices()[:1]
-    program = zlib.decompress(data[end:])
     return _calling(deserialize_and_load(program, *leaves, execution_devices=device), tree)
 
 
 @contextmanager
-def _read_by_jax() -> Iterator[list[str]]:
-    """What JAX reads from its own cache in this thread meanwhile."""
+def _not_by_jax() -> Iterator[list[str]]:
+    """Keep JAX's own cache from writing what is compiled meanwhile; tells what it has read."""
     _listen()
     _heard.events = []
-    yield _heard.events
+    with _never_long():
+        yield _heard.events
+
+
+def _never_long() -> AbstractContextManager[Any]:
+    """Let JAX take each compilation of this thread for a short one, which it does not keep."""
+    with suppress(ImportError):
+        from jax._src.config import persistent_cache_min_compile_time_secs as least
+
+        never: AbstractContextManager[Any] = least(float("inf"))
+        return never
+    return nullcontext()
 
 
 @cache

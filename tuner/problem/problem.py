@@ -10,7 +10,7 @@ import numpy as np
 from jax import Array
 
 from filters import AnyFilter
-from objectives import Data, Objective, Way, kept_bytes
+from objectives import Data, Objective, Way
 from objectives.in_numpy import Method, in_numpy
 from tuner.certificate.single_precision import SinglePrecision, single_precision
 from tuner.certificate.solution import Solution
@@ -33,6 +33,7 @@ from tuner.problem.programs import (
     digest_of,
     excesses_of,
     finite,
+    kept_bytes_of,
     run_filter,
     value_and_gradient_of,
     value_of,
@@ -206,8 +207,7 @@ class Problem:
     @cached_property
     def kept_bytes(self) -> int:
         """Memory in bytes that a run keeps for what follows its time loop."""
-        params = jax.eval_shape(self.static.built, self.space.start())
-        return kept_bytes(self.filter, self.objective, params, self.data)
+        return kept_bytes_of(self.static, self.space.start(), self.data)
 
     def hessian(self, z: np.ndarray, step: float = 1e-3) -> np.ndarray:
         """The Hessian in z, ``(n, n)``: central differences of the exact gradient, of XLA.

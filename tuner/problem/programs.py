@@ -18,6 +18,7 @@ from objectives import (
     Folded,
     Objective,
     Way,
+    kept_bytes,
     score,
     score_and_gradient,
     sum_and_gradient,
@@ -97,6 +98,17 @@ def _digest(program: StoredProgram, static: Static, shapes: tuple[Any, ...], tre
 
     plain = [(shape, dtype.str) for shape, dtype in shapes]
     return stored_text(lowered, program.__name__, static, jax.tree.unflatten(tree, plain))
+
+
+def kept_bytes_of(static: Static, z: np.ndarray, data: Data) -> int:
+    """Memory in bytes that a run at a point keeps for what follows its time loop."""
+
+    def counted() -> str:
+        params = jax.eval_shape(static.built, z)
+        return str(kept_bytes(static.filter, static.objective, params, data))
+
+    shapes = jax.tree.map(lambda leaf: (np.shape(leaf), np.asarray(leaf).dtype.str), data)
+    return int(stored_text(counted, "kept bytes", static, shapes))
 
 
 @stored_jit(1)
