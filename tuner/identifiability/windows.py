@@ -228,7 +228,7 @@ def _sizes(models: list[NoiseModel], scale: np.ndarray) -> np.ndarray:
 def _usual(steps: np.ndarray, which: np.ndarray) -> np.ndarray:
     """The median magnitude of each entry over a record's steps, of which few are unlike."""
     if (which == which[0]).all():
-        return np.abs(steps[which[0]])
+        return np.asarray(np.abs(steps[which[0]]))
     return np.asarray(np.median(np.abs(steps[which]), axis=0))
 
 
