@@ -126,12 +126,12 @@ class StoredProgram:
         options: of XLA's compiler.
 
     Attributes:
-        traced: the function by ``jax.jit``.
+        traced: the function by ``jax.jit``; itself it is ``__wrapped__``.
     """
 
     def __init__(self, function: Callable[..., Any], statics: int, options: dict[str, Any]) -> None:
         self.__doc__, self.__name__ = function.__doc__, function.__name__
-        self._function, self._statics, self._options = function, statics, options
+        self.__wrapped__, self._statics, self._options = function, statics, options
         self.traced: Any = jax.jit(
             function, static_argnums=tuple(range(statics)), compiler_options=options or None
         )
@@ -171,7 +171,7 @@ class StoredProgram:
 
     def _found(self, static: Any, leaves: list[Any], tree: Any, shapes: Any) -> Call | None:
         """The program from the folder, or compiled and stored; None where it has no identity."""
-        function = self._function
+        function = self.__wrapped__
         place = f"{function.__module__}:{function.__qualname__}", [*self._options.items()]
         key = key_of(place, static, jax.tree.unflatten(tree, shapes))
         if key is None:
@@ -195,7 +195,7 @@ class StoredProgram:
 
         def flat(*leaves: Any) -> list[Any]:
             given = jax.tree.unflatten(tree, leaves)
-            found, ends[:] = _flattened(self._function(*static, *given))
+            found, ends[:] = _flattened(self.__wrapped__(*static, *given))
             return found
 
         flat.__name__ = flat.__qualname__ = f"stored_{self.__name__}"

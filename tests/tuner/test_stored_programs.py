@@ -59,7 +59,7 @@ def kept():
 
 def another(**options):
     """The program of run_filter as another process makes it."""
-    return StoredProgram(run_filter._function, 1, options)
+    return StoredProgram(run_filter.__wrapped__, 1, options)
 
 
 @pytest.mark.usefixtures("stored")
