@@ -67,8 +67,8 @@ the rest (matrix exponentials, spectra). Derivatives are computed in one of two 
   run again before the pass back goes through it. A gradient takes
   1.6 to 2.2 times as long as a value in C. Where matrices are large and dense (linear filters from
   about eight states on), both passes are written as loops over rows, of which several entries are
-  computed at once, in place of scalars. Of a product that is symmetric, as that of a covariance, one
-  half is computed and copied to the other; rows that end within a vector register are filled up.
+  computed at once, in place of scalars. Of a symmetric product, as that of a covariance, one half is
+  computed and copied to the other; rows that end within a vector register are filled up.
 
 Values without a gradient, as a simplex search needs them, are C without derivatives.
 
