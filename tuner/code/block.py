@@ -103,22 +103,17 @@ class Block:
 
     # Loops
 
-    def nest(self, shape: Sequence[int], body: Callable[[list[int | str]], None]) -> None:
-        """Add loops around statements, which receive the index."""
-        index: list[int | str] = []
-        for size in shape:
-            if size == 1:
-                index.append(0)
-                continue
-            name = f"i{self.depth}"
-            index.append(name)
-            self.say(f"for (int {name} = 0; {name} < {size}; {name}++) {{")
-            self.depth += 1
-        body(index)
-        for size in shape:
-            if size != 1:
-                self.depth -= 1
-                self.say("}")
+    def nest(
+        self, shape: Sequence[int], body: Callable[[list[int | str]], None], outer: Index = ()
+    ) -> None:
+        """Add loops around statements, which receive the index, beginning with an outer one."""
+        if len(outer) == len(shape):
+            body([*outer])
+        elif shape[len(outer)] == 1:
+            self.nest(shape, body, (*outer, 0))
+        else:
+            size = shape[len(outer)]
+            self.loop(0, size, lambda name: self.nest(shape, body, (*outer, name)))
 
     def loop(self, first: int, end: int | str, body: Callable[[str], None]) -> None:
         """Add a loop around statements, which receive its variable."""
