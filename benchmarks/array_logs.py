@@ -19,10 +19,14 @@ MOST = 1.5
 def clocks() -> Iterator[tuple[str, np.ndarray]]:
     """Times as loggers write them."""
     draw, rows = np.random.default_rng(0), np.arange(SAMPLES)
+    whole = 1_700_000_000 * 10**6 + rows * 10**4
     even = 0.01 * rows
     yield "even", even
     yield "even, from 100 s, in microseconds", np.round(100 + rows / 300, 6)
     yield "uneven", even + 1e-3 * draw.random(SAMPLES)
+    yield "uneven, with gaps", even + 1e-3 * draw.random(SAMPLES) + 0.05 * (rows // 100_000)
+    yield "even, us since 1970", whole
+    yield "uneven, us since 1970", whole + draw.integers(1000, size=SAMPLES)
     yield (
         "uneven, ns since 1970",
         1_700_000_000 * 10**9 + rows * 10**7 + draw.integers(10**6, size=SAMPLES),

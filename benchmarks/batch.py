@@ -93,7 +93,7 @@ def _memory(problem: Problem, name: str, points: np.ndarray, target: float) -> R
     lanes = surface._lanes(problem, threads, len(points))
     _, function = _EVALUATE[name]
     arguments = problem.static, jnp.zeros((lanes, problem.space.size)), problem.data
-    reserved = function.lower(*arguments).compile().memory_analysis().temp_size_in_bytes
+    reserved = function.traced.lower(*arguments).compile().memory_analysis().temp_size_in_bytes
     return Row(
         part=PART,
         what=f"temporary memory, {name}, {problem.name}",

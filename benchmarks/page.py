@@ -67,7 +67,8 @@ the rest (matrix exponentials, spectra). Derivatives are computed in one of two 
   run again before the pass back goes through it. A gradient takes
   1.6 to 2.2 times as long as a value in C. Where matrices are large and dense (linear filters from
   about eight states on), both passes are written as loops over rows, of which several entries are
-  computed at once, in place of scalars.
+  computed at once, in place of scalars. Of a symmetric product, as that of a covariance, one half
+  is computed and copied to the other; rows that end within a vector register are filled up.
 
 Values without a gradient, as a simplex search needs them, are C without derivatives.
 
@@ -98,6 +99,23 @@ eight points share a vector, unless the objective keeps samples until after the 
 
 `python -m benchmarks.native` measures both ways in turns (see *Gradients by compiled C*
 below).
+
+## Programs between runs
+
+The command line keeps what XLA compiled. JAX's own cache saves the compilation, by the text of a
+traced program; the tracing before it takes longer than that by then. So programs of a problem
+are kept by the text of all that they follow from, too, and found without tracing: the filter of the
+catalogue or the model, the objective, how parameters follow from a point (not their ranges and
+starts), the shapes of the data, the contents of every source file of this package, the versions of
+Python, JAX, NumPy and SciPy, all settings of JAX and XLA, and the processor.
+
+- A filter or an objective of your own, and one of another package, has no such text: it is traced
+  in every run.
+- Files lie in `~/.cache/filter-tuner/programs` (`TUNER_CACHE/programs`), are named by a hash of
+  their contents, and are loaded under the conditions of the libraries above.
+- Where a source file of this package changed within 5 s before a process began, or later, nothing
+  is kept or looked up.
+- `TUNER_PROGRAMS=traced` traces everything in every run, as a call from Python does.
 
 ## Constant gains
 

@@ -25,6 +25,13 @@ def code_version() -> str:
     return digest.hexdigest()
 
 
+def changed_since(moment: float) -> bool:
+    """Whether any of our own source files changed after a moment, s since 1970."""
+    root = Path(__file__).parent.parent
+    found = (file.stat() for name in OURS for file in (root / name).rglob("*.py"))
+    return any(max(each.st_mtime, each.st_ctime) > moment for each in found)
+
+
 def versions() -> dict[str, str]:
     """The versions of the numerical packages, by name; "" for a missing one."""
     return {name: _version(name) for name in NUMERIC}

@@ -110,6 +110,12 @@ def test_repeated_rows_are_left_out_where_it_is_said(tmp_path):
     assert told in notes
 
 
+def test_no_repeated_rows_to_leave_out(tmp_path):
+    runs, notes = clock(written(tmp_path, np.arange(N) / 100), drop_repeats=True)
+    assert len(runs.seconds) == N
+    assert "0 rows with the time of the row before left out" in notes
+
+
 def test_repeats_of_each_recording(tmp_path):
     path = tmp_path / "log.csv"
     rows = "".join(f"{run},{t},{k}\n" for run in "ab" for k, t in enumerate(TWICE))

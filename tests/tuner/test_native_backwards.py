@@ -1,5 +1,7 @@
 """Gradients by a pass over the record and one back in C, against XLA's."""
 
+import re
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -133,27 +135,37 @@ def test_an_operation_without_a_way_back_is_named(tmp_path):
         Backwards(case.filter, Weighed(), case.build, len(z), data, tmp_path)
 
 
-def dense(values):
-    """Nine states that all hang together, each shaken by itself."""
-    move = 0.95 * np.linalg.qr(np.random.default_rng(1).normal(size=(9, 9)))[0]
-    noise = jnp.diag(jnp.stack([values[f"q{k}"] for k in range(9)]))
-    step = Transition(jnp.asarray(move), jnp.eye(9), noise)
-    return LinearModel(step, jnp.eye(3, 9), jnp.ones(3), jnp.eye(9), jnp.zeros(9))
+def dense(n):
+    """States that all hang together, each shaken by itself."""
+    move = 0.95 * np.linalg.qr(np.random.default_rng(1).normal(size=(n, n)))[0]
+
+    def build(values):
+        noise = jnp.diag(jnp.stack([values[f"q{k}"] for k in range(n)]))
+        step = Transition(jnp.asarray(move), jnp.eye(n), noise)
+        return LinearModel(step, jnp.eye(3, n), jnp.ones(3), jnp.eye(n), jnp.zeros(n))
+
+    return build
 
 
-def test_dense_matrices_go_by_rows():
+@pytest.mark.parametrize(("n", "row"), [(9, 9), (11, 12), (13, 13)])
+def test_dense_matrices_go_by_rows(n, row):
+    """Rows of nine take one vector more, of eleven one that is not full, of thirteen numbers."""
     draw = np.random.default_rng(4)
     z = draw.normal(size=(N, 3))
     z[draw.random(z.shape) < 0.1] = np.nan
-    space = Space.of(**{f"q{k}": Positive(1.0 + k, 1e-3, 1e3) for k in range(9)})
+    space = Space.of(**{f"q{k}": Positive(1.0 + k, 1e-3, 1e3) for k in range(n)})
     objective, data = InnovationLikelihood(), Data(Sample(z), np.zeros(N))
-    problem = Problem("dense", space, LinearKalman(), dense, objective, data)
+    problem = Problem("dense", space, LinearKalman(), dense(n), objective, data)
     at = problem.space.start()
     value, gradient = problem.value_and_gradient(at)
     wanted, slopes = problem.by_xla(at)
-    assert "-mprefer-vector-width=512" in problem.route._single._code.options
+    code, width = problem.route._single._code, 512 if n == 9 else 256
+    assert f"-mprefer-vector-width={width}" in code.options
     assert value == pytest.approx(wanted, rel=1e-12)
     np.testing.assert_allclose(gradient, slopes, rtol=1e-11, atol=1e-11 * np.abs(slopes).max())
+    copied = rf"\[\({row} \* i1\) \+ i0\] = m\d+\[\({row} \* i0\) \+ i1\];"
+    assert len(re.findall(copied, code.text)) == 2  # one half of a covariance, forwards and back
+    assert "+ weight[i0 + " not in code.text  # no transposed half is added
 
 
 @pytest.mark.parametrize("name", ["extended, two rates", "Madgwick, field", "several records"])

@@ -403,3 +403,36 @@ def test_facts_that_suggest_nothing(fact, sentence):
     with pytest.raises(ValueError, match=f"^the facts of tau suggest no parameter: {sentence}"):
         Space.of_filter(Odd)
     assert Space.of_filter(Odd, tau=1.0).names == ("tau",)
+
+
+def test_the_form_of_a_space_has_the_same_values_and_neither_box_nor_start():
+    other = Space.of(
+        R=Positive(2.0, low=1e-3, high=1e3),
+        T=Fixed(0.01),
+        b=Bounded(0.3, low=-1.0, high=2.0, meaning="another word"),
+        P=Covariance(EYE, low=1e-1, high=1e1, unit="m^2"),
+        M=Fixed(((1.0, 2.0), (3.0, 4.0)), nominal=True),
+        d=Limited(3.0, low=1.0, high=9.0, scale=2.0),
+    )
+    space = Space((*MIXED.parameters, ("d", Limited(1.0, low=0.0, high=4.0, scale=2.0))))
+    z = np.random.default_rng(0).standard_normal(space.size)
+    assert space.form() == other.form() != space
+    for whole in (space, other):
+        exact, found = whole.constrain(jnp.asarray(z)), whole.form().constrain(jnp.asarray(z))
+        assert exact.keys() == found.keys()
+        assert all(np.array_equal(exact[name], found[name]) for name in exact)
+
+
+def test_forms_that_differ_in_their_values_are_unlike():
+    unlike = [
+        Bounded(0.3, low=-1.0, high=2.0),
+        Bounded(0.3, low=-1.0, high=2.5),
+        Limited(1.0, low=0.0, high=4.0, scale=2.0),
+        Limited(1.0, low=0.0, high=4.0),
+        Fixed(1.0),
+        Fixed(2.0),
+        Positive(1.0, 0.5, 2.0),
+        Covariance(EYE, low=0.1, high=9.0),
+        Covariance(((1.0,),), low=0.1, high=9.0),
+    ]
+    assert len({each.form() for each in unlike}) == len(unlike)

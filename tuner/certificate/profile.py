@@ -1,6 +1,6 @@
 """Profile limits: where a value has risen by a given amount while the other parameters follow."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -123,6 +123,7 @@ class _Profile:
     ridge: np.ndarray
     inverse: np.ndarray
     insensitive: np.ndarray
+    _tried: dict[bytes, float] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -164,7 +165,7 @@ class _Profile:
         start[self.held] = plain[self.held] = coordinate
         if not self.others.any():
             return start
-        better = self.problem.value(start) <= self.problem.value(plain)
+        better = self._value(start) <= self._value(plain)
         return start if better else plain
 
     def _searched_globally(self, point: np.ndarray) -> np.ndarray:
@@ -178,12 +179,19 @@ class _Profile:
         for at in self.insensitive:
             ends = np.linspace(low[at], high[at], APART)
             tried += [np.where(np.arange(len(point)) == at, end, point) for end in ends]
-        values = [self.problem.value(each) for each in tried]
+        values = [self._value(each) for each in tried]
         best = int(np.argmin(values))
         return self._minimised(tried[best]) if best else point
 
     def _measured(self, point: np.ndarray) -> _Point:
-        return _Point(point, self.yard.of(self.problem.value(point) - self.value))
+        return _Point(point, self.yard.of(self._value(point) - self.value))
+
+    def _value(self, point: np.ndarray) -> float:
+        """The value at a point, which is worked out once: most points are ends of no step."""
+        key = point.tobytes()
+        if key not in self._tried:
+            self._tried[key] = self.problem.value(point)
+        return self._tried[key]
 
     def _minimised(self, point: np.ndarray) -> np.ndarray:
         """The others moved to their best by quasi-Newton steps (BFGS) from the model's inverse."""

@@ -71,8 +71,9 @@ def main() -> None:
 
     # XLA's word that a compilation takes long, which says nothing to a user; errors are raised.
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
-    # Looking for cycles among a million objects of JAX takes a tenth of a fit.
-    gc.set_threshold(100_000, 50, 100)
+    os.environ.setdefault("TUNER_PROGRAMS", "stored")
+    # Looking for cycles among a million objects of JAX takes a fifth of a second and finds none.
+    gc.set_threshold(1_000_000, 5, 100)
     heed(interrupt)
     exit_process(invoke(sys.argv[1:], alone=True))
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tuner.code.filled_rows import DENSE, FilledRows
 from tuner.code.flat import wrapped
 from tuner.code.literal import literal, type_of
 from tuner.code.memory import Held, Index, Lazy, Listed, View, view
@@ -24,10 +25,16 @@ class Block:
     Args:
         tables: constant arrays.
         spare: memory that may be reused when its content is no longer needed, with its size.
+        rows: how its own arrays lie in memory.
     """
 
-    def __init__(self, tables: Tables, spare: dict[str, tuple[int, Kind]]) -> None:
-        self.tables, self.precision = tables, tables.precision
+    def __init__(
+        self,
+        tables: Tables,
+        spare: dict[str, tuple[int, Kind]],
+        rows: FilledRows = DENSE,
+    ) -> None:
+        self.tables, self.precision, self.rows = tables, tables.precision, rows
         self.lines: list[str] = []
         self.locals: dict[str, tuple[int, Kind]] = {}
         self.depth, self._names = 1, 0
@@ -59,9 +66,16 @@ class Block:
 
     # Memory
 
-    def buffer(self, shape: Sequence[int], kind: Kind) -> View:
-        """Memory for an array: a free buffer, or a new one."""
-        size, shape = math.prod(shape), tuple(shape)
+    def buffer(self, shape: Sequence[int], kind: Kind, *, dense: bool = False) -> View:
+        """Memory for an array: a free buffer, or a new one.
+
+        Args:
+            shape: of the array.
+            kind: of its entries.
+            dense: whether each entry is next to the one before it.
+        """
+        shape = tuple(shape)
+        size = math.prod(shape) if dense else self.rows.size(shape)
         fits = [
             name
             for name in sorted(self._free)
@@ -73,7 +87,7 @@ class Block:
         else:
             name = self.fresh("m")
             self.locals[name] = (size, kind)
-        return View(name, shape, kind, 0, view(name, shape, kind).strides)
+        return view(name, shape, kind) if dense else self.rows.view(name, shape, kind)
 
     @property
     def _kept(self) -> dict[str, tuple[int, Kind]]:
@@ -89,22 +103,26 @@ class Block:
 
     # Loops
 
-    def nest(self, shape: Sequence[int], body: Callable[[list[int | str]], None]) -> None:
-        """Add loops around statements, which receive the index."""
-        index: list[int | str] = []
-        for size in shape:
-            if size == 1:
-                index.append(0)
-                continue
-            name = f"i{self.depth}"
-            index.append(name)
-            self.say(f"for (int {name} = 0; {name} < {size}; {name}++) {{")
-            self.depth += 1
-        body(index)
-        for size in shape:
-            if size != 1:
-                self.depth -= 1
-                self.say("}")
+    def nest(
+        self, shape: Sequence[int], body: Callable[[list[int | str]], None], outer: Index = ()
+    ) -> None:
+        """Add loops around statements, which receive the index, beginning with an outer one."""
+        if len(outer) == len(shape):
+            body([*outer])
+        elif shape[len(outer)] == 1:
+            self.nest(shape, body, (*outer, 0))
+        else:
+            size = shape[len(outer)]
+            self.loop(0, size, lambda name: self.nest(shape, body, (*outer, name)))
+
+    def loop(self, first: int, end: int | str, body: Callable[[str], None]) -> None:
+        """Add a loop around statements, which receive its variable."""
+        name = f"i{self.depth}"
+        self.say(f"for (int {name} = {first}; {name} < {end}; {name}++) {{")
+        self.depth += 1
+        body(name)
+        self.depth -= 1
+        self.say("}")
 
     def put(self, x: Held, into: View) -> None:
         """Write entries to memory."""
@@ -140,15 +158,30 @@ class Block:
         closing = sum(size != 1 for size in x.shape)
         at = len(self.lines) - closing
         self.lines.insert(at, wrapped("    " * (depth + closing) + f"{into.at(index)} = {text};"))
+        self.fill_up(begun + closing - 1, into)
         return into
+
+    def fill_up(self, line: int, into: View) -> None:
+        """Let the loop along rows go on to where they are filled up to, where it may.
+
+        Args:
+            line: the number of its first line; its statements are the last ones so far.
+            into: what it writes.
+        """
+        if into.strides != self.rows.view("", into.shape, into.kind).strides:
+            return
+        found = self.rows.longer(self.lines[line:], {*self.locals, *self.tables.names})
+        if found is not None:
+            self.lines[line], beyond = found
+            self.tables.beyond = max(self.tables.beyond, beyond)
 
     def _in_place(self, x: Lazy, index: Index, text: str, dying: Iterable[str]) -> View | None:
         """Memory that is only read where it would be written."""
         for name in sorted(set(dying) & set(self._kept) & x.buffers):
             size, kind = self._kept[name]
-            into = view(name, x.shape, kind)
+            into = self.rows.view(name, x.shape, kind)
             read = set(re.findall(rf"(?<![\w>]){re.escape(name)}\[[^\]]*\]", text))
-            if kind == x.kind and size >= math.prod(x.shape) and read == {into.at(index)}:
+            if kind == x.kind and size >= self.rows.size(x.shape) and read == {into.at(index)}:
                 return into
         return None
 

@@ -12,6 +12,7 @@ from filters import run
 from objectives.in_numpy import in_numpy
 from tuner.code.states import Arrays
 from tuner.code.trace import in_precision
+from tuner.stored_programs import stored_jit
 
 SAMPLES = 50
 """Number of samples."""
@@ -97,6 +98,6 @@ def _padded(rows: np.ndarray, count: int) -> np.ndarray:
     return np.concatenate([rows, np.repeat(rows[-1:], max(0, count - len(rows)), axis=0)])
 
 
-@jax.jit(static_argnums=0, compiler_options=_FAST_COMPILATION)
+@stored_jit(1, **_FAST_COMPILATION)
 def _run(filter: Any, params: Any, samples: Any) -> Any:
     return run(filter, params, samples)[1]

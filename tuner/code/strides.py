@@ -94,7 +94,7 @@ def joined(block: Block, operation: Operation, given: Sequence[Held]) -> View:
     out = operation.outputs[0]
     kind: Kind = kind_of(out.dtype)
     (table,) = places(operation.equation, [x.shape for x in given])
-    into = block.buffer(out.shape, kind)
+    into = block.buffer(out.shape, kind, dense=True)
     first = 0
     where = np.argsort(table.ravel(), kind="stable")
     if operation.name == "pad":
@@ -133,7 +133,7 @@ def scattered(
     into = block.made(target, dying - more.buffers)
     own = into.buffer in dying or not isinstance(target, View)
     if not own or into.buffer in more.buffers or into.strides != rows_first(target.shape):
-        copy = block.buffer(target.shape, target.kind)
+        copy = block.buffer(target.shape, target.kind, dense=True)
         block.put(into, copy)
         into = copy
     base = into.base if isinstance(into.base, int) else 0

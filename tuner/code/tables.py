@@ -10,6 +10,8 @@ from tuner.code.literal import Precision, literal, type_of
 from tuner.code.memory import Held, Index, Lazy, view
 from tuner.code.operations import Kind, kind_of
 
+_SIZE = re.compile(r"\[(\d+)\]")
+
 
 class Tables:
     """The tables of a source file; equal ones are one.
@@ -17,10 +19,13 @@ class Tables:
     Args:
         stem: prefix of their names.
         precision: of real numbers.
+
+    Attributes:
+        beyond: entries behind the last one that are read without effect.
     """
 
     def __init__(self, stem: str, precision: Precision) -> None:
-        self.stem, self.precision = stem, precision
+        self.stem, self.precision, self.beyond = stem, precision, 0
         self._names: dict[tuple[str, bytes], str] = {}
         self._lines: dict[str, str] = {}
 
@@ -46,10 +51,16 @@ class Tables:
 
         return Lazy(values.shape, kind, diagonal)
 
+    @property
+    def names(self) -> Iterable[str]:
+        """Their names."""
+        return self._lines
+
     def used(self, lines: Iterable[str]) -> list[str]:
         """The definitions of the tables that lines use."""
         text = "\n".join(lines)
-        return [line for name, line in self._lines.items() if re.search(rf"\b{name}\b", text)]
+        found = [line for name, line in self._lines.items() if re.search(rf"\b{name}\b", text)]
+        return [_SIZE.sub(lambda n: f"[{int(n[1]) + self.beyond}]", line, 1) for line in found]
 
     def _number(self, value: object, kind: Kind) -> str:
         text = literal(value, kind, self.precision)

@@ -215,14 +215,21 @@ def _sizes(models: list[NoiseModel], scale: np.ndarray) -> np.ndarray:
     """Size of each parameter's share of n steps' measurements, without cancellation, ``(p,)``."""
     first = models[0]
     H = np.abs(first.H) / scale[:, None]
-    F = np.median(np.abs(first.F[first.which]), axis=0)
+    F = _usual(first.F, first.which)
     reach, power = np.zeros_like(H), H
     for _ in range(len(F)):
         reach, power = reach + power, power @ F
-    Q = np.median(np.abs(first.Q[first.which]), axis=0)
+    Q = _usual(first.Q, first.which)
     R = np.abs(first.R) / np.outer(scale, scale)
     whole = reach @ Q @ reach.T + R
     return np.asarray(whole[1:].max(axis=(1, 2)))
+
+
+def _usual(steps: np.ndarray, which: np.ndarray) -> np.ndarray:
+    """The median magnitude of each entry over a record's steps, of which few are unlike."""
+    if (which == which[0]).all():
+        return np.asarray(np.abs(steps[which[0]]))
+    return np.asarray(np.median(np.abs(steps[which]), axis=0))
 
 
 def _steps(

@@ -47,6 +47,7 @@ def class_of(model: Model) -> type[Any]:
         or f"The {model.method} filter of a model of {counted(len(model.f), 'state')}.",
         "__module__": __name__,
         "__reduce__": _reduced,
+        "made_by": (class_of, model),
         **more,
     }
     return make_dataclass(name, [("dt", float)], bases=(kind,), frozen=True, namespace=given)

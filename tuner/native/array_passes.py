@@ -8,6 +8,7 @@ import numpy as np
 
 from tuner.code.block import Block
 from tuner.code.bulk import BY_ENTRY
+from tuner.code.filled_rows import FilledRows
 from tuner.code.literal import type_of
 from tuner.code.loop_statements import LoopStatements
 from tuner.code.looped import put_all
@@ -25,11 +26,18 @@ from tuner.code.straight_line import (
 from tuner.code.strides import MOVED
 from tuner.code.tables import Tables
 from tuner.native.compiler import options_of_rows
+from tuner.native.even import Carried, even_slots, without_turns
 from tuner.native.passes_frame import Around, Back, Code, Forth, Sizes, framed
-from tuner.native.products import WRITERS
+from tuner.native.products import writers
 from tuner.native.reversal import Before, traced
 from tuner.native.runner import Runner, is_real
 
+_ROWS = FilledRows(4)
+"""To whole vector registers of most processors."""
+_NOT_WRITTEN_OUT = '__attribute__((optimize("O2")))'
+"""For the pass over the record: small loops are not written out, which makes it faster."""
+_FEW = 16
+"""Longest rows for which this is so."""
 _AT_ONCE = 3
 """Operations on entries of a row that take the time of one."""
 
@@ -79,14 +87,32 @@ class _Arrays:
         self.real = [is_real(leaf) for leaf in before.start]
         given = [*fixed, *self.state, *self.sample, *self.weights, *by_kept]
         code = straight_line(closed, given)
-        self.operations = code.operations
-        self.after = code.results[: len(before.start)]
-        ends = zip(code.results[len(before.start) : count], runner.keeps, strict=True)
+        values = self._elsewhere(before, varies)
+        carried = self._carried(before, code.results)
+        self.even = even_slots(code.operations, carried, values)
+        self.operations, results = without_turns(code.operations, code.results, carried, self.even)
+        self.after = results[: len(before.start)]
+        ends = zip(results[len(before.start) : count], runner.keeps, strict=True)
         self.kept = [atom for atom, wanted in ends if wanted]
-        slopes = iter(code.results[count:])
+        slopes = iter(results[count:])
         by_fixed = [next(slopes) if is_real(leaf) else None for leaf in before.fixed]
         self.slopes = [by for by, v in zip(by_fixed, varies, strict=False) if v]
         self.before = list(slopes)
+
+    def _elsewhere(self, before: Before, varies: Sequence[bool]) -> dict[Slot, np.ndarray]:
+        """Values of what an iteration begins with, besides the state and its derivatives."""
+        moving = (leaf for leaf, v in zip(before.elsewhere, varies, strict=False) if v)
+        found = dict(zip(self.fixed, moving, strict=True))
+        ones = {slot: np.ones(slot.shape, slot.dtype) for slot in (*self.sample, *self.by_kept)}
+        return found | ones
+
+    def _carried(self, before: Before, results: Sequence[Atom]) -> list[Carried]:
+        """What an iteration hands to the next one, forwards and back."""
+        starts = list(zip(before.start, before.even, strict=True))
+        forth = zip(self.state, results, starts, strict=False)
+        real = [(np.zeros_like(value), even) for value, even in starts if is_real(value)]
+        back = zip(self.weights, results[len(results) - len(real) :], real, strict=True)
+        return [Carried(slot, after, *start) for slot, after, start in (*forth, *back)]
 
     def passes(self) -> tuple[StraightLine, StraightLine, list[Slot]]:
         """The operations of both passes, and what is stored between them."""
@@ -125,6 +151,7 @@ class _Writer:
     def __init__(self, arrays: _Arrays) -> None:
         self.arrays = arrays
         self.forwards, self.backwards, self.stored = arrays.passes()
+        self.longest = max((slot.shape[-1] for slot in arrays.state if slot.shape), default=1)
         self.tables = Tables("fixed", "double")
 
     def code(self) -> Code:
@@ -143,8 +170,7 @@ class _Writer:
         ends = [slot for slot, w in zip(arrays.state, arrays.wanted, strict=True) if w]
         operations = work([*self.forwards.operations, *self.backwards.operations]) // _AT_ONCE
         counts = sizes.carried, sizes.stored, _size(ends), sizes.kept, operations
-        longest = max((slot.shape[-1] for slot in arrays.state if slot.shape), default=1)
-        return Code(text, *counts, options_of_rows(longest))
+        return Code(text, *counts, options_of_rows(self.longest))
 
     def _forth(self) -> Forth:
         arrays = self.arrays
@@ -162,7 +188,8 @@ class _Writer:
             block.put(x, end)
         after = _taken(block)
         put_all(block, found[:count], _views("state", arrays.after))
-        return Forth(_locals(block), sample, stored, after, _taken(block), "")
+        effort = _NOT_WRITTEN_OUT if self.longest <= _FEW else ""
+        return Forth(_locals(block), sample, stored, after, _taken(block), "", effort)
 
     def _back(self) -> Back:
         arrays = self.arrays
@@ -187,14 +214,14 @@ class _Writer:
     def _run(
         self, code: StraightLine, memory: Sequence[tuple[str, Sequence[Slot]]]
     ) -> tuple[Block, list[Held]]:
-        block = Block(self.tables, {})
+        block = Block(self.tables, {}, _ROWS)
         block.depth = 0
         known: dict[Slot, Held] = {}
         for name, slots in memory:
             known |= zip(slots, _views(name, slots), strict=True)
         known = {slot: x for slot, x in known.items() if slot in code.uses}
         held = frozenset(name for name, _ in memory)
-        return block, LoopStatements(block, held, WRITERS).run(code, known)
+        return block, LoopStatements(block, held, writers(self.arrays.even)).run(code, known)
 
     def _around(self) -> Around:
         arrays = self.arrays
@@ -242,8 +269,13 @@ def _taken(block: Block) -> str:
 
 
 def _locals(block: Block) -> str:
-    memory = block.locals.items()
-    return "\n".join(f"{type_of(kind, 'double')} {name}[{n}];" for name, (n, kind) in memory)
+    """Memory, with the entries behind an array that are read without effect."""
+    beyond = block.tables.beyond
+    begun = " = {0}" if beyond else ""
+    return "\n".join(
+        f"{type_of(kind, 'double')} {name}[{n + beyond}]{begun};"
+        for name, (n, kind) in block.locals.items()
+    )
 
 
 def _views(name: str, atoms: Sequence[Atom]) -> list[View]:

@@ -1,18 +1,18 @@
 """The system's C compiler, and the folder of compiled libraries."""
 
 import ctypes
-import hashlib
 import os
 import shlex
 import shutil
 import signal
-import stat
 import subprocess
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Literal, NamedTuple, TypeAlias, cast
+
+from tuner.cached import digest, own, unaltered
 
 FLAGS = ("-std=gnu11", "-fno-math-errno", "-ffp-contract=fast", "-w", "-fPIC")
 """Compiler options, with strict arithmetic: NaN is a missing sample."""
@@ -35,13 +35,12 @@ SECONDS = 30
 def options_of_rows(length: int) -> tuple[str, ...]:
     """Compiler options for loops over rows of matrices.
 
-    Of vectors of 256 bits a row of one or two entries more than eight would leave the third nearly
-    empty.
+    Of vectors of 256 bits a row of nine entries would leave the third nearly empty.
 
     Args:
         length: of a row.
     """
-    wide = length > 8 and length % 8 in (1, 2)
+    wide = length == 9
     return (*_ROWS, f"-mprefer-vector-width={512 if wide else 256}", "-O2" if wide else "-O3")
 
 
@@ -111,7 +110,7 @@ def _asked(program: tuple[str, ...]) -> Compiler | NoCodeError:
         except NoCodeError as error:
             refused = error
         else:
-            return Compiler(command, name, "\0".join([*command, name, _digest(macros)]))
+            return Compiler(command, name, "\0".join([*command, name, digest(macros)]))
     return refused
 
 
@@ -161,7 +160,7 @@ def library(source: str, folder: Path, more: Sequence[str] = ()) -> ctypes.CDLL:
     found = compiler()
     more = _supported(found.command, tuple(more))
     effort = ["-O2", *more, *(["-O1"] if source.count("\n") > LONG else [])]
-    key = _digest("\0".join([source, *effort, found.key]).encode())
+    key = digest("\0".join([source, *effort, found.key]).encode())
     if own(folder):
         for kept in folder.glob(f"{key}-*.so"):
             loaded = _loaded(kept)
@@ -201,43 +200,16 @@ def _compiled(command: tuple[str, ...], source: str, folder: Path, key: str) -> 
         _ran([*command, "-shared", "loop.c", "-o", "loop.so", "-lm"], inside)
         made = inside / "loop.so"
         made.chmod(0o700)
-        to = folder / f"{key}-{_digest(made.read_bytes())}.so"
+        to = folder / f"{key}-{digest(made.read_bytes())}.so"
         made.replace(to)
     return _loaded(to)
 
 
-def _digest(data: bytes) -> str:
-    return hashlib.sha256(data).hexdigest()[:32]
-
-
 def _loaded(file: Path) -> ctypes.CDLL | None:
     """A library, if it belongs to this user and matches its name."""
-    try:
-        ours = _ours(file.lstat(), stat.S_ISREG)
-        if not ours or not file.stem.endswith(f"-{_digest(file.read_bytes())}"):
-            return None
-        return ctypes.CDLL(str(file))
-    except OSError:  # missing, or not a library
+    if unaltered(file) is None:
         return None
-
-
-def own(folder: Path) -> bool:
-    """Whether a folder exists, or was made, that only this user may write to or replace."""
     try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        folder.mkdir(mode=0o700, exist_ok=True)
-        above = folder.parent.resolve()
-        safe = all(_safe(one.stat()) for one in (above, *above.parents))
-        return safe and _ours(folder.lstat(), stat.S_ISDIR) and os.access(folder, os.W_OK)
-    except OSError:
-        return False
-
-
-def _ours(found: os.stat_result, kind: Callable[[int], bool]) -> bool:
-    return kind(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o022
-
-
-def _safe(found: os.stat_result) -> bool:
-    """Whether no other user may replace a folder's files."""
-    trusted, sticky = found.st_uid in (0, os.getuid()), found.st_mode & stat.S_ISVTX
-    return trusted and (not found.st_mode & 0o022 or bool(sticky))
+        return ctypes.CDLL(str(file))
+    except OSError:  # not a library
+        return None

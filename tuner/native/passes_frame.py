@@ -12,6 +12,7 @@ _HEAD = """\
 #include <string.h>
 """
 _FORTH = """\
+{effort}
 static void forth(size_t n, size_t width, const double *restrict p, const double *restrict u,
                   double *restrict state, double *restrict store, double *restrict kept)
 {{
@@ -115,6 +116,7 @@ class Forth:
     Attributes:
         stored, kept: those that write what is stored and kept, where there is memory for it.
         after: those that write the next state.
+        effort: an attribute of the function for the compiler.
     """
 
     before: str
@@ -123,6 +125,7 @@ class Forth:
     kept: str
     after: str
     end: str
+    effort: str = ""
 
 
 @dataclass(frozen=True)
@@ -173,6 +176,7 @@ def framed(functions: str, sizes: Sizes, forth: Forth, back: Back, around: Aroun
         around: what is around them.
     """
     one = _FORTH.format(
+        effort=forth.effort,
         before=indent(forth.before, " " * 4),
         sample=indent(forth.sample, " " * 8),
         stored=indent(forth.stored, " " * 12),

@@ -1,21 +1,36 @@
 """Sums and products of arrays in C, in the order in which a processor works on whole rows."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import partial
 from math import prod
 
 import numpy as np
 
 from tuner.code import bulk
 from tuner.code.block import Block
+from tuner.code.loop_statements import Writer
 from tuner.code.memory import Held, Index, Lazy, View
 from tuner.code.operations import kind_of
-from tuner.code.straight_line import Operation
+from tuner.code.straight_line import Operation, Slot
 
 _UNROLLED = 32
 """Terms of a sum that are written out."""
+_ROWS = 4
+"""Rows of one half of a matrix that are computed to the same length."""
 
 
-def product(block: Block, operation: Operation, given: Sequence[Held]) -> View:
+def writers(even: Collection[Slot]) -> Mapping[str, Writer]:
+    """The writers of these operations, by their names.
+
+    Args:
+        even: symmetric matrices, of which one half is computed.
+    """
+    return {"dot_general": partial(_product, even), "reduce_sum": _summed}
+
+
+def _product(
+    even: Collection[Slot], block: Block, operation: Operation, given: Sequence[Held]
+) -> View:
     """A product of arrays, whose innermost loop runs along a row of one of them.
 
     An entry is a sum that is written out, so that entries of a row are computed side by side.
@@ -40,10 +55,11 @@ def product(block: Block, operation: Operation, given: Sequence[Held]) -> View:
             found.append(f"{left} * {right}")
         return found
 
-    return _written(block, operation, terms)
+    write = _half_written if operation.outputs[0] in even else _written
+    return write(block, operation, terms)
 
 
-def summed(block: Block, operation: Operation, given: Sequence[Held]) -> View:
+def _summed(block: Block, operation: Operation, given: Sequence[Held]) -> View:
     """A sum along some axes, written out."""
     (x,), axes = given, operation.equation.params["axes"]
     inner = [x.shape[k] for k in axes]
@@ -77,7 +93,32 @@ def _written(block: Block, operation: Operation, terms: Callable[[Index], list[s
         text = " + ".join(terms(index)) or "0.0"
         block.say(f"{into.at(index)} = {text};")
 
+    begun = len(block.lines)
     block.nest(out.shape, one)
+    block.fill_up(begun + sum(size != 1 for size in out.shape) - 1, into)
+    return into
+
+
+def _half_written(block: Block, operation: Operation, terms: Callable[[Index], list[str]]) -> View:
+    """A symmetric matrix of sums: what is on one side of its diagonal is copied to the other."""
+    out = operation.outputs[0]
+    into, (size, _) = block.buffer(out.shape, kind_of(out.dtype)), out.shape
+
+    def one(index: Index) -> None:
+        block.say(f"{into.at(index)} = {' + '.join(terms(index))};")
+
+    def copied(index: Index) -> None:
+        i, j = index
+        block.say(f"{into.at((j, i))} = {into.at((i, j))};")
+
+    def rows(first: int, end: int, length: int | str, entry: Callable[[Index], None]) -> None:
+        block.loop(first, end, lambda i: block.loop(0, length or i, lambda j: entry((i, j))))
+
+    for first in range(0, size, _ROWS):
+        begun, end = len(block.lines), min(first + _ROWS, size)
+        rows(first, end, end, one)
+        block.fill_up(begun + 1, into)
+    rows(1, size, "", copied)
     return into
 
 
@@ -91,10 +132,6 @@ def _balanced(terms: Sequence[str]) -> str:
         return " + ".join(terms) or "0.0"
     half = len(terms) // 2
     return " + ".join(f"({_balanced(part)})" for part in (terms[:half], terms[half:]))
-
-
-WRITERS = {"dot_general": product, "reduce_sum": summed}
-"""The writers of these operations, by their names."""
 
 
 def _index(outer: Sequence[int], inner: int, at: Index, k: int) -> Index:

@@ -83,7 +83,8 @@ class Before:
     Attributes:
         rest: the step from there on.
         fixed: what follows from the parameters, at an arbitrary point.
-        start: the state before the first sample, at the same point.
+        elsewhere: the same at another point.
+        start: the state before the first sample, at the first of these points.
         even: which arrays of the start are symmetric matrices.
         places: for each array of both, which of the varying numbers its entries are; -1: none.
         count: of the varying numbers.
@@ -101,8 +102,9 @@ class Before:
 
         self._known = known
         self.fixed, self.start = _arrays(in_numpy(known, np.zeros(size)))
-        _, elsewhere = _arrays(in_numpy(known, np.random.default_rng(0).normal(size=size)))
-        self.even = [_even(a) and _even(b) for a, b in zip(self.start, elsewhere, strict=True)]
+        point = np.random.default_rng(0).normal(size=size)
+        self.elsewhere, started = _arrays(in_numpy(known, point))
+        self.even = [_even(a) and _even(b) for a, b in zip(self.start, started, strict=True)]
         self._number([np.asarray(leaf.any(-1)) for leaf in moved(known, size)])
 
     def _number(self, varying: list[np.ndarray]) -> None:

@@ -14,7 +14,7 @@ def identity_of(programs: Iterable[str], space: Space, data: Data) -> str:
     """The SHA-256 of what is computed, over what and on which data.
 
     Args:
-        programs: the traced programs, as text with all constants: they hold everything that a
+        programs: digests of the traced programs, with all constants: they hold everything that a
             filter, an objective or a function of the user's own reads during tracing.
         space: the coordinates.
         data: the arrays, to the bit.

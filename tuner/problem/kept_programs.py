@@ -23,4 +23,6 @@ def forget_old_ones() -> None:
 
 def _compiled() -> Iterator[Any]:
     for module in (protocol, programs, samples, surface):
-        yield from (each for each in vars(module).values() if hasattr(each, "clear_cache"))
+        for each in vars(module).values():
+            if hasattr(each, "clear_cache") and not isinstance(each, type):
+                yield each

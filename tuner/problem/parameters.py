@@ -5,7 +5,7 @@ covariances through the logarithms of their Cholesky diagonal, so that no solver
 allowed set. A fixed parameter takes no place in z.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import jax
@@ -59,6 +59,10 @@ class Parameter(Protocol):
         """The name of each entry of z, in words."""
         ...
 
+    def form(self) -> "Parameter":
+        """Another parameter with the same :meth:`constrain`: equal ones share their programs."""
+        ...
+
 
 @dataclass(frozen=True)
 class Positive:
@@ -107,6 +111,10 @@ class Positive:
         """Ln of the name."""
         return [f"ln {name}"]
 
+    def form(self) -> "Positive":
+        """The logarithm of any positive number."""
+        return Positive(1.0, 1.0, 1.0)
+
 
 @dataclass(frozen=True)
 class Bounded:
@@ -153,6 +161,10 @@ class Bounded:
     def coordinates(self, name: str) -> list[str]:
         """Logit of the name."""
         return [f"logit {name}"]
+
+    def form(self) -> "Bounded":
+        """The same between the same bounds."""
+        return replace(self, unit="", meaning="")
 
 
 @dataclass(frozen=True)
@@ -203,6 +215,10 @@ class Limited:
     def coordinates(self, name: str) -> list[str]:
         """The name."""
         return [name]
+
+    def form(self) -> "Limited":
+        """A number of the same scale."""
+        return Limited(0.0, 0.0, 1.0, scale=self.scale)
 
 
 @dataclass(frozen=True)
@@ -276,6 +292,10 @@ class Covariance:
         pairs = zip(*np.tril_indices(len(self.init)), strict=True)
         return [f"{'ln ' if i == j else ''}L{i + 1}{j + 1} of {name}" for i, j in pairs]
 
+    def form(self) -> "Covariance":
+        """A covariance of the same size."""
+        return Covariance(tuple(map(tuple, np.eye(len(self.init)).tolist())), 1.0, 2.0)
+
 
 @dataclass(frozen=True)
 class Fixed:
@@ -313,6 +333,10 @@ class Fixed:
     def coordinates(self, name: str) -> list[str]:
         """Nothing."""
         return []
+
+    def form(self) -> "Fixed":
+        """The same value."""
+        return Fixed(self.value)
 
 
 def _number(value: np.ndarray) -> float:

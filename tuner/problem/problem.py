@@ -10,7 +10,7 @@ import numpy as np
 from jax import Array
 
 from filters import AnyFilter
-from objectives import Data, Objective, Way, kept_bytes
+from objectives import Data, Objective, Way
 from objectives.in_numpy import Method, in_numpy
 from tuner.certificate.single_precision import SinglePrecision, single_precision
 from tuner.certificate.solution import Solution
@@ -30,10 +30,11 @@ from tuner.problem.programs import (
     Assemble,
     Build,
     Static,
+    digest_of,
     excesses_of,
     finite,
+    kept_bytes_of,
     run_filter,
-    text_of,
     value_and_gradient_of,
     value_of,
 )
@@ -113,9 +114,9 @@ class Problem:
         It does not depend on names, solvers or their starts.
         """
         at = self.static, *self._at(self.space.start())[1:]
-        programs = [text_of(value_of, *at)]
+        programs = [digest_of(value_of, *at)]
         if self.constraints:
-            programs.append(text_of(excesses_of, self.static, self.space.start(), self.data))
+            programs.append(digest_of(excesses_of, self.static, self.space.start(), self.data))
         return identity_of(programs, self.space, self.data)
 
     def value(self, z: np.ndarray) -> float:
@@ -199,15 +200,14 @@ class Problem:
         params = None if self.filter is None else jax.eval_shape(self.static.built, start)
         way = way_of(self.filter, params, self.space.size, self.way)
         if self.way is None and way != "forwards":
-            traced = value_of.trace(*self._at(start)).jaxpr
+            traced = value_of.traced.trace(*self._at(start)).jaxpr
             return way if turns_round(traced.jaxpr) else "forwards"
         return way
 
     @cached_property
     def kept_bytes(self) -> int:
         """Memory in bytes that a run keeps for what follows its time loop."""
-        params = jax.eval_shape(self.static.built, self.space.start())
-        return kept_bytes(self.filter, self.objective, params, self.data)
+        return kept_bytes_of(self.static, self.space.start(), self.data)
 
     def hessian(self, z: np.ndarray, step: float = 1e-3) -> np.ndarray:
         """The Hessian in z, ``(n, n)``: central differences of the exact gradient, of XLA.
@@ -347,4 +347,4 @@ class Problem:
     def static(self) -> "Static":
         """The static part for which code is compiled: everything but the numbers."""
         build = Assemble(self.filter) if self.build is None else self.build
-        return Static(self.space, self.filter, self.objective, build, self.constraints)
+        return Static(self.space.form(), self.filter, self.objective, build, self.constraints)

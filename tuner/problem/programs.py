@@ -1,5 +1,6 @@
 """The compiled programs of problems: functions of a static part, shared by equal problems."""
 
+import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
@@ -17,12 +18,14 @@ from objectives import (
     Folded,
     Objective,
     Way,
+    kept_bytes,
     score,
     score_and_gradient,
     sum_and_gradient,
 )
 from tuner.problem.constraint import Constraint
 from tuner.problem.space import Space
+from tuner.stored_programs import StoredProgram, stored_jit, stored_text
 
 Build: TypeAlias = Callable[[dict[str, Array]], Any]
 """Makes the filter's parameters from values by name."""
@@ -79,45 +82,61 @@ class Static(NamedTuple):
         return jnp.stack(found) if found else jnp.zeros(0)
 
 
-def text_of(program: Any, static: Static, *arguments: Any) -> str:
-    """A program as text with all its constants; it is made once for arrays of the same shapes."""
+def digest_of(program: StoredProgram, static: Static, *arguments: Any) -> str:
+    """The SHA-256 of a program's text with all its constants, for arrays of these shapes."""
     leaves, tree = jax.tree.flatten(arguments)
-    shapes = tuple(jax.ShapeDtypeStruct(np.shape(x), np.asarray(x).dtype) for x in leaves)
-    return _lowered(program, static, shapes, tree)
+    shapes = tuple((np.shape(x), np.asarray(x).dtype) for x in leaves)
+    return _digest(program, static, shapes, tree)
 
 
 @lru_cache(maxsize=64)
-def _lowered(program: Any, static: Static, shapes: tuple[Any, ...], tree: Any) -> str:
-    text: str = program.lower(static, *jax.tree.unflatten(tree, shapes)).as_text()
-    return text
+def _digest(program: StoredProgram, static: Static, shapes: tuple[Any, ...], tree: Any) -> str:
+    def lowered() -> str:
+        leaves = [jax.ShapeDtypeStruct(*shape) for shape in shapes]
+        text: str = program.traced.lower(static, *jax.tree.unflatten(tree, leaves)).as_text()
+        return hashlib.sha256(text.encode()).hexdigest()
+
+    plain = [(shape, dtype.str) for shape, dtype in shapes]
+    return stored_text(lowered, program.__name__, static, jax.tree.unflatten(tree, plain))
 
 
-@jax.jit(static_argnums=0)
+def kept_bytes_of(static: Static, z: np.ndarray, data: Data) -> int:
+    """Memory in bytes that a run at a point keeps for what follows its time loop."""
+
+    def counted() -> str:
+        params = jax.eval_shape(static.built, z)
+        return str(kept_bytes(static.filter, static.objective, params, data))
+
+    shapes = jax.tree.map(lambda leaf: (np.shape(leaf), np.asarray(leaf).dtype.str), data)
+    return int(stored_text(counted, "kept bytes", static, shapes))
+
+
+@stored_jit(1)
 def run_filter(filter: AnyFilter, params: Any, inputs: Any) -> Any:
     """The outputs of a filter over a record, compiled; equal filters share the compilation."""
     return run(filter, params, inputs)[1]
 
 
-@jax.jit(static_argnums=0)
+@stored_jit(1)
 def value_of(static: Static, z: Array, values: dict[str, Array], given: Array, data: Data) -> Array:
     """The objective at z, or of values by name where these are given: one program for both."""
     return score(static.scored, static.objective, static.chosen(z, values, given), data)
 
 
-@jax.jit(static_argnums=0)
+@stored_jit(1)
 def sum_of(static: Static, z: Array, values: dict[str, Array], given: Array, data: Data) -> Any:
     """The sum of an objective that keeps nothing else; arguments as of :func:`value_of`."""
     loop = Folded(*static.summing)
     return run(loop, static.chosen(z, values, given), data)[0][1]
 
 
-@jax.jit(static_argnums=(0, 1))
+@stored_jit(2)
 def sum_and_gradient_of(static: Static, way: Way, z: Array, data: Data) -> tuple[Any, Array]:
     """The sum at z, and the gradient ``(n,)`` of its first number."""
     return sum_and_gradient(*static.summing, static.built, z, data, way=way)
 
 
-@jax.jit(static_argnums=0)
+@stored_jit(1)
 def judged_of(objective: Fold, total: Any) -> tuple[Array, Array]:
     """The objective of a sum, and its derivative by the sum's first number."""
 
@@ -127,13 +146,13 @@ def judged_of(objective: Fold, total: Any) -> tuple[Array, Array]:
     return jax.value_and_grad(value)(total[0])
 
 
-@jax.jit(static_argnums=(0, 1))
+@stored_jit(2)
 def value_and_gradient_of(static: Static, way: Way, z: Array, data: Data) -> tuple[Array, Array]:
     """The objective at z, and its gradient ``(n,)``."""
     return score_and_gradient(static.scored, static.objective, static.built, z, data, way=way)
 
 
-@jax.jit(static_argnums=0)
+@stored_jit(1)
 def excesses_of(static: Static, z: Array, data: Data) -> tuple[Array, Array]:
     """The excess of each constraint at z, ``(m,)``, and their Jacobian ``(m, n)``."""
 

@@ -12,6 +12,7 @@ from objectives import Data, contributions, is_additive
 from objectives.in_numpy import in_numpy
 from tuner.problem.problem import Problem
 from tuner.problem.programs import Static
+from tuner.stored_programs import stored_jit
 
 
 class Added(NamedTuple):
@@ -102,10 +103,10 @@ def _by_record(filter: Any, amounts: Array, counts: Array) -> tuple[Array, Array
     return amounts.reshape(shape).sum(axis=-1), counted.reshape(shape).sum(axis=-1)
 
 
-_added = jax.jit(_added_at, static_argnums=0)
+_added = stored_jit(1)(_added_at)
 
 
-@jax.jit(static_argnums=0)
+@stored_jit(1)
 def _slopes(static: Static, z: Array, data: Data) -> tuple[Array, Array]:
     found: tuple[Array, Array] = jax.jacfwd(lambda at: _added_at(static, at, data), has_aux=True)(z)
     return found

@@ -1,7 +1,6 @@
 """One program for the gradients of problems that tune other parameters of one filter."""
 
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import jax
@@ -13,6 +12,7 @@ from filters import AnyFilter
 from objectives import Data, Objective, Way, score_and_gradient
 from objectives.in_numpy import in_numpy
 from tuner.problem.programs import Static
+from tuner.stored_programs import stored_jit
 
 QUICKLY = {"xla_backend_optimization_level": 1}
 """Compiler options: a third less to compile, and runs a sixth longer."""
@@ -64,7 +64,7 @@ class _Sloped:
         return self.static.built(z), along(jnp.concatenate([jnp.eye(z.size), none]))
 
 
-@partial(jax.jit, static_argnums=(0, 1, 2), compiler_options=QUICKLY)
+@stored_jit(3, **QUICKLY)
 def value_and_slopes_of(
     filter: AnyFilter, objective: Objective, way: Way, params: Any, slopes: Any, data: Data
 ) -> tuple[Array, Array]:

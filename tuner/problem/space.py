@@ -121,6 +121,10 @@ class Space:
         ]
         return np.concatenate(kinds)
 
+    def form(self) -> "Space":
+        """The space as programs need it, without its box and its start, which follow from data."""
+        return Space(tuple((name, parameter.form()) for name, parameter in self.parameters))
+
     def widened(self, factor: float) -> "Space":
         """The same parameters in a wider box: positive ones up and down by a factor.
 

@@ -12,6 +12,7 @@ from jax import Array
 from objectives import Data, scores_and_gradients
 from tuner.problem.problem import Problem
 from tuner.problem.programs import Static
+from tuner.stored_programs import stored_jit
 
 T = TypeVar("T")
 MEMORY = 200e6
@@ -104,11 +105,11 @@ def _samples(problem: Problem) -> int:
 _WIDE = {"xla_cpu_prefer_vector_width": 512}
 
 
-@jax.jit(static_argnums=0, compiler_options=_WIDE)
+@stored_jit(1, **_WIDE)
 def _values(static: Static, Z: Array, data: Data) -> Array:
     return jax.vmap(lambda z: static.score(z, data))(Z)
 
 
-@jax.jit(static_argnums=0, compiler_options=_WIDE)
+@stored_jit(1, **_WIDE)
 def _values_and_gradients(static: Static, Z: Array, data: Data) -> tuple[Array, Array]:
     return scores_and_gradients(static.filter, static.objective, static.built, Z, data)

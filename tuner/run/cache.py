@@ -1,12 +1,8 @@
 """JAX's persistent compilation cache, so that a second run need not compile again."""
 
-import contextlib
-import hashlib
 import os
-import platform
-from pathlib import Path
 
-from tuner.cached import cache_folder
+from tuner.cached import cache_folder, processor
 
 
 def use_cache() -> bool:
@@ -15,7 +11,7 @@ def use_cache() -> bool:
 
     import filters  # noqa: F401  # before JAX's configuration is touched
 
-    folder = cache_folder() / _processor()
+    folder = cache_folder() / processor()
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:
@@ -26,15 +22,3 @@ def use_cache() -> bool:
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
     return True
-
-
-def _processor() -> str:
-    """The processor that compiled code is for: JAX keys code by program and version alone.
-
-    Home folders are shared by machines, and code for one may end a process on another.
-    """
-    can = platform.processor()
-    with contextlib.suppress(OSError):
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
-        can += next((line for line in lines if line.startswith(("flags", "Features"))), "")
-    return f"{platform.machine()}-{hashlib.sha256(can.encode()).hexdigest()[:12]}"

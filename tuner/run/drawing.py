@@ -232,9 +232,14 @@ def _draw_lines(lines: tuple[Line, ...], axes: "Axes", colours: tuple[str, ...])
 
 
 def _png(canvas: "Canvas") -> bytes:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
     buffer = io.BytesIO()
     lay_out(canvas)  # it settles in two passes
-    canvas.savefig(buffer, format="png", metadata={"Software": None})
+    lay_out(canvas)
+    canvas.set_layout_engine("none")
+    # As Figure.savefig, which goes through everything once before it draws.
+    FigureCanvasAgg(canvas).print_png(buffer, metadata={"Software": None})
     return buffer.getvalue()
 
 

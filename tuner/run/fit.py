@@ -118,7 +118,8 @@ def pose_on(name: str, cls: type[Any], records: tuple[Record, ...], wishes: Wish
     known = None if wishes.held else known_of(posed.problem)
     open_ = () if known is None else known.sentences
     left = () if posed.left_out is None else (posed.left_out.words,)
-    return replace(posed, notes=(*strange, *line.notes, *left, *open_), undetermined=open_)
+    notes = (*strange, *line.notes, *left, *open_)
+    return replace(posed, notes=notes, undetermined=open_, known=known)
 
 
 def _source(parts: list[Source]) -> Source:
@@ -134,7 +135,7 @@ def plan_fit(posed: Posed, request: Request, other: Posed | None = None) -> Plan
     solver = _solver(request)
     with in_background(partial(compile_ahead, posed.problem)):
         parted = parting(posed.problem, request.held_out)
-        posed = replace(posed, problem=screened(posed.problem, request))
+        posed = replace(posed, problem=screened(posed.problem, request, posed.known))
         main = WithScaledVariances(solver) if can_scale_variances(posed) else solver
         tasks = [Task(posed.problem, main), *_second_fits(parted, request, _quick(solver))]
     against = None if other is None else Against.by(other, solver, posed.problem)
@@ -225,15 +226,21 @@ def concluded(case: Fitting, solutions: Solutions) -> Found:
     return Found(solution, judged)
 
 
-def screened(problem: Problem, request: Request) -> Problem:
-    """The problem with known starts: what its differences suggest, and the best random points."""
+def screened(problem: Problem, request: Request, known: Determined | None = None) -> Problem:
+    """The problem with known starts: what its differences suggest, and the best random points.
+
+    Args:
+        problem: the problem.
+        request: how many starts, and where the random points come from.
+        known: what :func:`known_of` finds of this problem, where that has been done.
+    """
     if request.starts < 2 or not problem.space.size:
         return problem
     points = problem.space.starts(1 + SCREENED, request.seed)[1:]
     found = values(problem, points)
     order = np.argsort(found)[: request.starts - 1]
     screened = tuple(points[i] for i in order if found[i] < np.inf)
-    known = known_of(problem)
+    known = known or known_of(problem)
     first = () if known is None else (known.start,)
     return replace(problem, known_starts=(*first, *screened)[: request.starts - 1])
 

@@ -14,6 +14,7 @@ from tuner.catalogue import find
 from tuner.data.merge import Timeline
 from tuner.data.source import Source
 from tuner.data.units import change
+from tuner.identifiability.determined import Determined
 from tuner.names import unknown
 from tuner.problem.exported import exported_of
 from tuner.problem.problem import Problem
@@ -43,6 +44,8 @@ class Posed:
         notes: what looks strange in them, and what was left out, a sentence each.
         undetermined: what of the noise no such measurements tell, a sentence each.
         left_out: stretches that contradict the rest; None where none were looked for.
+        known: the noise that differences of its measurements tell; None where none is looked for,
+            or they tell none.
     """
 
     problem: Problem
@@ -54,6 +57,7 @@ class Posed:
     notes: tuple[str, ...] = ()
     undetermined: tuple[str, ...] = ()
     left_out: ExcludedStretches | None = None
+    known: Determined | None = None
 
     def run(self, values: Mapping[str, Any]) -> Any:
         """The filter's outputs for parameters given by name, over all data."""

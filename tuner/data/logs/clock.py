@@ -1,17 +1,19 @@
 """A time column: its seconds, its usual step, its gaps and its jitter."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
 
+from tuner.data.logs.digits import Resolution
 from tuner.data.logs.epoch import proposed
 from tuner.data.logs.error import quoted
 from tuner.data.logs.mapping import Mapping
 from tuner.data.logs.steps import Steps
 from tuner.data.logs.table import Floats
 from tuner.data.logs.ticks import read_times
+from tuner.data.logs.usual import Usual
 from tuner.data.logs.values import Columns
 from tuner.names import counted
 
@@ -75,7 +77,7 @@ def read_clock(columns: Columns, parts: Sequence[Mapping]) -> Clock:
             seconds though nothing names another unit.
     """
     times, mapping = read_times(columns, parts), parts[-1]
-    steps, repeated = Steps(times.seconds), 0
+    steps, repeated = times.steps, 0
     if not steps.lowest > 0:
         _check_rising(columns, mapping, steps.seconds)
         seconds, repeated = _spread(columns, mapping, steps.seconds)
@@ -99,11 +101,11 @@ def read_clock(columns: Columns, parts: Sequence[Mapping]) -> Clock:
 
 def judged(seconds: Floats) -> Clock:
     """The clock of rising times, ``(N,)`` with N of at least 2."""
-    return _judged(Steps(seconds), lambda: 0.0)
+    return _judged(Steps(seconds), Resolution.of_step(0.0))
 
 
-def _judged(steps: Steps, resolution: Callable[[], float]) -> Clock:
-    """The clock of steps, and of times whose digits have a step that takes long to find."""
+def _judged(steps: Steps, resolution: Resolution) -> Clock:
+    """The clock of steps, and of times with digits of a resolution."""
     seconds = steps.seconds
     since = seconds - seconds[0] if seconds[0] else seconds
     rounding = 4.0 * float(np.spacing(max(abs(seconds[0]), abs(seconds[-1]))))
@@ -111,24 +113,24 @@ def _judged(steps: Steps, resolution: Callable[[], float]) -> Clock:
     close = steps.highest <= _GAP * steps.lowest  # than those of the median, which takes longer
     if close and apart <= 1.001 * rounding:
         return Clock(since, steps.mean, 1.0 / steps.mean)
-    coarse = resolution() + rounding
-    if apart <= 1.001 * coarse and (close or steps.highest <= _GAP * steps.median):
+    if resolution.explains(apart, rounding) and (close or steps.highest <= _GAP * steps.median):
         return Clock(since, steps.mean, 1.0 / steps.mean)
-    return _uneven(steps, since, coarse)
+    return _uneven(steps, since, resolution, rounding)
 
 
-def _uneven(steps: Steps, since: Floats, coarse: float) -> Clock:
+def _uneven(steps: Steps, since: Floats, resolution: Resolution, rounding: float) -> Clock:
     """The clock of steps that differ by more than the rounding of their digits."""
     limit = _GAP * steps.median
     rows = steps.above(limit)
-    if len(rows) > _SHARE * len(steps) or (len(rows) >= _MANY and _straight(steps.seconds, coarse)):
+    many = len(rows) > _SHARE * len(steps)
+    if many or (len(rows) >= _MANY and _straight(steps, resolution, rounding)):
         # So many are not gaps but normal for the clock; steps of one and two last digits are a
         # coarse clock, not lost samples.
         rows, limit = rows[:0], np.inf
-    usual = steps.usual(limit, _STRAY * steps.median)
-    rounded = usual.highest - usual.lowest <= 1.001 * coarse
-    steady = rounded or usual.stray <= _SHARE
-    close = steady and not rounded and abs(usual.mean - steps.median) <= _DRIFT * steps.median
+    usual = Usual(steps, limit, rows)
+    rounded = resolution.explains(usual.highest - usual.lowest, rounding)
+    steady = rounded or usual.stray(_STRAY * steps.median) <= _SHARE
+    close = steady and not rounded and usual.mean_is_near(steps.median, _DRIFT * steps.median)
     step = steps.median if close else usual.mean  # that of alternating steps fits no record
     furthest = max(usual.highest - step, step - usual.lowest)
     jitter = 0.0 if rounded else furthest / step
@@ -176,8 +178,12 @@ def _spread(columns: Columns, mapping: Mapping, seconds: Floats) -> tuple[Floats
     return spread, int((~new).sum())
 
 
-def _straight(seconds: Floats, resolution: float) -> bool:
+def _straight(steps: Steps, resolution: Resolution, rounding: float) -> bool:
     """Whether the column is a straight line but for the rounding of its digits."""
+    largest = 1.2 * (resolution.most + rounding)
+    if steps.highest - steps.lowest > 2.0 * (largest + rounding):  # of any line one is off by half
+        return False
+    seconds = steps.seconds
     rows = np.arange(len(seconds)) - 0.5 * (len(seconds) - 1)
     slope = float(rows @ seconds) / float(rows @ rows)
-    return bool(np.ptp(seconds - slope * rows) <= 1.2 * resolution)
+    return bool(np.ptp(seconds - slope * rows) <= 1.2 * (resolution.step + rounding))

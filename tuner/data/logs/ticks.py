@@ -1,27 +1,25 @@
 """Time columns as seconds: numbers in any unit, dates, times of day, and sums of them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
-from itertools import chain
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tuner.data.logs.date_columns import past_midnight, read_dates
+from tuner.data.logs.digits import Resolution
 from tuner.data.logs.epoch import since_1970
+from tuner.data.logs.error import LogError
 from tuner.data.logs.mapping import Mapping
 from tuner.data.logs.moments import Ticks
-from tuner.data.logs.steps import rises, since_first
-from tuner.data.logs.table import Floats, Raw
+from tuner.data.logs.steps import Steps, rises, since_first
+from tuner.data.logs.table import Raw
 from tuner.data.logs.timename import UNITS, unit_of
 from tuner.data.logs.values import HUGE, Columns, check_finite, factor_of, pick
 from tuner.names import counted
 
-_DIGITS = 9
-_BLOCK = 1 << 15
 _NS = Fraction(1, 10**9)
 _JUMP = 20.0  # in usual steps: the samples that may be lost where a counter restarts
 _COUNTERS = {
@@ -42,17 +40,16 @@ class Times:
     """The times of samples, before they are judged.
 
     Attributes:
-        seconds: since the first, ``(N,)``.
+        steps: between them, and they themselves, since the first, ``(N,)``.
         first: the first as the columns have it, s.
-        resolution: gives the step of the digits they were written with, s, for which all of them
-            are looked at.
+        resolution: of the digits they were written with.
         known: whether the unit is known.
         notes: what was assumed.
     """
 
-    seconds: Floats
+    steps: Steps
     first: Fraction
-    resolution: Callable[[], float]
+    resolution: Resolution
     known: bool
     notes: tuple[str, ...]
 
@@ -73,7 +70,8 @@ def read_times(columns: Columns, parts: Sequence[Mapping]) -> Times:
         notes += [f"midnight passed {counted(past, 'time')}"] if past else []
     seconds = (ticks - ticks[0]).astype(np.float64) * 1e-9
     step = 1e-9 * min(one.step for one in found)
-    return Times(seconds, int(ticks[0]) * _NS, lambda: step, True, tuple(notes))
+    resolution = Resolution.of_step(step)
+    return Times(Steps(seconds), int(ticks[0]) * _NS, resolution, True, tuple(notes))
 
 
 def same_as_before(columns: Columns, parts: Sequence[Mapping]) -> NDArray[np.bool_]:
@@ -102,23 +100,50 @@ def _nanoseconds(columns: Columns, mapping: Mapping, parts: Sequence[Mapping]) -
         moments, notes = read_dates(columns, mapping, parts)
         return _Part(moments.ticks, moments.step, notes, not moments.dated)
     times = _counted(columns, mapping, pick(columns, mapping), alone=False)
-    ticks = np.rint(times.seconds * 1e9).astype(np.int64) + round(times.first / _NS)
-    return _Part(ticks, 1e9 * times.resolution(), times.notes)
+    ticks = np.rint(times.steps.seconds * 1e9).astype(np.int64) + round(times.first / _NS)
+    return _Part(ticks, 1e9 * times.resolution.step, times.notes)
 
 
 def _counted(columns: Columns, mapping: Mapping, column: Raw, *, alone: bool = True) -> Times:
     """Numbers in a unit of time; a single column counts on where it restarts."""
+    times = _rising(columns, mapping, column)
+    if times is not None:
+        return times
     rising = rises(column) and float(column[0]) > -HUGE and float(column[-1]) < HUGE
     if not rising:
         check_finite(columns, mapping, column)
     ends = (column[0], column[-1]) if rising else (column.min(), column.max())
     scale, known, note = _scale(columns, mapping, (float(ends[0]), float(ends[1])))
     column, turned = (column, "") if rising or not alone else _unwrapped(column)
-    first = Fraction(column[0].item()) * scale
-    column = column.astype(np.int64 if column.dtype.kind in "iub" else np.float64, copy=False)
-    digits = partial(_resolution, column, abs(float(scale)), _rounding(ends))
-    seconds = since_first(column, float(scale))
-    return Times(seconds, first, digits, known, tuple(filter(None, (note, turned))))
+    first = _as_written(column[0]) * scale
+    steps = since_first(column, float(scale))
+    digits = _resolution(column, scale, ends, (column.min(), column.max()) if turned else ends)
+    return Times(steps, first, digits, known, tuple(filter(None, (note, turned))))
+
+
+def _rising(columns: Columns, mapping: Mapping, column: Raw) -> Times | None:
+    """Numbers that rise, as is nearly always so; None for others, which need further passes.
+
+    Whether they rise is seen by their steps, which are looked at anyway.
+    """
+    if not (len(column) > 1 and -HUGE < float(column[0]) < float(column[-1]) < HUGE):
+        return None
+    ends = column[0], column[-1]
+    try:
+        scale, known, note = _scale(columns, mapping, (float(ends[0]), float(ends[1])))
+    except LogError:  # missing times are told before
+        return None
+    steps = since_first(column, float(scale))
+    if not steps.lowest > 0:
+        return None
+    first = _as_written(column[0]) * scale
+    digits = _resolution(column, scale, ends, ends)
+    return Times(steps, first, digits, known, (note,) if note else ())
+
+
+def _as_written(number: Any) -> Fraction:
+    """A number without rounding, but for that of more than double precision."""
+    return Fraction(float(number) if number.dtype.kind == "f" else int(number))
 
 
 def _scale(
@@ -146,27 +171,18 @@ def _exact(unit: str) -> Fraction:
     return Fraction(str(UNITS[unit.lower()]))
 
 
-def _resolution(column: Raw, scale: float, coarse: float) -> float:
-    """The step of the digits of a column, in seconds."""
-    return scale * (1.0 if column.dtype.kind == "i" else max(_digits(column), coarse))
+def _resolution(
+    column: Raw, scale: Fraction, written: tuple[Any, Any], ends: tuple[Any, Any]
+) -> Resolution:
+    """The resolution of numbers by their lowest and highest, as written and as counted on."""
+    largest = max(abs(float(ends[0])), abs(float(ends[1])))
+    return Resolution.of_column(column, abs(float(scale)), _rounding(written), largest)
 
 
 def _rounding(ends: tuple[Any, Any]) -> float:
     """The rounding error of single precision, by the lowest and the highest number."""
     single = ends[0].dtype.kind == "f" and ends[0].dtype.itemsize < 8
     return float(np.spacing(max(abs(ends[0]), abs(ends[1])))) if single else 0.0
-
-
-def _digits(column: Floats) -> float:
-    """The step of the last decimal digit in use, 10**-k, or that of rounding if larger."""
-    sample = column[:: max(1, len(column) // 1000)]
-    noise = 4.0 * float(np.spacing(max(abs(column.min()), abs(column.max()))))
-    for decimals in range(_DIGITS + 1):
-        # With alternating steps every second row may have fewer digits than all of them.
-        parts = (column[at : at + _BLOCK] for at in range(0, len(column), _BLOCK))
-        if all(np.abs(x - np.round(x, decimals)).max() <= noise for x in chain((sample,), parts)):
-            return max(10.0**-decimals, noise)
-    return noise
 
 
 def _unwrapped(column: Raw) -> tuple[Raw, str]:

@@ -86,6 +86,8 @@ def without_repeats(columns: Columns, time: Sequence[Mapping] | None, samples: i
             f"{columns.table.file}: --drop-repeats needs a time column; give --time COLUMN"
         )
     new = ~same_as_before(columns, parts)
+    if new.all():
+        return columns.with_notes(["0 rows with the time of the row before left out"])
     note = f"{counted(int((~new).sum()), 'row')} with the time of the row before left out"
     if others := _unlike(columns, np.flatnonzero(~new), samples):
         note += f", {others} of them with other numbers"
@@ -116,7 +118,7 @@ def restarts(columns: Columns, time: Sequence[Mapping] | None, samples: int) -> 
         raise LogError(
             f"{columns.table.file}: --by {RESTART} needs a time column; give --time COLUMN"
         )
-    seconds = read_times(columns, parts).seconds
+    seconds = read_times(columns, parts).steps.seconds
     return 1 + np.cumsum(np.diff(seconds, prepend=seconds[0]) < 0)
 
 

@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 
 from tuner.data.logs.error import LogError, suggest
 from tuner.data.logs.mapping import Mapping
+from tuner.data.logs.passes import BLOCK, in_parts
 from tuner.data.logs.table import Floats, Loaded, Raw, Table
 from tuner.names import counted
 
 _EXACT = 1 << 53
 HUGE = 1e150
 """Numbers from here on mean that nothing was measured."""
-_BLOCK = 1 << 15
 _NOT_REAL = {
     "c": "is complex; map an array of its real parts",
     "O": "holds Python objects; save plain numbers",
@@ -174,25 +174,65 @@ def to_float(columns: Columns, mapping: Mapping, column: Raw) -> Floats:
     """
     _check_exact(columns, mapping, column)
     factor = factor_of(columns, mapping) * (-1.0 if mapping.minus else 1.0)
-    values = np.ascontiguousarray(column, dtype=np.float64)
-    if factor != 1.0:
+    if factor == 1.0 and column.dtype == np.float64 and column.flags.c_contiguous:
+        values: Floats = column
+        measured = _all_measured(values)
+    else:
+        values = np.empty(column.shape)
+        measured = _scaled(column, factor, values)
+    return values if measured else _without_missing(values)
+
+
+def _scaled(column: Raw, factor: float, values: Floats) -> bool:
+    """Write a column times a factor, and tell whether nothing is missing."""
+
+    def part(starts: range) -> bool:
+        measured = True
         with np.errstate(over="ignore"):
-            values = values * factor
-    if _all_measured(values):
-        return values
-    return np.where(np.abs(values) < HUGE, values, np.nan)
+            for at in starts:
+                block = values[at : at + BLOCK]
+                block[...] = column[at : at + BLOCK]
+                if factor != 1.0:
+                    block *= factor
+                measured = measured and _is_measured(block)
+        return measured
+
+    return column.size > 0 and all(in_parts(part, len(column)))
 
 
 def _all_measured(values: Floats) -> bool:
-    """Whether there are numbers and none of them is missing; in blocks that fit the cache."""
-    blocks = (values[at : at + _BLOCK] for at in range(0, len(values), _BLOCK))
-    # NaN compares false.
-    return values.size > 0 and all(x.min() > -HUGE and x.max() < HUGE for x in blocks)
+    """Whether there are numbers and none of them is missing."""
+
+    def part(starts: range) -> bool:
+        return all(_is_measured(values[at : at + BLOCK]) for at in starts)
+
+    return values.size > 0 and all(in_parts(part, len(values)))
+
+
+def _without_missing(values: Floats) -> Floats:
+    """A copy with NaN for what was not measured."""
+    found = np.full(values.shape, np.nan)
+
+    def part(starts: range) -> None:
+        for at in starts:
+            block = values[at : at + BLOCK]
+            np.copyto(found[at : at + BLOCK], block, where=np.abs(block) < HUGE)
+
+    in_parts(part, len(values))
+    return found
+
+
+def _is_measured(block: Floats) -> bool:
+    return bool(block.min() > -HUGE and block.max() < HUGE)  # NaN compares false
 
 
 def _check_exact(columns: Columns, mapping: Mapping, column: Raw) -> None:
+    def part(starts: range) -> bool:
+        blocks = (column[at : at + BLOCK] for at in starts)
+        return all(block.max() <= _EXACT and block.min() >= -_EXACT for block in blocks)
+
     wide = column.dtype.kind in "iu" and column.dtype.itemsize == 8 and column.size > 0
-    if wide and (column.max() > _EXACT or column.min() < -_EXACT):
+    if wide and not all(in_parts(part, len(column))):
         raise columns.error(
             mapping, "holds integers beyond 2**53, which float64 rounds; subtract an offset first"
         )

@@ -1,0 +1,279 @@
+"""Programs that are kept compiled between runs, so that another run need not trace them again.
+
+A program is found again by the text of all that it follows from (:mod:`tuner.plain`): the filter,
+the objective and other static arguments, the shapes of its arrays, this package's source, and the
+versions and settings of JAX. What is no plain data, as a filter of the user's own, is traced in
+every run.
+"""
+
+import json
+import os
+import sys
+import threading
+import time
+import zlib
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import jax
+import numpy as np
+from jax import monitoring
+from jax.tree_util import PyTreeDef
+
+from tuner import code_version
+from tuner.cached import digest, keep, kept, own, processor, program_folder
+from tuner.plain import NotPlainError, described
+from tuner.written_trees import read, written
+
+BEGUN = time.time()
+SETTLED = 5.0
+"""Source files that changed later than so many seconds before this process began may be others
+than those that it has loaded: nothing is stored or looked up then."""
+_READ = "/jax/compilation_cache/cache_hits"
+_heard = threading.local()
+
+Call: TypeAlias = Callable[..., Any]
+"""A compiled program, from leaves to its result."""
+
+
+def in_use() -> bool:
+    """Whether programs are stored: ``TUNER_PROGRAMS`` is ``stored``, and only this user writes."""
+    return os.environ.get("TUNER_PROGRAMS") == "stored" and _trusted(program_folder())
+
+
+@cache
+def _trusted(folder: Path) -> bool:
+    return own(folder) and not code_version.changed_since(BEGUN - SETTLED)
+
+
+@cache
+def _surroundings() -> str:
+    """The versions and the settings under which programs are traced and compiled."""
+    settings = [
+        f"{name} {value!r}"
+        for name, value in sorted(jax.config.values.items())
+        if name != "jax_compilation_cache_dir"
+    ]
+    flags = os.environ.get("XLA_FLAGS", ""), sys.version, processor()
+    return repr((sorted(code_version.versions().items()), settings, flags))
+
+
+def key_of(*things: Any) -> str | None:
+    """The key of what follows from plain data alone; None where some of them is not plain."""
+    try:
+        text = described(things)
+    except NotPlainError:
+        return None
+    return _hashed(code_version.code_version(), text)
+
+
+def _hashed(*texts: str) -> str:
+    return digest("\0".join([_surroundings(), *texts]).encode())
+
+
+def stored_text(make: Callable[[], str], *things: Any) -> str:
+    """A text that follows from plain data, made once for all runs.
+
+    Args:
+        make: makes it.
+        things: its name, and all that it follows from.
+    """
+    key = key_of("text", *things) if in_use() else None
+    if key is None:
+        return make()
+    found = kept(program_folder(), key)
+    if found is None:
+        found = make().encode()
+        keep(program_folder(), key, found)
+    return found.decode()
+
+
+def stored_jit(statics: int, **options: Any) -> Callable[[Callable[..., Any]], "StoredProgram"]:
+    """As ``jax.jit`` of a function whose first arguments are static, and kept between runs.
+
+    Args:
+        statics: how many arguments are static.
+        options: of XLA's compiler.
+    """
+    return lambda function: StoredProgram(function, statics, options)
+
+
+@dataclass
+class _Entry:
+    """A program for some static arguments and shapes.
+
+    Attributes:
+        lock: of several threads one looks it up, or compiles.
+        call: the program; None where JAX traces and keeps it.
+        known: whether that is decided.
+    """
+
+    lock: threading.Lock = field(default_factory=threading.Lock)
+    call: Call | None = None
+    known: bool = False
+
+
+class StoredProgram:
+    """A function as ``jax.jit`` compiles it, kept between runs where its static data are plain.
+
+    Args:
+        function: the function.
+        statics: how many of its arguments are static, the first ones.
+        options: of XLA's compiler.
+
+    Attributes:
+        traced: the function by ``jax.jit``; itself it is ``__wrapped__``.
+    """
+
+    def __init__(self, function: Callable[..., Any], statics: int, options: dict[str, Any]) -> None:
+        self.__doc__, self.__name__ = function.__doc__, function.__name__
+        self.__wrapped__, self._statics, self._options = function, statics, options
+        self.traced: Any = jax.jit(
+            function, static_argnums=tuple(range(statics)), compiler_options=options or None
+        )
+        self._entries: dict[Any, _Entry] = {}
+
+    def __call__(self, *arguments: Any) -> Any:
+        """The function of its arguments."""
+        if not in_use():
+            return self.traced(*arguments)
+        static, given = arguments[: self._statics], arguments[self._statics :]
+        leaves, tree = jax.tree.flatten(given)
+        shapes = [_shape(leaf) for leaf in leaves]
+        if None in shapes:  # inside another program
+            return self.traced(*arguments)
+        call = self._program(static, leaves, tree, tuple(shapes))
+        try:
+            return self.traced(*arguments) if call is None else call(*leaves)
+        except jax.errors.JaxRuntimeError:  # a stored program that this machine cannot run
+            return self.traced(*arguments)
+
+    def clear_cache(self) -> None:
+        """Let go of all programs, as JAX's own functions do."""
+        self._entries.clear()
+        self.traced.clear_cache()
+
+    def _cache_size(self) -> int:
+        return len(self._entries) + int(self.traced._cache_size())
+
+    def _program(self, static: Any, leaves: list[Any], tree: Any, shapes: Any) -> Call | None:
+        entry = self._entries.setdefault((static, tree, shapes), _Entry())
+        if not entry.known:
+            with entry.lock:
+                if not entry.known:
+                    entry.call = self._found(static, leaves, tree, shapes)
+                    entry.known = True
+        return entry.call
+
+    def _found(self, static: Any, leaves: list[Any], tree: Any, shapes: Any) -> Call | None:
+        """The program from the folder, or compiled and stored; None where it has no identity."""
+        function = self.__wrapped__
+        place = f"{function.__module__}:{function.__qualname__}", [*self._options.items()]
+        key = key_of(place, static, jax.tree.unflatten(tree, shapes))
+        if key is None:
+            return None
+        found = kept(program_folder(), key)
+        if found is not None:
+            with suppress(Exception):  # damaged, or its program is gone
+                known = json.loads(found)
+                return _loaded(known["program"], read(known["result"], static), len(leaves))
+        program, result, call = self._traced_anew(static, leaves, tree)
+        with suppress(NotPlainError):
+            known = {"program": program, "result": written(result, static)}
+            keep(program_folder(), key, json.dumps(known).encode())
+        return call
+
+    def _traced_anew(
+        self, static: Any, leaves: list[Any], tree: Any
+    ) -> tuple[str, PyTreeDef, Call]:
+        """The key of a program by its text, the structure of its result, and itself."""
+        ends: list[PyTreeDef] = []
+
+        def flat(*leaves: Any) -> list[Any]:
+            given = jax.tree.unflatten(tree, leaves)
+            found, ends[:] = _flattened(self.__wrapped__(*static, *given))
+            return found
+
+        flat.__name__ = flat.__qualname__ = f"stored_{self.__name__}"
+        lowered = jax.jit(flat, compiler_options=self._options or None).lower(*leaves)
+        program = _hashed(lowered.as_text(), repr(self._options))
+        with suppress(Exception):  # none yet, or damaged: compiled anew
+            return program, ends[0], _loaded(program, ends[0], len(leaves))
+        return program, ends[0], _calling(_compiled(lowered, program), ends[0])
+
+
+def _shape(leaf: Any) -> tuple[tuple[int, ...], str, bool] | None:
+    """Shape and type of an array; None of anything else."""
+    if isinstance(leaf, jax.core.Tracer) or not isinstance(
+        leaf, np.ndarray | np.generic | jax.Array
+    ):
+        return None
+    return leaf.shape, leaf.dtype.str, bool(getattr(leaf, "weak_type", False))
+
+
+def _flattened(result: Any) -> tuple[list[Any], list[PyTreeDef]]:
+    leaves, tree = jax.tree.flatten(result)
+    return leaves, [tree]
+
+
+def _calling(compiled: Any, tree: PyTreeDef) -> Call:
+    return lambda *leaves: jax.tree.unflatten(tree, compiled(*leaves))
+
+
+def _compiled(lowered: Any, key: str) -> Any:
+    """A program, compiled and stored."""
+    from jax.experimental.serialize_executable import serialize
+
+    with _not_by_jax() as parts:
+        compiled = lowered.compile()
+    if not parts:  # what JAX has read itself lacks some functions when it is written again
+        with suppress(Exception):  # what cannot be stored is compiled in every run
+            keep(program_folder(), key, zlib.compress(serialize(compiled)[0], 1))
+    return compiled
+
+
+def _loaded(key: str, tree: PyTreeDef, given: int) -> Call:
+    """The program under a key, of so many leaves, with the structure of its result.
+
+    Raises:
+        Exception: of any kind, where it is missing or of no use.
+    """
+    from jax.experimental.serialize_executable import deserialize_and_load
+
+    program = zlib.decompress(kept(program_folder(), key) or b"")
+    leaves = jax.tree.structure(((0,) * given, {})), jax.tree.structure([0] * tree.num_leaves)
+    device = jax.devices()[:1]
+    return _calling(deserialize_and_load(program, *leaves, execution_devices=device), tree)
+
+
+@contextmanager
+def _not_by_jax() -> Iterator[list[str]]:
+    """Keep JAX's own cache from writing what is compiled meanwhile; tells what it has read."""
+    _listen()
+    _heard.events = []
+    with _never_long():
+        yield _heard.events
+
+
+def _never_long() -> AbstractContextManager[Any]:
+    """Let JAX take each compilation of this thread for a short one, which it does not keep."""
+    with suppress(ImportError):
+        from jax._src.config import persistent_cache_min_compile_time_secs as least
+
+        never: AbstractContextManager[Any] = least(float("inf"))
+        return never
+    return nullcontext()
+
+
+@cache
+def _listen() -> None:
+    monitoring.register_event_listener(_hear)
+
+
+def _hear(event: str, **_: Any) -> None:
+    if event == _READ and hasattr(_heard, "events"):
+        _heard.events.append(event)
