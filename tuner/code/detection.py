@@ -23,9 +23,9 @@ _CLEAR, _FAINT = 60.0, 0.5
 """The root of summed squares of moves over their tolerances from which a constant shows whichever
 of the results share it, and below which it does not."""
 _PART, _REPEATS = 64, 6
-_MARGIN = 8.0
+_MARGIN, SAFE = 8.0, 16.0
 """Distance of two numbers that are compared, over the largest effect of rounding on it, from which
-other rounding errors decide alike."""
+other rounding errors decide alike; and in a search of short steps, which are judged once more."""
 _LARGEST = {"double": 1e60, "float": 1e12}
 
 
@@ -60,8 +60,18 @@ def plain(step: Step, given: Given) -> Expected:
     return Expected(exact, np.zeros(exact.shape), np.ones(count, bool), values)
 
 
-def expected(step: Step, given: Given, draw: np.random.Generator) -> Expected:
-    """The results of steps, and by how much rounding errors change them."""
+def expected(
+    step: Step, given: Given, draw: np.random.Generator, margin: float = _MARGIN
+) -> Expected:
+    """The results of steps, and by how much rounding errors change them.
+
+    Args:
+        step: the filter's.
+        given: states and samples.
+        draw: a generator.
+        margin: distance of two numbers that are compared, over the largest effect of rounding on
+            it, from which a step is steady.
+    """
     noisy = {k: np.zeros(1) for pair in step.decisions for k in pair}
     noisy |= {k: np.zeros(1) for k in step.to_whole}
     right = plain(step, given)
@@ -71,12 +81,16 @@ def expected(step: Step, given: Given, draw: np.random.Generator) -> Expected:
     with np.errstate(all="ignore"):
         apart = [np.abs(run - right) for run, right in zip(runs, exact, strict=True)]
     strays = np.array([np.max(np.atleast_2d(one), axis=0) for one in apart]).reshape(exact.shape)
-    steady = _steady(step, right.values, noisy, exact.shape[1])
+    steady = _steady(step, right.values, noisy, exact.shape[1], margin)
     return Expected(exact, np.where(np.isnan(exact), 0, strays), steady, right.values)
 
 
 def _steady(
-    step: Step, decided: Mapping[int, np.ndarray], noisy: Mapping[int, np.ndarray], count: int
+    step: Step,
+    decided: Mapping[int, np.ndarray],
+    noisy: Mapping[int, np.ndarray],
+    count: int,
+    least: float,
 ) -> np.ndarray:
     """Whether no decision is within rounding of what is decided."""
     steady = np.ones(count, bool)
@@ -87,7 +101,7 @@ def _steady(
             margins.append((decided[x] - half, noisy[x] - half))
         for margin, other in margins:
             moved = np.abs(np.atleast_2d(other - margin)).max(axis=0)
-            steady &= ~((moved > 0) & (np.abs(margin) < _MARGIN * moved))
+            steady &= ~((moved > 0) & (np.abs(margin) < least * moved))
     return steady
 
 

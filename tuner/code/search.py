@@ -10,6 +10,7 @@ import numpy as np
 from tuner.code.array_step import Given, Step
 from tuner.code.detection import (
     LONG,
+    SAFE,
     Expected,
     agree,
     comparable,
@@ -127,7 +128,7 @@ def _by_changes(step: Step, given: Given, hidden: Hidden, draw: np.random.Genera
     some |= detected(step, idle, exact, 1.0, change=1.0).any(axis=0)
     if some.any():
         part = {k: x[some] for k, x in given.items()}
-        right = expected(step, part, draw)
+        right = expected(step, part, draw, SAFE)
         whole[:, some] = detected(step, mutants, right, 2.0)
         doubled = np.atleast_1d(detected(step, idle, right, 1.0, change=1.0).any(axis=1))
         hidden.idle -= {one for one, shows in zip(idle, doubled, strict=True) if shows}
