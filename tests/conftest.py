@@ -93,7 +93,7 @@ def first_steps(monkeypatch):
     """
     monkeypatch.setattr("tuner.code.search._FEW", 1)
     monkeypatch.setattr("tuner.code.search._OPERATIONS", 0)
-    monkeypatch.setattr("tuner.code.search.beside_limits", lambda *_: iter(()))
+    monkeypatch.setattr("tuner.code.search.beside_limits", lambda *_, by_one=True: iter(()))
 
 
 @pytest.fixture(autouse=True)
