@@ -143,7 +143,7 @@ def _counted(folder: Path, tracker: Tracker, cache: str) -> str:
     told = folder / "counted.json"
     _python(folder, cache, [COUNTED, str(told), *_words(folder, tracker)])
     found = json.loads(told.read_text())
-    number, seconds = found[COMPILED]
+    number, seconds = found.get(COMPILED, (0, 0.0))
     traced = sum(found.get(name, (0, 0.0))[1] for name in TRACED)
     return f"{number} programs, {seconds:.2g} s in XLA and {traced:.2g} s before it"
 
@@ -156,6 +156,7 @@ def _words(folder: Path, tracker: Tracker) -> list[str]:
 def _python(folder: Path, cache: str, words: Sequence[str]) -> None:
     own = {
         "TUNER_CACHE": str(folder / cache),
+        "TUNER_PROGRAMS": "stored",
         "PYTHONPYCACHEPREFIX": str(folder / "bytecode"),
         "PYTHONDONTWRITEBYTECODE": "",
     }
