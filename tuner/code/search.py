@@ -105,13 +105,18 @@ def search(step: Step, around: Around, most: int, by_jax: Results) -> Found:
             chosen.append(one)
             gains.append(gain)
     kept = np.sort(np.argsort(-np.array(gains, int), kind="stable")[:most])
-    fields = [*program.state, *program.inputs]
-    whole = [
-        np.array([chosen[at][k] for at in kept]).reshape(len(kept), *f.shape)
-        for k, f in enumerate(fields)
-    ]
-    own = len(program.state)
+    whole, own = _by_fields(step, [chosen[at] for at in kept]), len(program.state)
     return Found(whole[:own], whole[own:], len(kept), tried, len(hidden.idle))
+
+
+def _by_fields(step: Step, chosen: list[Arrays]) -> Arrays:
+    """Steps as an array for each field of the state, then of the inputs."""
+    fields = [*step.program.state, *step.program.inputs]
+    columns = ([one[k] for one in chosen] for k in range(len(fields)))
+    return [
+        np.array(column).reshape(len(chosen), *field.shape)
+        for column, field in zip(columns, fields, strict=True)
+    ]
 
 
 def _by_changes(step: Step, given: Given, hidden: Hidden, draw: np.random.Generator) -> np.ndarray:
