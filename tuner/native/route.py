@@ -17,6 +17,7 @@ from tuner.cached import code_folder
 from tuner.code.graph import TooLargeError
 from tuner.code.refused import NoCounterpartError
 from tuner.native.compiler import NoCodeError, compiler, use
+from tuner.stored_programs import stored_text
 
 if TYPE_CHECKING:
     from tuner.native.backwards import Backwards
@@ -278,6 +279,15 @@ def _shortest(
 @lru_cache(maxsize=128)
 def _operations(static: Static, size: int, leaves: tuple[Any, ...], tree: Any) -> int:
     """Approximate number of operations of a step."""
+    plain = jax.tree.unflatten(tree, [(shape[1:], dtype.str) for shape, dtype in leaves])
+
+    def counted() -> str:
+        return str(_counted(static, size, leaves, tree))
+
+    return int(stored_text(counted, "operations of a step", static, size, plain))
+
+
+def _counted(static: Static, size: int, leaves: tuple[Any, ...], tree: Any) -> int:
     from tuner.code.straight_line import Slot, straight_line, work
 
     filter, data = cast("AnyFilter", static.filter), _data(leaves, tree)
