@@ -53,7 +53,7 @@ class Programs:
         """
         with self._lock:
             begun = self._begun.pop(program, None)
-        ready = _load(program) if begun is None or begun.cancel() else begun.result()
+        ready = load(program) if begun is None or begun.cancel() else begun.result()
         self.note(program)
         return ready
 
@@ -62,7 +62,7 @@ class Programs:
         """Load programs in another thread meanwhile, in their order."""
         pool = ThreadPoolExecutor(1)
         with self._lock:
-            self._begun |= {one: pool.submit(_load, one) for one in programs}
+            self._begun |= {one: pool.submit(load, one) for one in programs}
         try:
             yield
         finally:
@@ -71,7 +71,12 @@ class Programs:
                 self._begun.clear()
 
 
-def _load(program: Program) -> Any:
+def load(program: Program) -> Any:
+    """A program, read from the folder.
+
+    Raises:
+        Exception: of any kind, where it is missing or of no use.
+    """
     from jax.experimental.serialize_executable import deserialize_and_load
 
     text = zlib.decompress(kept(program_folder(), program.key) or b"")
