@@ -16,8 +16,8 @@ from tuner.run.threads import at_once
 
 LONG_RECORD = 1_000_000
 """Samples from which a trial run takes longer than compiling."""
-REPORT_PACKAGES = ("matplotlib.figure", "matplotlib.backends.backend_agg", "contourpy", "jinja2")
-"""Modules that draw pictures and write reports."""
+REPORT_PACKAGES = ("contourpy", "jinja2")
+"""Modules that write reports."""
 
 
 @contextmanager

@@ -37,6 +37,7 @@ from tuner.run.figure_files import draw_figures
 from tuner.run.finding import Finding
 from tuner.run.fit_record import FitRecord
 from tuner.run.folder import RunFolder
+from tuner.run.painter import Painter
 from tuner.run.progress import Progress
 from tuner.run.progress_file import (
     SCHEMA,
@@ -86,6 +87,7 @@ class Run:
         claims: names of the claims that are asked for; all if empty.
         identity: of the run; see :mod:`tuner.run.identity`.
         kept: what its report tells of the study and of the recordings.
+        painter: draws its figures.
     """
 
     study: str
@@ -97,6 +99,7 @@ class Run:
     claims: tuple[str, ...] = ()
     identity: Mapping[str, str] = field(default_factory=dict)
     kept: ForReport = field(default_factory=nothing_kept)
+    painter: Painter = field(default_factory=Painter)
 
     def check(self, jobs: int) -> None:
         """Find what would be refused before anything is written: score where each search begins.
@@ -139,6 +142,7 @@ class Run:
 
     def _prepare(self) -> None:
         """Import and compile what the end of the run takes."""
+        self.painter.begin()
         import_report_packages()
         if self.plan.report is None:  # a fit has compiled its own as it was planned
             for problem in exported(self.plan):
@@ -189,7 +193,8 @@ class Run:
             if self.plan.report is not None:
                 outputs = [write_outputs(self.folder, *each) for each in found]
             figures = partial(self.plan.figures, self.plan.case, solutions)
-            drawn = draw_figures(self.folder, figures, self.progress)
+            drawn = draw_figures(self.folder, figures, self.progress, self.painter.picture)
+            self.painter.end()
             told = self._told(solutions, drawn.figures)
             exports = write_exports(self.folder, pending, formats, self.progress)
         files = (*exports.files, *outputs, *drawn.files, KEPT, PAGE)
