@@ -82,7 +82,8 @@ eight points share a vector, unless the objective keeps samples until after the 
   same way. Hessians always come from XLA.
 - **When.** C pays where a search would spend more time in XLA's loop than the compiler takes:
   (N (1 + n) - 20 000) times the operations of a step is above 70 million, for N samples and n
-  parameters; with six parameters and 500 operations that is from about 23 000 samples. XLA's own
+  parameters; with six parameters and 500 operations that is from about 23 000 samples. Where later
+  runs find what was written (*Programs between runs*), it does above 30 million. XLA's own
   way back through the loop costs about three passes for any n, and five in parts. There C is used
   if it takes at most half as many operations as a step (in parts five sixths) forwards, or as many
   (in parts five thirds) with a pass back, where three on entries of a row count as one: it does for
@@ -113,6 +114,10 @@ Python, JAX, NumPy and SciPy, all settings of JAX and XLA, and the processor.
 
 - A filter or an objective of your own, and one of another package, has no such text: it is traced
   in every run.
+- The C of a gradient is kept in the same way, as text with what a call needs besides: a later run
+  uses the compiled library at once, still only if it agrees with XLA at the first point.
+- Loading a program takes XLA a tenth of a second. Those that the last run of the same filter,
+  settings and lengths of logs took are loaded by another thread while the logs are read.
 - Files lie in `~/.cache/filter-tuner/programs` (`TUNER_CACHE/programs`), are named by a hash of
   their contents, and are loaded under the conditions of the libraries above.
 - Where a source file of this package changed within 5 s before a process began, or later, nothing
