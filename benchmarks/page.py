@@ -62,13 +62,15 @@ the rest (matrix exponentials, spectra). Derivatives are computed in one of two 
 - **A pass over the record and one back**, for any number of parameters: from nine on always, from
   five on where it takes less time, in which a number that is stored and loaded again counts as
   twelve operations. The way back is JAX's own derivative of the step, with the covariance's steps
-  by hand (`filters.way_back`). Of each sample is stored what the pass back needs and cannot compute
-  at once; above 64 MB the state is stored at the beginning of parts of the record, and each part is
-  run again before the pass back goes through it. A gradient takes
-  1.6 to 2.2 times as long as a value in C. Where matrices are large and dense (linear filters from
-  about eight states on), both passes are written as loops over rows, of which several entries are
-  computed at once, in place of scalars. Of a symmetric product, as that of a covariance, one half
-  is computed and copied to the other; rows that end within a vector register are filled up.
+  by hand (`filters.way_back`). What is stored of a sample, and what the pass back computes again
+  from it, is that choice of all which takes least time (a minimum cut). Going back, a processor
+  does not foresee what is read next: what is stored of a sample is fetched two samples ahead of its
+  turn. Above 64 MB the state is stored at the beginning of parts of the record, and each part is
+  run again before the pass back goes through it. A gradient takes 1.6 to 2.1 times as long as a
+  value in C. Where matrices are large and dense (linear filters from about eight states on), both
+  passes are written as loops over rows, of which several entries are computed at once, in place of
+  scalars. Of a symmetric product, as that of a covariance, one half is computed and copied to the
+  other; rows that end within a vector register are filled up.
 
 Values without a gradient, as a simplex search needs them, are C without derivatives.
 
