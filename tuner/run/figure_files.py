@@ -52,7 +52,7 @@ def draw_figures(
                 written.failed.append(f"{figure.name} could not be drawn: {_in_words(error)}")
                 continue
             stem = f"figures/{figure.name}"
-            written.files.extend(folder.write(f"{stem}.{end}", made[end]) for end in made)
+            written.files.extend(folder.write_all({f"{stem}.{end}": made[end] for end in made}))
             written.figures.append(figure)
     except WriteError:
         raise

@@ -126,12 +126,12 @@ class Run:
         solutions, digests = dict(finished), dict[tuple[str, str], str]()
         open_tasks = [task for task in self.plan.tasks if task_key(task) not in solutions]
         self.progress("solving", len(solutions), len(self.plan.tasks))
-        self._save(solutions, digests)  # a run that is interrupted at once can go on as well
         with in_background(self._prepare), at_once(jobs) as pool:
             for problem in of_each_program(task.problem for task in open_tasks):
                 pool.submit(differentiate, problem)
             several = jobs > 1 and len(open_tasks) > 1
             futures = {pool.submit(_solved, task, several): task for task in open_tasks}
+            self._save(solutions, digests)  # a run that is interrupted at once can go on as well
             for future in as_completed(futures):
                 task = futures[future]
                 solutions[task_key(task)], digests[task_key(task)] = future.result()
@@ -238,8 +238,8 @@ class Run:
         """The report, and what it takes to write it again."""
         self.progress("writing the report", 3, 4)
         kept = self.kept.model_copy(update={"pictures": pictures})
-        self.folder.write(KEPT, kept.to_json())
-        self.folder.write(PAGE, page_of(result, kept, self.folder.path))
+        page = page_of(result, kept, self.folder.path)
+        self.folder.write_all({KEPT: kept.to_json(), PAGE: page})
 
     def tuned(self, problem: Problem, solution: Solution) -> Tuned:
         """The exports of a problem: its parameters, and what follows from them."""
