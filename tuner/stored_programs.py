@@ -264,7 +264,7 @@ def as_last_time(*things: Any) -> Iterator[None]:
     with _programs.ahead([Program(*one) for one in json.loads(known or b"[]")]):
         yield
     taken = json.dumps(list(_programs.taken)).encode()
-    if taken != known:
+    if _programs.taken and taken != known:  # a run that is only planned takes none
         keep_alone(program_folder(), key, taken)
 
 
