@@ -2,6 +2,8 @@ import gc
 import os
 import shutil
 import tempfile
+from functools import lru_cache
+from itertools import count
 
 import pytest
 from hypothesis import settings
@@ -53,6 +55,30 @@ def kept_programs():
     from tuner.run.cache import use_cache
 
     assert use_cache()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def shared_context():
+    """Programs of one process share a context of MLIR, a hundred each.
+
+    JAX makes one for every program, a fifth of the time of a small one, and keeps it: a megabyte.
+    So does here a program that is met while another one is written down.
+    """
+    from jax._src.interpreters import mlir
+    from jax._src.lib.mlir import ir
+
+    make, programs = mlir.make_ir_context, count()
+
+    @lru_cache(maxsize=1)
+    def context_of(hundred):
+        return make()
+
+    def shared():
+        return context_of(next(programs) // 100) if ir.Context.current is None else make()
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(mlir, "make_ir_context", shared)
+        yield
 
 
 @pytest.fixture(scope="session", autouse=True)
