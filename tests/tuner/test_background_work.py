@@ -1,7 +1,9 @@
 """What a run does beside its searches and its comparisons."""
 
+import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from threading import Event
+from threading import Event, current_thread
 
 import numpy as np
 import pytest
@@ -13,7 +15,12 @@ from tuner import NelderMead, Positive, Problem, Space
 from tuner.problem.exported import Trial
 from tuner.problem.programs import run_filter
 from tuner.run import machine
-from tuner.run.background_work import compile_checks, compiled_ahead
+from tuner.run.background_work import (
+    begin_gradients,
+    compile_checks,
+    compile_gradients,
+    compiled_ahead,
+)
 
 RECORD = Data(LevelSample(np.sin(0.3 * np.arange(73.0))), np.zeros(73))
 LEVEL = Problem(
@@ -98,3 +105,18 @@ def test_what_is_not_kept_is_waited_for(monkeypatch):
     with compiled_ahead(LEVEL):
         pass
     assert len(done) == 1
+
+
+@pytest.mark.parametrize("kept", [True, False])
+def test_gradients_are_compiled_before_searches_begin_or_as_they_do(kept, monkeypatch, request):
+    if kept:
+        request.getfixturevalue("stored")
+    threads = []
+    monkeypatch.setattr(Problem, "by_xla", lambda self, z: threads.append(current_thread().name))
+    twin = replace(LEVEL, name="twin")
+    with ThreadPoolExecutor(1, "search") as pool:
+        begin_gradients([LEVEL, twin])
+        compile_gradients(pool, [LEVEL, twin])
+    while not threads:
+        time.sleep(0.01)
+    assert [name.startswith("search") for name in threads] == [not kept]

@@ -1,7 +1,7 @@
 """Compiling and importing what a fit needs later, while it is planned and solved."""
 
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from functools import partial
 from importlib import import_module
@@ -55,15 +55,42 @@ def compiled_ahead(problem: Problem) -> Iterator[None]:
     Programs that are kept between runs are not waited for: whoever needs one that is being compiled
     waits for that one.
     """
-    if not (in_use() and key_of(problem.scored) is not None):
+    if not _is_kept(problem):
         with in_background(partial(compile_ahead, problem)):
             yield
         return
-    pool = ThreadPoolExecutor(2)
-    for compile_one in _IN_TURN:
-        pool.submit(compile_one, problem)
-    pool.shutdown(wait=False)
+    _begin(2, [partial(compile_one, problem) for compile_one in _IN_TURN])
     yield
+
+
+def begin_gradients(problems: Iterable[Any]) -> None:
+    """Begin to compile the gradients that are kept between runs, one after another.
+
+    They take longest, and every certificate takes them. Nobody waits here: whoever needs one that
+    is being compiled waits for that one.
+    """
+    kept = [problem for problem in of_each_program(problems) if _is_kept(problem)]
+    _begin(1, [partial(differentiate, problem) for problem in kept])
+
+
+def compile_gradients(pool: Executor, problems: Iterable[Any]) -> None:
+    """Compile the others, where their search begins."""
+    for problem in of_each_program(problems):
+        if not _is_kept(problem):
+            pool.submit(differentiate, problem)
+
+
+def _begin(threads: int, work: Iterable[Callable[[], None]]) -> None:
+    """Do something in threads that are not waited for."""
+    pool = ThreadPoolExecutor(threads)
+    for one in work:
+        pool.submit(one)
+    pool.shutdown(wait=False)
+
+
+def _is_kept(problem: Problem) -> bool:
+    """Whether the programs of a problem are kept between runs, and compiled by one thread each."""
+    return in_use() and key_of(problem.scored) is not None
 
 
 def _evaluate(problem: Problem) -> None:

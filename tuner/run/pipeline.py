@@ -17,11 +17,11 @@ from tuner.report.report_json import Kept as ForReport
 from tuner.report.report_json import KeptChart, KeptMap, kept_pictures, nothing_kept
 from tuner.report.write import KEPT, PAGE, page_of
 from tuner.run.background_work import (
+    begin_gradients,
     compile_checks,
-    differentiate,
+    compile_gradients,
     import_report_packages,
     in_background,
-    of_each_program,
 )
 from tuner.run.environment import environment
 from tuner.run.exports import (
@@ -113,6 +113,7 @@ class Run:
             if hasattr(task.solver, "check"):
                 task.solver.check(task.problem)
         problems = {id(task.problem): task.problem for task in self.plan.tasks}
+        begin_gradients(problems.values())
         with at_once(jobs) as pool:
             for _ in pool.map(_begun, problems.values()):
                 self.progress("scoring", 0, 1)
@@ -127,8 +128,7 @@ class Run:
         open_tasks = [task for task in self.plan.tasks if task_key(task) not in solutions]
         self.progress("solving", len(solutions), len(self.plan.tasks))
         with in_background(self._prepare), at_once(jobs) as pool:
-            for problem in of_each_program(task.problem for task in open_tasks):
-                pool.submit(differentiate, problem)
+            compile_gradients(pool, (task.problem for task in open_tasks))
             several = jobs > 1 and len(open_tasks) > 1
             futures = {pool.submit(_solved, task, several): task for task in open_tasks}
             self._save(solutions, digests)  # a run that is interrupted at once can go on as well
