@@ -125,7 +125,7 @@ def test_what_cannot_pass_a_limit_counts_as_closer_the_closer_it_is():
 
 
 def test_a_divisor_that_only_decides_shows_made_larger_and_smaller(monkeypatch):
-    for module in ("detection", "search"):
+    for module in ("batches", "detection", "hidden", "search"):
         monkeypatch.setattr(f"tuner.code.{module}.LONG", 0)
     found = form("wrapped", Wrapped(), 0.5, RECORD).reference.steps
     assert not found.undetected
