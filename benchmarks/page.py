@@ -62,13 +62,15 @@ the rest (matrix exponentials, spectra). Derivatives are computed in one of two 
 - **A pass over the record and one back**, for any number of parameters: from nine on always, from
   five on where it takes less time, in which a number that is stored and loaded again counts as
   twelve operations. The way back is JAX's own derivative of the step, with the covariance's steps
-  by hand (`filters.way_back`). Of each sample is stored what the pass back needs and cannot compute
-  at once; above 64 MB the state is stored at the beginning of parts of the record, and each part is
-  run again before the pass back goes through it. A gradient takes
-  1.6 to 2.2 times as long as a value in C. Where matrices are large and dense (linear filters from
-  about eight states on), both passes are written as loops over rows, of which several entries are
-  computed at once, in place of scalars. Of a symmetric product, as that of a covariance, one half
-  is computed and copied to the other; rows that end within a vector register are filled up.
+  by hand (`filters.way_back`). What is stored of a sample, and what the pass back computes again
+  from it, is that choice of all which takes least time (a minimum cut). Going back, a processor
+  does not foresee what is read next: what is stored of a sample is fetched two samples ahead of its
+  turn. Above 64 MB the state is stored at the beginning of parts of the record, and each part is
+  run again before the pass back goes through it. A gradient takes 1.6 to 2.1 times as long as a
+  value in C. Where matrices are large and dense (linear filters from about eight states on), both
+  passes are written as loops over rows, of which several entries are computed at once, in place of
+  scalars. Of a symmetric product, as that of a covariance, one half is computed and copied to the
+  other; rows that end within a vector register are filled up.
 
 Values without a gradient, as a simplex search needs them, are C without derivatives.
 
@@ -80,7 +82,8 @@ eight points share a vector, unless the objective keeps samples until after the 
   same way. Hessians always come from XLA.
 - **When.** C pays where a search would spend more time in XLA's loop than the compiler takes:
   (N (1 + n) - 20 000) times the operations of a step is above 70 million, for N samples and n
-  parameters; with six parameters and 500 operations that is from about 23 000 samples. XLA's own
+  parameters; with six parameters and 500 operations that is from about 23 000 samples. Where later
+  runs find what was written (*Programs between runs*), it does above 30 million. XLA's own
   way back through the loop costs about three passes for any n, and five in parts. There C is used
   if it takes at most half as many operations as a step (in parts five sixths) forwards, or as many
   (in parts five thirds) with a pass back, where three on entries of a row count as one: it does for
@@ -111,6 +114,10 @@ Python, JAX, NumPy and SciPy, all settings of JAX and XLA, and the processor.
 
 - A filter or an objective of your own, and one of another package, has no such text: it is traced
   in every run.
+- The C of a gradient is kept in the same way, as text with what a call needs besides: a later run
+  uses the compiled library at once, still only if it agrees with XLA at the first point.
+- Loading a program takes XLA a tenth of a second. Those that the last run of the same filter,
+  settings and lengths of logs took are loaded by another thread while the logs are read.
 - Files lie in `~/.cache/filter-tuner/programs` (`TUNER_CACHE/programs`), are named by a hash of
   their contents, and are loaded under the conditions of the libraries above.
 - Where a source file of this package changed within 5 s before a process began, or later, nothing

@@ -70,6 +70,16 @@ def keep(folder: Path, key: str, data: bytes) -> None:
         made.replace(folder / f"{key}-{digest(data)}.bin")
 
 
+def keep_alone(folder: Path, key: str, data: bytes) -> None:
+    """The same, in place of what was under the key before."""
+    before = [*folder.glob(f"{key}-*.bin")]
+    keep(folder, key, data)
+    for file in before:
+        if not file.stem.endswith(f"-{digest(data)}"):
+            with suppress(OSError):
+                file.unlink()
+
+
 def digest(data: bytes) -> str:
     """The first half of the SHA-256 of some bytes, which files of the cache are named by."""
     return hashlib.sha256(data).hexdigest()[:32]

@@ -25,8 +25,9 @@ from jax import monitoring
 from jax.tree_util import PyTreeDef
 
 from tuner import code_version
-from tuner.cached import digest, keep, kept, own, processor, program_folder
+from tuner.cached import digest, keep, keep_alone, kept, own, processor, program_folder
 from tuner.plain import NotPlainError, described
+from tuner.programs_ahead import Program, Programs
 from tuner.written_trees import read, written
 
 BEGUN = time.time()
@@ -35,6 +36,7 @@ SETTLED = 5.0
 than those that it has loaded: nothing is stored or looked up then."""
 _READ = "/jax/compilation_cache/cache_hits"
 _heard = threading.local()
+_programs = Programs()
 
 Call: TypeAlias = Callable[..., Any]
 """A compiled program, from leaves to its result."""
@@ -200,10 +202,11 @@ class StoredProgram:
 
         flat.__name__ = flat.__qualname__ = f"stored_{self.__name__}"
         lowered = jax.jit(flat, compiler_options=self._options or None).lower(*leaves)
-        program = _hashed(lowered.as_text(), repr(self._options))
+        key = _hashed(lowered.as_text(), repr(self._options))
         with suppress(Exception):  # none yet, or damaged: compiled anew
-            return program, ends[0], _loaded(program, ends[0], len(leaves))
-        return program, ends[0], _calling(_compiled(lowered, program), ends[0])
+            return key, ends[0], _loaded(key, ends[0], len(leaves))
+        program = Program(key, len(leaves), ends[0].num_leaves)
+        return key, ends[0], _calling(_compiled(lowered, program), ends[0])
 
 
 def _shape(leaf: Any) -> tuple[tuple[int, ...], str, bool] | None:
@@ -224,7 +227,7 @@ def _calling(compiled: Any, tree: PyTreeDef) -> Call:
     return lambda *leaves: jax.tree.unflatten(tree, compiled(*leaves))
 
 
-def _compiled(lowered: Any, key: str) -> Any:
+def _compiled(lowered: Any, program: Program) -> Any:
     """A program, compiled and stored."""
     from jax.experimental.serialize_executable import serialize
 
@@ -232,7 +235,8 @@ def _compiled(lowered: Any, key: str) -> Any:
         compiled = lowered.compile()
     if not parts:  # what JAX has read itself lacks some functions when it is written again
         with suppress(Exception):  # what cannot be stored is compiled in every run
-            keep(program_folder(), key, zlib.compress(serialize(compiled)[0], 1))
+            keep(program_folder(), program.key, zlib.compress(serialize(compiled)[0], 1))
+            _programs.note(program)
     return compiled
 
 
@@ -242,12 +246,26 @@ def _loaded(key: str, tree: PyTreeDef, given: int) -> Call:
     Raises:
         Exception: of any kind, where it is missing or of no use.
     """
-    from jax.experimental.serialize_executable import deserialize_and_load
+    return _calling(_programs.loaded(Program(key, given, tree.num_leaves)), tree)
 
-    program = zlib.decompress(kept(program_folder(), key) or b"")
-    leaves = jax.tree.structure(((0,) * given, {})), jax.tree.structure([0] * tree.num_leaves)
-    device = jax.devices()[:1]
-    return _calling(deserialize_and_load(program, *leaves, execution_devices=device), tree)
+
+@contextmanager
+def as_last_time(*things: Any) -> Iterator[None]:
+    """Load meanwhile, in another thread, the programs that the last run of the same name took.
+
+    Args:
+        things: its name, and what its programs may follow from: plain data.
+    """
+    key = key_of("last time", *things) if in_use() else None
+    if key is None:
+        yield
+        return
+    known = kept(program_folder(), key)
+    with _programs.ahead([Program(*one) for one in json.loads(known or b"[]")]):
+        yield
+    taken = json.dumps(list(_programs.taken)).encode()
+    if taken != known:
+        keep_alone(program_folder(), key, taken)
 
 
 @contextmanager

@@ -6,6 +6,8 @@ import pytest
 
 import tuner.catalogue
 from tests.tuner.helpers import toy_study
+from tests.tuner.stored import forget
+from tuner import code_version
 from tuner.cli import invoke
 
 
@@ -20,6 +22,17 @@ def here(tmp_path, monkeypatch):
     """An empty folder to work in."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+@pytest.fixture
+def stored(tmp_path, monkeypatch):
+    """Programs are stored in a folder of the test's own; the source may have been edited now."""
+    monkeypatch.setenv("TUNER_PROGRAMS", "stored")
+    monkeypatch.setenv("TUNER_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(code_version, "changed_since", lambda _: False)
+    forget()
+    yield
+    forget()
 
 
 @pytest.fixture

@@ -2,6 +2,7 @@
 
 import os
 from dataclasses import dataclass, replace
+from time import sleep
 
 import jax
 import jax.numpy as jnp
@@ -11,24 +12,15 @@ import pytest
 from filters import LocalLevel, LocalLevelNoise, run
 from filters.local_level import LevelSample
 from tests.tuner.model.documents import SHORT, made
-from tuner import code_version, stored_programs
+from tests.tuner.stored import forget
+from tuner import code_version, programs_ahead, stored_programs
 from tuner.cached import digest, program_folder
 from tuner.problem.programs import run_filter
-from tuner.stored_programs import StoredProgram, stored_text
+from tuner.programs_ahead import Programs
+from tuner.stored_programs import StoredProgram, as_last_time, stored_text
 
 NOISE = LocalLevelNoise(jnp.array(0.3), jnp.array(2.0))
 SAMPLES = LevelSample(np.sin(np.arange(30.0)))
-
-
-@pytest.fixture
-def stored(tmp_path, monkeypatch):
-    """Programs are stored in a folder of the test's own; the source may have been edited now."""
-    monkeypatch.setenv("TUNER_PROGRAMS", "stored")
-    monkeypatch.setenv("TUNER_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr(code_version, "changed_since", lambda _: False)
-    forget()
-    yield
-    forget()
 
 
 @pytest.fixture
@@ -45,12 +37,6 @@ def only_found(monkeypatch):
         raise AssertionError("traced anew")
 
     return lambda: monkeypatch.setattr(StoredProgram, "_traced_anew", refused)
-
-
-def forget():
-    """What a process remembers of its folder and its surroundings."""
-    stored_programs._trusted.cache_clear()
-    stored_programs._surroundings.cache_clear()
 
 
 def kept():
@@ -247,3 +233,77 @@ def test_a_text_is_made_once_for_plain_data():
     assert stored_text(make, "a name", object()) == "text"
     assert stored_text(make, "a name", object()) == "text"
     assert len(made) == 4
+
+
+# What the last run took is loaded ahead.
+
+
+@pytest.fixture
+def process(monkeypatch):
+    """Another process: nothing is loaded yet. Returns the programs that it loads, by their keys."""
+
+    def begun():
+        loaded, own = [], Programs()
+        monkeypatch.setattr(stored_programs, "_programs", own)
+        load = programs_ahead.load
+        monkeypatch.setattr(programs_ahead, "load", lambda one: loaded.append(one.key) or load(one))
+        return loaded
+
+    yield begun
+    monkeypatch.undo()
+
+
+@pytest.mark.usefixtures("stored")
+def test_what_the_last_run_took_is_loaded_once_and_ahead(filter, process, only_found):
+    process()
+    with as_last_time("a run"):
+        first = another()(filter, NOISE, SAMPLES)
+    only_found()
+    loaded = process()
+    with as_last_time("a run"):
+        again = another()(filter, NOISE, SAMPLES)
+    assert len(loaded) == 1
+    assert np.array_equal(first.level, again.level)
+    loaded = process()
+    with as_last_time("a run"):
+        ahead(1, loaded)
+    assert len(loaded) == 1
+    loaded = process()
+    with as_last_time("another run"):
+        assert not loaded
+
+
+@pytest.mark.usefixtures("stored")
+def test_a_run_that_takes_nothing_leaves_nothing_to_be_loaded(filter, process):
+    process()
+    with as_last_time("a run"):
+        another()(filter, NOISE, SAMPLES)
+    process()
+    with as_last_time("a run"):
+        pass
+    loaded = process()
+    with as_last_time("a run"):
+        pass
+    assert not loaded
+
+
+@pytest.mark.usefixtures("stored")
+def test_what_was_to_be_loaded_and_is_gone_is_compiled_anew(filter, process):
+    process()
+    with as_last_time("a run"):
+        first = another()(filter, NOISE, SAMPLES)
+    for file in kept():
+        if b"program" not in file.read_bytes() and not file.read_bytes().startswith(b"["):
+            file.unlink()
+    process()
+    with as_last_time("a run"):
+        again = another()(filter, NOISE, SAMPLES)
+    assert np.array_equal(first.level, again.level)
+
+
+def ahead(count, loaded):
+    """Wait until so many programs are loaded."""
+    for _ in range(500):
+        if len(loaded) >= count:
+            return
+        sleep(0.01)

@@ -62,6 +62,10 @@ app.command("dashboard")(results.dashboard)
 app.command("doctor")(resources.doctor)
 
 
+TURN = 5e-4
+"""Time in s for which a thread of several keeps the interpreter."""
+
+
 def main() -> None:
     """Run the command line, with one line on stderr and exit code 2 for what a user can mend."""
     if "_TUNER_COMPLETE" in os.environ:  # a shell asks how a line may go on
@@ -74,6 +78,9 @@ def main() -> None:
     os.environ.setdefault("TUNER_PROGRAMS", "stored")
     # Looking for cycles among a million objects of JAX takes a fifth of a second and finds none.
     gc.set_threshold(1_000_000, 5, 100)
+    # A search comes back from compiled code every millisecond, and waits so long at most for a
+    # thread that imports or writes: 5 ms, Python's own, double its time.
+    sys.setswitchinterval(TURN)
     heed(interrupt)
     exit_process(invoke(sys.argv[1:], alone=True))
 

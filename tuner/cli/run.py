@@ -5,6 +5,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from typing import Any
 
 import typer
 
@@ -30,6 +31,7 @@ from tuner.run.shared_run import Together, workers
 from tuner.run.sharing import shared_plan
 from tuner.run.study import Plan, Solutions, Study, find_study
 from tuner.stop import NOTHING, code_of
+from tuner.stored_programs import as_last_time
 from tuner.trials.database import DatabaseError, use_database, without_password
 
 SHOWN = 3
@@ -41,6 +43,19 @@ def execute(request: Request) -> int:
     begun = time.perf_counter()
     use_cache()
     request, base = from_toml(request)
+    with as_last_time("run", *_known_at_once(request)):
+        return _executed(request, base, begun)
+
+
+def _known_at_once(request: Request) -> list[str]:
+    """What a run's programs may follow from, as far as it is known before anything is read."""
+    sizes = [file.stat().st_size if file.is_file() else 0 for file in request.logs]
+    option = request.filter_option
+    said = option.filter, option.model, sorted(request.values.items()), request.sets, sizes
+    return [request.study, repr(said)]
+
+
+def _executed(request: Request, base: dict[str, Any], begun: float) -> int:
     study = find_study(request.study)
     values = base | dict(request.values) | request.filter_option.settings()
     settings = parse_settings(study.settings, request.sets, values)

@@ -3,6 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable
+from itertools import count
 from typing import Any
 
 from tuner.code.expression import Expressions
@@ -41,7 +42,7 @@ class Statements:
         self.names: dict[int, str] = dict(given or {})
         self.expressions = Expressions(graph, precision, input, self.names)
         self.lines: list[str] = []
-        self._taken, self._stem = set[str](), stem
+        self._taken, self._stem, self._numbers = set[str](), stem, count()
         self._turns: dict[tuple[str, int], str] = {}
         self._before: tuple[str, ...] = ()
 
@@ -105,7 +106,7 @@ class Statements:
         self.lines.append(wrapped(f"    const {type_} {name} = {text};"))
 
     def _plain(self) -> str:
-        return next(new for k in range(10**9) if (new := f"{self._stem}{k}") not in self._taken)
+        return next(new for k in self._numbers if (new := f"{self._stem}{k}") not in self._taken)
 
     def _named(self, origin: Assignment, index: tuple[int, ...], number: int) -> str:
         """A name with the entry's index, and a further letter where it is repeated."""

@@ -7,7 +7,9 @@ import ast
 from collections.abc import Iterator
 from functools import cache
 from importlib.util import find_spec
+from itertools import islice
 from pathlib import Path
+from types import CodeType
 from typing import Any, NamedTuple, TypeAlias
 
 from tuner.syntax import parsed
@@ -54,10 +56,18 @@ def _frames(traceback: Any) -> Iterator[tuple[str, Span]]:
     for code, instruction in zip(codes, at, strict=True):
         if code.co_filename.startswith(_libraries()):
             continue
-        positions = list(code.co_positions())[instruction // 2]
-        if None not in positions:
-            first, last, left, right = positions
-            yield code.co_filename, (first, left, last, right)
+        span = _span(code, instruction // 2)
+        if span is not None:
+            yield code.co_filename, span
+
+
+@cache
+def _span(code: CodeType, at: int) -> Span | None:
+    """Where in its file an instruction is written; None where that is unknown."""
+    first, last, left, right = next(islice(code.co_positions(), at, None))
+    if first is None or last is None or left is None or right is None:
+        return None
+    return first, left, last, right
 
 
 @cache

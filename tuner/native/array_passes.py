@@ -12,7 +12,7 @@ from tuner.code.filled_rows import FilledRows
 from tuner.code.literal import type_of
 from tuner.code.loop_statements import LoopStatements
 from tuner.code.looped import put_all
-from tuner.code.memory import Held, View, rows_first
+from tuner.code.memory import Held, Index, View, rows_first
 from tuner.code.operations import kind_of
 from tuner.code.straight_line import (
     Atom,
@@ -64,6 +64,7 @@ class _Arrays:
             derivatives by the next state and by the kept values.
         after, kept: what it leaves behind.
         slopes: the derivatives by the varying arrays of the parameters; None where there are none.
+        diagonal: which of these arrays vary on their diagonals alone.
         before: those by the state before the sample.
         operations: of both passes.
     """
@@ -97,6 +98,7 @@ class _Arrays:
         slopes = iter(results[count:])
         by_fixed = [next(slopes) if is_real(leaf) else None for leaf in before.fixed]
         self.slopes = [by for by, v in zip(by_fixed, varies, strict=False) if v]
+        self.diagonal = [d for d, v in zip(before.diagonal, varies, strict=True) if v]
         self.before = list(slopes)
 
     def _elsewhere(self, before: Before, varies: Sequence[bool]) -> dict[Slot, np.ndarray]:
@@ -205,9 +207,10 @@ class _Writer:
         )
         found = [_settled(block, x) for x in found]
         results = iter(found)
-        for by, end in zip(arrays.slopes, _views("slope", arrays.fixed), strict=True):
+        ends = zip(_views("slope", arrays.fixed), arrays.diagonal, strict=False)
+        for by, (end, diagonal) in zip(arrays.slopes, ends, strict=True):
             if by is not None:
-                _add(block, next(results), end)
+                _add(block, next(results), end, diagonal=diagonal)
         put_all(block, list(results), _views("weight", arrays.weights))
         return Back(_locals(block), _taken(block), "")
 
@@ -254,8 +257,16 @@ def _settled(block: Block, x: Held) -> Held:
     return x if isinstance(x, View) or not x.buffers else block.made(x)
 
 
-def _add(block: Block, x: Held, into: View) -> None:
-    block.nest(into.shape, lambda index: block.say(f"{into.at(index)} += {x.at(index)};"))
+def _add(block: Block, x: Held, into: View, *, diagonal: bool) -> None:
+    """Add entries to those in memory: all of them, or a diagonal's."""
+
+    def add(index: Index) -> None:
+        block.say(f"{into.at(index)} += {x.at(index)};")
+
+    if diagonal:
+        block.loop(0, into.shape[0], lambda k: add([k, k]))
+    else:
+        block.nest(into.shape, add)
 
 
 def _copy(into: str, source: str, size: int) -> str:

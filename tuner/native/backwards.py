@@ -16,11 +16,13 @@ from filters import AnyFilter
 from objectives import Data, Objective, is_fold
 from tuner.native.compiler import library
 from tuner.native.filled import MEMORY, address
-from tuner.native.loop_score import LoopScore
+from tuner.native.kept_texts import UNKEPT, KeptTexts
+from tuner.native.loop_score import LoopScore, Weights, weights_of
 from tuner.native.passes_choice import shortest
 from tuner.native.passes_frame import Code
+from tuner.native.reversal import Before
 from tuner.native.row_function import RowFunction
-from tuner.native.runner import columns, runner_of
+from tuner.native.runner import Runner, columns, runner_of
 from tuner.processors import side_by_side
 
 STORED = 64 << 20
@@ -39,6 +41,7 @@ class Backwards:
         size: of a point, n.
         data: a record, or its shapes and types.
         folder: for compiled code.
+        texts: its C, kept between runs: what has been written is not traced again.
 
     Attributes:
         operations: number of them for a sample.
@@ -60,29 +63,52 @@ class Backwards:
         size: int,
         data: Data,
         folder: Path,
+        texts: KeptTexts = UNKEPT,
     ) -> None:
-        self._folder, self._folds = folder, is_fold(objective)
-        runner = runner_of(filter, objective, build, jax.device_put(np.zeros(size)), data)
-        before, self._code = shortest(runner, build, size)
-        self._count = before.count
+        self._filter, self._objective, self._build, self._data = filter, objective, build, data
+        self._folder, self._size = folder, size
+        self._count, self._sums, *code = texts.of("passes", self._written)
+        self._code = Code(*code)
         self.operations = self._code.operations
         self.work = self.operations + MEMORY * (self._code.stored + self._code.kept)
-        params = jax.eval_shape(build, np.zeros(size))
-        ends = self._code.total
-        self._score = LoopScore(filter, objective, params, data, runner.keeps, ends, folder)
-        self._numbers = RowFunction(before.numbers, size, folder)
-
-        def pulled(both: Array) -> Array:
-            z, by = jnp.split(both, [size])
-            (slope,) = jax.vjp(before.numbers, z)[1](by)
-            return jnp.asarray(slope)
-
-        self._pull = RowFunction(pulled, size + self._count, folder)
+        self._numbers = RowFunction(self._number, size, folder, texts("numbers of passes"))
+        self._pull = RowFunction(self._pulled, size + self._count, folder, texts("pulled back"))
+        self._of_ends = RowFunction(self._of_end, self._code.total, folder, texts("of their ends"))
         self._spare: list[np.ndarray] = []
+
+    def _written(self) -> tuple[Any, ...]:
+        """Number of the numbers that vary with a point, whether all is summed up, and the C."""
+        before, code = self._traced
+        return before.count, self._score.sums, *code
+
+    @cached_property
+    def _runner(self) -> Runner:
+        given = self._filter, self._objective, self._build
+        return runner_of(*given, jax.device_put(np.zeros(self._size)), self._data)
+
+    @cached_property
+    def _traced(self) -> tuple[Before, Code]:
+        return shortest(self._runner, self._build, self._size)
+
+    @cached_property
+    def _score(self) -> LoopScore:
+        params = jax.eval_shape(self._build, np.zeros(self._size))
+        return LoopScore(self._filter, self._objective, params, self._data, self._runner.keeps)
+
+    def _number(self, z: Array) -> Array:
+        return self._traced[0].numbers(z)
+
+    def _pulled(self, both: Array) -> Array:
+        z, by = jnp.split(both, [self._size])
+        (slope,) = jax.vjp(self._number, z)[1](by)
+        return jnp.asarray(slope)
+
+    def _of_end(self, end: Array) -> Array:
+        return self._score.weights_of_end(end)
 
     def rows(self, data: Data) -> np.ndarray:
         """A record in the loop's layout, ``(N, k)``."""
-        return columns(data if self._folds else data.inputs)
+        return columns(data if is_fold(self._objective) else data.inputs)
 
     def value_and_gradient(
         self, z: np.ndarray, rows: np.ndarray, data: Data, at: Sequence[int] = ()
@@ -95,7 +121,7 @@ class Backwards:
         runs, spare = self._runs(z, rows, at), self._spare
         for run in runs:
             run.store = _memory(run.part * max(1, self._code.stored), spare)
-        value, by_end, by_kept = self._score.weights(*self._over(runs), data)
+        value, by_end, by_kept = self._weights(*self._over(runs), data)
         weights = by_end, by_kept
         by_numbers = sum(side_by_side(lambda run: run.backwards(*weights, self._count), runs))
         spare += [run.store for run in runs if run.store is not None]
@@ -104,7 +130,15 @@ class Backwards:
 
     def value(self, z: np.ndarray, rows: np.ndarray, data: Data, at: Sequence[int] = ()) -> float:
         """The objective alone; arguments as of :meth:`value_and_gradient`."""
-        return self._score.value(*self._over(self._runs(z, rows, at)), data)
+        end, kept = self._over(self._runs(z, rows, at))
+        if self._sums:
+            return weights_of(self._of_ends, end, kept).value
+        return self._score.value(end, kept, data)
+
+    def _weights(self, end: np.ndarray, kept: np.ndarray, data: Data) -> Weights:
+        if self._sums:
+            return weights_of(self._of_ends, end, kept)
+        return self._score.weights(end, kept, data)
 
     def _runs(self, z: np.ndarray, rows: np.ndarray, at: Sequence[int]) -> "list[_Run]":
         (numbers,), edges = self._numbers(z[None]), pairwise((0, *at, len(rows)))

@@ -4,7 +4,7 @@ import ctypes
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -18,18 +18,35 @@ from tuner.code.refused import NoCounterpartError
 from tuner.native.compiler import library
 from tuner.native.filled import MEMORY, address
 from tuner.native.fused import fused
-from tuner.native.iteration import iteration
+from tuner.native.iteration import Iteration, iteration
+from tuner.native.kept_texts import UNKEPT, KeptTexts
 from tuner.native.loop import Loop, loop
-from tuner.native.loop_score import LoopScore
+from tuner.native.loop_score import LoopScore, Weights, weights_of
 from tuner.native.pipelining import pipelined
 from tuner.native.row_function import RowFunction
-from tuner.native.runner import columns, runner_of
+from tuner.native.runner import Runner, columns, runner_of
 from tuner.native.scaled import scaled
 from tuner.native.text import source, varying
 from tuner.processors import side_by_side
 
 LANES = 8
 """Directions or points at once: the width of today's widest vectors."""
+
+
+class _Ends(NamedTuple):
+    """How many numbers a loop leaves at its end and keeps of a sample; whether it only sums up."""
+
+    total: int
+    kept: int
+    sums: bool
+
+
+class _Costs(NamedTuple):
+    """Vectors of directions in a loop, its operations, and its work: of one pass."""
+
+    vectors: int
+    operations: int
+    work: float
 
 
 class Native:
@@ -45,6 +62,7 @@ class Native:
         size: of a point, n.
         data: a record, or its shapes and types.
         folder: for compiled code.
+        texts: its C, kept between runs: what has been written is not traced again.
 
     Attributes:
         returns: whether it goes back through the record, which it does not.
@@ -64,22 +82,46 @@ class Native:
         size: int,
         data: Data,
         folder: Path,
+        texts: KeptTexts = UNKEPT,
     ) -> None:
-        self.build, self.size, self.folder = build, size, folder
-        runner = runner_of(filter, objective, build, jax.device_put(np.zeros(size)), data)
-        self._iteration = scaled(iteration(runner))
-        moving = [leaf.any(-1) for leaf in runner.moved]
-        self._places = [np.flatnonzero(leaf) for leaf in moving]
-        self._moves = np.vstack([x[m] for x, m in zip(runner.moved, moving, strict=True)])
-        self._folds = is_fold(objective)
-        params, ends = jax.eval_shape(build, np.zeros(size)), len(self._iteration.total)
-        self._score = LoopScore(filter, objective, params, data, runner.keeps, ends, folder)
-        self._numbers = RowFunction(self._number, size, folder)
-        self._slopes = RowFunction(self._number_and_slopes, size, folder)
+        self.build, self.size, self.folder, self._texts = build, size, folder, texts
+        self._filter, self._objective, self._data = filter, objective, data
+        self._ends = _Ends(*texts.of("ends", self._counted))
+        self._slopes = RowFunction(self._number_and_slopes, size, folder, texts("slopes"))
+        self._numbers = RowFunction(self._number, size, folder, texts("numbers"))
+        self._of_ends = RowFunction(self._of_end, self._ends.total, folder, texts("of ends"))
+
+    def _counted(self) -> "_Ends":
+        own = self._iteration
+        return _Ends(len(own.total), len(own.kept), self._score.sums)
+
+    @cached_property
+    def _runner(self) -> Runner:
+        given = self._filter, self._objective, self.build
+        return runner_of(*given, jax.device_put(np.zeros(self.size)), self._data)
+
+    @cached_property
+    def _iteration(self) -> Iteration:
+        return scaled(iteration(self._runner))
+
+    @cached_property
+    def _score(self) -> LoopScore:
+        params = jax.eval_shape(self.build, np.zeros(self.size))
+        return LoopScore(self._filter, self._objective, params, self._data, self._runner.keeps)
+
+    @cached_property
+    def _places(self) -> list[np.ndarray]:
+        """The numbers of each leaf of the parameters that depend on a point."""
+        return [np.flatnonzero(leaf.any(-1)) for leaf in self._runner.moved]
+
+    @cached_property
+    def _moves(self) -> np.ndarray:
+        """The coordinates of a point that each of these numbers depends on."""
+        return np.vstack([leaf[leaf.any(-1)] for leaf in self._runner.moved])
 
     def rows(self, data: Data) -> np.ndarray:
         """A record in the loop's layout, ``(N, k)``."""
-        return columns(data if self._folds else data.inputs)
+        return columns(data if is_fold(self._objective) else data.inputs)
 
     def value_and_gradient(
         self, z: np.ndarray, rows: np.ndarray, data: Data, at: Sequence[int] = ()
@@ -102,8 +144,8 @@ class Native:
         for block, part in enumerate(padded):
             own = slopes[:, block * wide : (block + 1) * wide]
             part[:, : own.shape[1]] = own
-        ends = np.empty((1 + len(at), blocks, len(self._iteration.total), 1 + wide))
-        count = len(self._iteration.kept)
+        ends = np.empty((1 + len(at), blocks, self._ends.total, 1 + wide))
+        count = self._ends.kept
         kept = np.empty((blocks, len(rows) if count else 0, count, 1 + wide))
         records = np.split(rows, at)
 
@@ -115,7 +157,7 @@ class Native:
         side_by_side(go, list(np.ndindex(*ends.shape[:2])))
         end, width = ends.sum(axis=0), blocks * wide
         slopes = end[..., 1:].transpose(1, 0, 2).reshape(end.shape[1], width)
-        weights = self._score.weights(end[0, :, 0], kept[0, ..., 0], data)
+        weights = self._weights(end[0, :, 0], kept[0, ..., 0], data)
         gradient = weights.by_end @ slopes
         if count:
             real = kept if self._score.real.all() else kept[:, :, self._score.real]
@@ -126,15 +168,23 @@ class Native:
     def value(self, z: np.ndarray, rows: np.ndarray, data: Data, at: Sequence[int] = ()) -> float:
         """The objective alone; arguments as of :meth:`value_and_gradient`."""
         (numbers,) = self._numbers(z[None])
-        ends = np.empty((1 + len(at), len(self._iteration.total)))
-        kept = np.empty((len(rows), len(self._iteration.kept)))
+        ends = np.empty((1 + len(at), self._ends.total))
+        kept = np.empty((len(rows), self._ends.kept))
 
         def go(part: tuple[np.ndarray, np.ndarray]) -> None:
             rows, end = part
             self._plain(*rows.shape, *map(address, (numbers, numbers, rows, end, kept)))
 
         side_by_side(go, list(zip(np.split(rows, at), ends, strict=True)))
-        return self._score.value(ends.sum(axis=0), kept, data)
+        end = ends.sum(axis=0)
+        if self._ends.sums:
+            return weights_of(self._of_ends, end, kept).value
+        return self._score.value(end, kept, data)
+
+    def _weights(self, end: np.ndarray, kept: np.ndarray, data: Data) -> Weights:
+        if self._ends.sums:
+            return weights_of(self._of_ends, end, kept)
+        return self._score.weights(end, kept, data)
 
     def values_and_gradients(
         self, Z: np.ndarray, rows: np.ndarray, data: Data
@@ -145,7 +195,7 @@ class Native:
             NoCodeError: where there is no compiler that works.
             NoCounterpartError: where points cannot go side by side.
         """
-        if not self._score.sums:
+        if not self._ends.sums:
             raise NoCounterpartError("what is kept for after the loop, of points side by side,")
         run = self._points
         padded = np.vstack([Z, np.repeat(Z[-1:], -len(Z) % LANES, axis=0)])
@@ -153,7 +203,7 @@ class Native:
         count = len(padded) // LANES
         p = numbers.reshape(count, LANES, -1).transpose(0, 2, 1)
         dp = slopes.reshape(count, LANES, -1, self.size).transpose(0, 2, 3, 1)
-        ends = np.empty((count, len(self._iteration.total), 1 + self.size, LANES))
+        ends = np.empty((count, self._ends.total, 1 + self.size, LANES))
         none = np.empty(0)
 
         def group(k: int) -> None:
@@ -162,7 +212,8 @@ class Native:
 
         side_by_side(group, range(count))
         by_point = ends.transpose(0, 3, 1, 2).reshape(len(padded), *ends.shape[1:3])[: len(Z)]
-        values, by_end = self._score.of_ends(by_point[..., 0])
+        found = self._of_ends(by_point[..., 0])
+        values, by_end = found[:, 0], found[:, 1:]
         return values, np.einsum("bt,btn->bn", by_end, by_point[..., 1:])
 
     @property
@@ -172,26 +223,33 @@ class Native:
     @property
     def operations(self) -> int:
         """Number of operations per sample; one on all lanes counts once."""
-        return self._blocks * self._loop.operations
+        return self._blocks * self._costs.operations
 
-    @cached_property
+    @property
     def work(self) -> float:
         """The same, where one on lanes counts by its vectors of 256 bits; memory by its time."""
-        loop = self._loop
-        wide = len(varying(loop, {"dp"}).intersection(loop.needed))
-        once = loop.operations + wide * (max(1.0, self._lanes / 4) - 1)
-        kept = len(loop.kept) * (1 + self._vectors * self._lanes)
-        return self._blocks * (once + MEMORY * kept)
+        return self._blocks * self._costs.work
 
     @property
     def _vectors(self) -> int:
         """Number of vectors of directions in the loop."""
-        return self._loop.directions
+        return self._costs.vectors
 
     @property
     def _blocks(self) -> int:
         """Number of passes over the record, for as many directions as there are."""
         return -(-self.size // (self._vectors * self._lanes))
+
+    @cached_property
+    def _costs(self) -> "_Costs":
+        return _Costs(*self._texts.of("costs", self._estimated))
+
+    def _estimated(self) -> "_Costs":
+        loop = self._loop
+        wide = len(varying(loop, {"dp"}).intersection(loop.needed))
+        once = loop.operations + wide * (max(1.0, self._lanes / 4) - 1)
+        kept = len(loop.kept) * (1 + loop.directions * self._lanes)
+        return _Costs(loop.directions, loop.operations, once + MEMORY * kept)
 
     @cached_property
     def _loop(self) -> Loop:
@@ -205,23 +263,32 @@ class Native:
 
     @cached_property
     def _directions(self) -> Any:
-        return self._loaded(source(self._loop, self._lanes, points=False))
+        return self._loaded("directions", lambda: source(self._loop, self._lanes, points=False))
 
     @cached_property
     def _plain(self) -> Any:
-        values = pipelined(fused(loop(self._iteration, [])))
-        return self._loaded(source(values, LANES, points=False))
+        def written() -> str:
+            values = pipelined(fused(loop(self._iteration, [])))
+            return source(values, LANES, points=False)
+
+        return self._loaded("values", written)
 
     @cached_property
     def _points(self) -> Any:
-        by_point = pipelined(fused(loop(self._iteration, list(self._moves.T))))
-        return self._loaded(source(by_point, LANES, points=True))
+        def written() -> str:
+            by_point = pipelined(fused(loop(self._iteration, list(self._moves.T))))
+            return source(by_point, LANES, points=True)
 
-    def _loaded(self, text: str) -> Any:
-        function = library(text, self.folder).run
+        return self._loaded("points", written)
+
+    def _loaded(self, name: str, written: Callable[[], str]) -> Any:
+        function = library(self._texts.of(name, written), self.folder).run
         function.argtypes = [ctypes.c_size_t, ctypes.c_size_t, *[ctypes.c_void_p] * 5]
         function.restype = None
         return function
+
+    def _of_end(self, end: Array) -> Array:
+        return self._score.weights_of_end(end)
 
     def _number(self, z: Array) -> Array:
         """The numbers of the parameters that depend on a point."""

@@ -1,6 +1,5 @@
 """The objective from the results of a loop in C: the numbers at its end and the kept values."""
 
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import jax
@@ -35,8 +34,6 @@ class LoopScore:
         params: the filter's parameters, or their shapes.
         data: a record, or its shapes and types.
         keeps: which leaves of the kept values there are.
-        ends: number of the numbers at the end, t.
-        folder: for compiled code.
 
     Attributes:
         sums: whether the objective follows from the numbers at the end alone.
@@ -50,8 +47,6 @@ class LoopScore:
         params: Any,
         data: Data,
         keeps: list[bool],
-        ends: int,
-        folder: Path,
     ) -> None:
         self._objective, self._keeps, self._folds = objective, keeps, is_fold(objective)
         self._total = jax.eval_shape(objective.init) if is_fold(objective) else None
@@ -62,12 +57,9 @@ class LoopScore:
         self.sums = self._folds and not leaves
         self._weighed = jax.jit(self._weights)
         self._valued = jax.jit(lambda *given: self._weights(*given)[0])
-        self._of_ends = RowFunction(self._weights_of_end, ends, folder)
 
     def value(self, end: np.ndarray, kept: np.ndarray, data: Data) -> float:
         """The objective alone; arguments as of :meth:`weights`."""
-        if self.sums:
-            return self.weights(end, kept, data).value
         return float(self._valued(end, kept, None if self._folds else data.truth))
 
     def weights(self, end: np.ndarray, kept: np.ndarray, data: Data) -> Weights:
@@ -78,18 +70,11 @@ class LoopScore:
             kept: of each sample, ``(N, k)``.
             data: the record.
         """
-        if self.sums:
-            (found,) = self._of_ends(end[None])
-            return Weights(float(found[0]), found[1:], kept)
         value, by_end, by_kept = self._weighed(end, kept, None if self._folds else data.truth)
         return Weights(float(value), np.asarray(by_end), np.asarray(by_kept))
 
-    def of_ends(self, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Objectives that follow from ``(B, t)`` numbers alone, and their derivatives."""
-        found = self._of_ends(ends)
-        return found[:, 0], found[:, 1:]
-
-    def _weights_of_end(self, end: Array) -> Array:
+    def weights_of_end(self, end: Array) -> Array:
+        """An objective that follows from ``(t,)`` numbers alone, and its derivatives by them."""
         value, by_end, _ = self._weights(end, jnp.zeros((1, 0)), None)
         return jnp.hstack([value, by_end])
 
@@ -101,6 +86,12 @@ class LoopScore:
         pairs = zip(jax.tree.leaves(self._kept), jax.tree.leaves(by_kept), self._keeps, strict=True)
         parts = [by.reshape(*steps, -1) for leaf, by, k in pairs if k and is_real(leaf)]
         return value, jnp.hstack([jnp.zeros(0), *ends]), jnp.hstack([kept[:, :0], *parts])
+
+
+def weights_of(of_ends: RowFunction, end: np.ndarray, kept: np.ndarray) -> Weights:
+    """The same of an objective that follows from the numbers at the end alone."""
+    (found,) = of_ends(end[None])
+    return Weights(float(found[0]), found[1:], kept)
 
 
 def _slope(by: Any) -> Array:

@@ -3,16 +3,15 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from tuner.code.expression import CALLS
 from tuner.code.graph import Graph, TooLargeError
 from tuner.code.nodes import Node
 from tuner.native.loop import Carried
 from tuner.native.reversal import MOST_TRACED, Reversal
 from tuner.native.rewriting import Rewriter
+from tuner.native.stored import cheapest
 
 MOST = 20_000
 """Most operations for a sample in both passes, for C: more compile too long."""
-_SLOW = frozenset({"div", *CALLS})
 _WAY_BACK = frozenset({"w", "v", "e"})
 """Groups of inputs that are known on the way back alone."""
 
@@ -189,22 +188,12 @@ def _depends(graph: Graph, groups: Iterable[str]) -> set[int]:
 
 
 def _stored(graph: Graph, ends: list[int], back: set[int]) -> list[int]:
-    """The numbers stored of a sample: those that the pass back needs and cannot compute at once."""
-    nodes = graph.nodes
+    """The numbers that a sample stores for the pass back."""
     reached = [k for k in graph.reached(ends) if k in back]
-    needed = {part for k in reached for part in nodes[k].args} | set(ends)
-    ready: set[int] = {k for k, n in enumerate(nodes) if n.op == "constant" or _read(n)}
+    needed = {part for k in reached for part in graph.nodes[k].args} | set(ends)
     moving = _depends(graph, ("s", "u"))
-    stored = []
-    for k in sorted(needed - back):
-        if k in ready or k not in moving:
-            continue
-        node = nodes[k]
-        quick = node.op not in _SLOW and node.op != "input"
-        if not (quick and all(part in ready or part not in moving for part in node.args)):
-            stored.append(k)
-        ready.add(k)
-    return stored
+    free = {k for k, node in enumerate(graph.nodes) if k not in moving or _read(node)}
+    return cheapest(graph, needed - back - free, free)
 
 
 def _read(node: Node) -> bool:

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from textwrap import indent
 from typing import NamedTuple
 
+from tuner.native.fetching import fetching
+
 _HEAD = """\
 #include <math.h>
 #include <stdbool.h>
@@ -188,7 +190,7 @@ def framed(functions: str, sizes: Sizes, forth: Forth, back: Back, around: Aroun
     )
     other = _BACK.format(
         before=indent(back.before, " " * 4),
-        sample=indent(back.sample, " " * 8),
+        sample=indent(fetching(back.sample, sizes.stored), " " * 8),
         end=indent(back.end, " " * 4),
         reals=sizes.reals,
         stores=sizes.stored,

@@ -87,6 +87,7 @@ class Before:
         start: the state before the first sample, at the first of these points.
         even: which arrays of the start are symmetric matrices.
         places: for each array of both, which of the varying numbers its entries are; -1: none.
+        diagonal: which arrays of both are square matrices that vary on their diagonals alone.
         count: of the varying numbers.
     """
 
@@ -105,7 +106,9 @@ class Before:
         point = np.random.default_rng(0).normal(size=size)
         self.elsewhere, started = _arrays(in_numpy(known, point))
         self.even = [_even(a) and _even(b) for a, b in zip(self.start, started, strict=True)]
-        self._number([np.asarray(leaf.any(-1)) for leaf in moved(known, size)])
+        varying = [np.asarray(leaf.any(-1)) for leaf in moved(known, size)]
+        self.diagonal = [_on_diagonal(leaf) for leaf in varying]
+        self._number(varying)
 
     def _number(self, varying: list[np.ndarray]) -> None:
         self.places, self.count = [], 0
@@ -129,6 +132,11 @@ class Before:
         pairs = zip(jax.tree.leaves(self._known(z)), self.places, strict=True)
         parts = [jnp.ravel(leaf)[place.ravel() >= 0] for leaf, place in pairs]
         return jnp.concatenate([part.astype(float) for part in parts])
+
+
+def _on_diagonal(varying: np.ndarray) -> bool:
+    square = varying.ndim == 2 and len(set(varying.shape)) == 1
+    return square and not (varying & ~np.eye(len(varying), dtype=bool)).any()
 
 
 def reversal(runner: Runner, before: Before, most: int = MOST_TRACED) -> Reversal:

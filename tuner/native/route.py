@@ -4,7 +4,7 @@ from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache, partial
 from pathlib import Path
-from threading import Lock
+from threading import Lock, RLock
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, cast
 
 import jax
@@ -17,14 +17,16 @@ from tuner.cached import code_folder
 from tuner.code.graph import TooLargeError
 from tuner.code.refused import NoCounterpartError
 from tuner.native.compiler import NoCodeError, compiler, use
+from tuner.native.kept_texts import KeptTexts
+from tuner.stored_programs import in_use, key_of, stored_text
 
 if TYPE_CHECKING:
     from tuner.native.backwards import Backwards
     from tuner.native.compiled import Native
 
-PAYS, COMPILED = 7e7, 2e4
-"""Operations of a gradient from which compiling pays over a search, and the same for
-each operation of a step."""
+PAYS, KEPT_PAYS, COMPILED = 7e7, 3e7, 2e4
+"""Operations of a gradient from which compiling pays over a search, and from which it does where
+later runs find what was written; and the same for each operation of a step."""
 AGREED = 1e-9
 """Tolerance of value and gradient against XLA's, over the largest of these numbers."""
 PRICES = {"forwards": 0, "backwards": 3, "backwards in parts": 5}
@@ -38,6 +40,10 @@ _MOST = 4000
 """Most operations of a step in C."""
 _FAILURES = (ValueError, TypeError, LookupError, AttributeError, OSError, MemoryError, NoCodeError)
 """Errors that prevent C code of a loop: none of them may end a search."""
+
+
+_making = RLock()
+"""Held by the thread that writes C: another one that wants the same waits for it."""
 
 
 class Static(Hashable, Protocol):
@@ -165,7 +171,9 @@ class Route:
             NoCodeError: where there is none, or it does not pay.
             ValueError: where an operation has no counterpart in it.
         """
-        native = _made(self.static, self.size, *self._possible(points), code_folder())
+        shapes = self._possible(points)
+        with _making:
+            native = _made(self.static, self.size, *shapes, code_folder())
         if not self._rows.size:
             self._rows = native.rows(self.data)
         return native
@@ -173,7 +181,8 @@ class Route:
     def _shortest(self) -> "Native | Backwards":
         """The same with one point."""
         shapes = self._possible(1)
-        native = _shortest(self.static, self.size, *shapes, code_folder())
+        with _making:
+            native = _shortest(self.static, self.size, *shapes, code_folder())
         if use() == "auto" and self._slower_than_backward(native, shapes):
             raise NoCodeError("its way back through the loop is shorter than C's")
         if not self._rows.size:
@@ -201,12 +210,13 @@ class Route:
 
     def _pays(self, shapes: Any, points: int) -> bool:
         samples = len(jax.tree.leaves(self.data.inputs)[0])
-        if (samples * points * max(1 + self.size, *PRICES.values()) - COMPILED) * _MOST < PAYS:
+        least = KEPT_PAYS if in_use() and key_of(self.static) is not None else PAYS
+        if (samples * points * max(1 + self.size, *PRICES.values()) - COMPILED) * _MOST < least:
             return False
         backwards, _ = self._priced
         passes = backwards if backwards and points == 1 else 1 + self.size
         turns = samples * passes * points - COMPILED
-        return bool(turns * _operations(self.static, self.size, *shapes) >= PAYS)
+        return bool(turns * _operations(self.static, self.size, *shapes) >= least)
 
     def _slower_than_backward(self, native: "Native | Backwards", shapes: Any) -> bool:
         """Whether derivatives in C cost more than XLA's way back, as through dense matrices."""
@@ -248,36 +258,64 @@ def _data(leaves: tuple[Any, ...], tree: Any) -> Data:
 def _made(static: Static, size: int, leaves: tuple[Any, ...], tree: Any, folder: Path) -> "Native":
     from tuner.native.compiled import Native
 
-    filter = cast("AnyFilter", static.filter)
-    return Native(filter, static.objective, static.built, size, _data(leaves, tree), folder)
+    filter, data = cast("AnyFilter", static.filter), _data(leaves, tree)
+    texts = KeptTexts((static, size, _plain(leaves, tree)))
+    return Native(filter, static.objective, static.built, size, data, folder, texts)
 
 
 @lru_cache(maxsize=32)
+def _back(
+    static: Static, size: int, leaves: tuple[Any, ...], tree: Any, folder: Path
+) -> "Backwards":
+    from tuner.native.backwards import Backwards
+
+    filter, data = cast("AnyFilter", static.filter), _data(leaves, tree)
+    texts = KeptTexts((static, size, _plain(leaves, tree)))
+    return Backwards(filter, static.objective, static.built, size, data, folder, texts)
+
+
 def _shortest(
     static: Static, size: int, leaves: tuple[Any, ...], tree: Any, folder: Path
 ) -> "Native | Backwards":
     """C that goes forwards for few parameters, and back for more where that is less work."""
-    from tuner.native.backwards import Backwards
+    given = static, size, leaves, tree, folder
+    texts = KeptTexts((static, size, _plain(leaves, tree)))
+    if size <= _FEW or not texts.of("goes back", partial(_back_is_less, *given)):
+        return _made(*given)
+    return _back(*given)
+
+
+def _back_is_less(static: Static, size: int, *given: Any) -> bool:
     from tuner.native.compiled import LANES
 
-    forwards = partial(_made, static, size, leaves, tree, folder)
-    if size <= _FEW:
-        return forwards()
-    filter = cast("AnyFilter", static.filter)
     try:
-        back = Backwards(filter, static.objective, static.built, size, _data(leaves, tree), folder)
+        back = _back(static, size, *given).work
     except (NoCounterpartError, TooLargeError):
-        return forwards()
+        return False
     try:
-        one = forwards() if size <= LANES else None
+        one = _made(static, size, *given).work if size <= LANES else None
     except (NoCounterpartError, TooLargeError):
         one = None
-    return back if one is None or back.work < one.work else one
+    return one is None or back < one
+
+
+def _plain(leaves: tuple[Any, ...], tree: Any) -> Any:
+    """Shapes and types as plain data."""
+    return jax.tree.unflatten(tree, [(shape, dtype.str) for shape, dtype in leaves])
 
 
 @lru_cache(maxsize=128)
 def _operations(static: Static, size: int, leaves: tuple[Any, ...], tree: Any) -> int:
     """Approximate number of operations of a step."""
+    plain = _plain(tuple((shape[1:], dtype) for shape, dtype in leaves), tree)
+
+    def counted() -> str:
+        return str(_counted(static, size, leaves, tree))
+
+    return int(stored_text(counted, "operations of a step", static, size, plain))
+
+
+def _counted(static: Static, size: int, leaves: tuple[Any, ...], tree: Any) -> int:
     from tuner.code.straight_line import Slot, straight_line, work
 
     filter, data = cast("AnyFilter", static.filter), _data(leaves, tree)

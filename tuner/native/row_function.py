@@ -15,6 +15,7 @@ from tuner.code.primitives import interpreter
 from tuner.code.refused import NoCounterpartError
 from tuner.native.compiler import library
 from tuner.native.filled import address
+from tuner.native.kept_texts import Kept, at_once
 from tuner.native.scalars import Scalars
 from tuner.native.sines import sines
 
@@ -45,6 +46,7 @@ class RowFunction:
         function: from real numbers ``(n,)`` to real numbers ``(m,)``.
         size: n.
         folder: for compiled code.
+        kept: gives its C, made or kept.
 
     >>> from tempfile import mkdtemp
     >>> twice = RowFunction(lambda x: x + x[::-1], 2, Path(mkdtemp(), "code"))
@@ -52,8 +54,14 @@ class RowFunction:
     [[3.0, 3.0], [8.0, 8.0]]
     """
 
-    def __init__(self, function: Callable[[Array], Array], size: int, folder: Path) -> None:
-        self._function, self._size, self._folder = function, size, folder
+    def __init__(
+        self,
+        function: Callable[[Array], Array],
+        size: int,
+        folder: Path,
+        kept: Kept = at_once,
+    ) -> None:
+        self._function, self._size, self._folder, self._kept = function, size, folder, kept
 
     def __call__(self, rows: np.ndarray) -> np.ndarray:
         """The function of each row ``(B, n)``: ``(B, m)``.
@@ -82,7 +90,7 @@ class RowFunction:
     def _compiled(self) -> tuple[Callable[[int, int, int], None], int] | None:
         """The function of addresses in C, and m; None where there is none."""
         try:
-            text, count = _source(self._function, self._size)
+            text, count = self._kept(lambda: _source(self._function, self._size))
         except (NoCounterpartError, TooLargeError):
             return None
         call = library(text, self._folder).rows

@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar, cast
 
 import jax
@@ -12,6 +11,7 @@ from jax import Array
 from objectives import Data, scores_and_gradients
 from tuner.problem.problem import Problem
 from tuner.problem.programs import Static
+from tuner.processors import side_by_side
 from tuner.stored_programs import stored_jit
 
 T = TypeVar("T")
@@ -26,8 +26,9 @@ _TRANSFORMS = 12  # a stored record is cut, windowed and transformed: copies tha
 def values(problem: Problem, Z: np.ndarray) -> np.ndarray:
     """The objective at each of the points ``(B, n)``, as ``(B,)``; infinite where not a number.
 
-    The points run side by side in one time loop and in as many threads as there are processors;
-    memory stays below :data:`MEMORY`. Where the problem has many recordings they run side by side,
+    The points run side by side in one time loop and in as many threads as there are processors,
+    unless other threads of the same work compute beside this one; memory stays below
+    :data:`MEMORY`. Where the problem has many recordings they run side by side,
     and the points one after another.
     """
     if problem.in_lines is not None:
@@ -85,8 +86,7 @@ def _batches(problem: Problem, Z: np.ndarray, evaluate: Callable[..., T]) -> lis
         # The last batch is filled up, so that every batch has the shape that was compiled.
         return cast("T", jax.tree.map(lambda leaf: np.asarray(leaf)[: len(Z) - start], found))
 
-    with ThreadPoolExecutor(threads) as pool:
-        return list(pool.map(one, range(0, len(padded), lanes)))
+    return side_by_side(one, range(0, len(padded), lanes))
 
 
 def _lanes(problem: Problem, threads: int, points: int) -> int:

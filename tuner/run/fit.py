@@ -18,6 +18,7 @@ from tuner.identifiability.noise import NoModelError
 from tuner.problem.facts import check_facts
 from tuner.problem.problem import Problem
 from tuner.problem.surface import values
+from tuner.processors import side_by_side
 from tuner.run.background_work import compile_ahead, in_background
 from tuner.run.figure import Figure
 from tuner.run.finding import Finding
@@ -135,9 +136,10 @@ def plan_fit(posed: Posed, request: Request, other: Posed | None = None) -> Plan
     solver = _solver(request)
     with in_background(partial(compile_ahead, posed.problem)):
         parted = parting(posed.problem, request.held_out)
-        posed = replace(posed, problem=screened(posed.problem, request, posed.known))
-        main = WithScaledVariances(solver) if can_scale_variances(posed) else solver
-        tasks = [Task(posed.problem, main), *_second_fits(parted, request, _quick(solver))]
+        main, second = _screened(posed, parted, request)
+        posed = replace(posed, problem=main)
+    own = WithScaledVariances(solver) if can_scale_variances(posed) else solver
+    tasks = [Task(posed.problem, own), *second]
     against = None if other is None else Against.by(other, solver, posed.problem)
     case = Fitting(posed, parted, against)
     return Plan(
@@ -170,15 +172,19 @@ def _last(case: Fitting) -> None:
         _ = case.against.front
 
 
-def _second_fits(parted: Parting | None, request: Request, solver: Solver) -> Iterator[Task]:
-    """By themselves: their starts know nothing of what they do not see."""
-    if parted is None:
-        return
-    yield from (Task(screened(part, request), solver) for part in parted.tuned)
+def _screened(posed: Posed, parted: Parting | None, request: Request) -> tuple[Problem, list[Task]]:
+    """The problem with known starts, and second fits: they know nothing of what they do not see."""
+    tuned, alone = ((), ()) if parted is None else (parted.tuned, parted.alone)
     # What could be had there is beside the point, and needs less certainty.
     few = replace(request, starts=min(request.starts, 2))
-    cheap = _quick(_solver(few))
-    yield from (Task(screened(part, few), cheap) for part in parted.alone)
+    asked = [
+        (posed.problem, request, posed.known),
+        *((part, request, None) for part in tuned),
+        *((part, few, None) for part in alone),
+    ]
+    main, *others = side_by_side(lambda each: screened(*each), asked)
+    solvers = [_quick(_solver(how)) for _, how, _ in asked[1:]]
+    return main, [Task(*each) for each in zip(others, solvers, strict=True)]
 
 
 def _figures(case: Fitting, solutions: Solutions) -> Iterator[Figure]:

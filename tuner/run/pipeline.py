@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from concurrent.futures import as_completed
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from tuner import export
 from tuner.certificate.solution import Solution
@@ -14,7 +14,7 @@ from tuner.export.tuned import Tuned
 from tuner.problem.problem import Problem
 from tuner.processors import beside_others
 from tuner.report.report_json import Kept as ForReport
-from tuner.report.report_json import kept_pictures, nothing_kept
+from tuner.report.report_json import KeptChart, KeptMap, kept_pictures, nothing_kept
 from tuner.report.write import KEPT, PAGE, page_of
 from tuner.run.background_work import (
     compile_checks,
@@ -34,6 +34,7 @@ from tuner.run.exports import (
 )
 from tuner.run.figure import Figure
 from tuner.run.figure_files import draw_figures
+from tuner.run.finding import Finding
 from tuner.run.fit_record import FitRecord
 from tuner.run.folder import RunFolder
 from tuner.run.progress import Progress
@@ -55,6 +56,20 @@ from tuner.run.result import (
 from tuner.run.shared_run import Together
 from tuner.run.study import Plan, Solutions, Task, best
 from tuner.run.threads import at_once
+
+
+class _Told(NamedTuple):
+    """What a run tells of its solutions.
+
+    Attributes:
+        fit: the worth of a fit; None for a published study.
+        findings: the noise and the gains.
+        pictures: of its report.
+    """
+
+    fit: FitRecord | None
+    findings: list[Finding]
+    pictures: list[KeptChart | KeptMap]
 
 
 @dataclass(frozen=True)
@@ -175,6 +190,7 @@ class Run:
                 outputs = [write_outputs(self.folder, *each) for each in found]
             figures = partial(self.plan.figures, self.plan.case, solutions)
             drawn = draw_figures(self.folder, figures, self.progress)
+            told = self._told(solutions, drawn.figures)
             exports = write_exports(self.folder, pending, formats, self.progress)
         files = (*exports.files, *outputs, *drawn.files, KEPT, PAGE)
         result = Result(
@@ -190,33 +206,35 @@ class Run:
             tuned=[json.loads(export.dump(each.tuned, "json")) for each in tuned],
             artifacts=["study.toml", "environment.json", *files, "result.json"],
             seconds=time.perf_counter() - begun,
-            fit=self._report(solutions),
-            findings=list(self.plan.findings(self.plan.case, solutions)),
+            fit=told.fit,
+            findings=told.findings,
             code=exports.code,
             identity=dict(self.identity),
             not_drawn=drawn.failed,
         )
         self.folder.write("result.json", result.to_json().encode())
-        self._write_report(result, solutions, drawn.figures)
+        self._write_report(result, told.pictures)
         self.folder.remove("progress.json")
         self.progress("done", 4, 4)
         return result
 
-    def _write_report(self, result: Result, solutions: Solutions, figures: list[Figure]) -> None:
-        """The report, and what it takes to write it again."""
-        self.progress("writing the report", 3, 4)
+    def _told(self, solutions: Solutions, figures: list[Figure]) -> _Told:
+        """What solutions are worth, and the pictures of the report; of figures that were drawn."""
         shown = [ReportFigure("figures", figure) for figure in figures]
         if self.plan.report_figures is not None:
             shown = [*self.plan.report_figures(self.plan.case, solutions)]
-        kept = self.kept.model_copy(update={"pictures": kept_pictures(shown)})
+        return _Told(
+            fit=None if self.plan.report is None else self.plan.report(self.plan.case, solutions),
+            findings=list(self.plan.findings(self.plan.case, solutions)),
+            pictures=kept_pictures(shown),
+        )
+
+    def _write_report(self, result: Result, pictures: list[KeptChart | KeptMap]) -> None:
+        """The report, and what it takes to write it again."""
+        self.progress("writing the report", 3, 4)
+        kept = self.kept.model_copy(update={"pictures": pictures})
         self.folder.write(KEPT, kept.to_json())
         self.folder.write(PAGE, page_of(result, kept, self.folder.path))
-
-    def _report(self, solutions: Solutions) -> FitRecord | None:
-        """The worth of a fit; None for a published study."""
-        if self.plan.report is None:
-            return None
-        return self.plan.report(self.plan.case, solutions)
 
     def tuned(self, problem: Problem, solution: Solution) -> Tuned:
         """The exports of a problem: its parameters, and what follows from them."""
