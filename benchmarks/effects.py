@@ -72,6 +72,7 @@ class _Proofs:
     def __init__(self, step: Step, undetected: Sequence[Mutant], plain: Changed) -> None:
         nodes = step.graph.nodes
         self._step, self._plain = step, plain
+        self._loops = "for (" in plain.source  # where a choice may stand the other way round
         self._sizes = {
             one: abs(float(nodes[nodes[one.node].args[one.at]].value)) for one in undetected
         }
@@ -93,7 +94,7 @@ class _Proofs:
             one
             for one, size in self._sizes.items()
             if self._is(one, size, abs(value))
-            and one.at in _places(line, value)
+            and (self._loops or one.at in _places(line, value))
             and self._reaches(one, moved)
         ]
         if not 0 < len(same) <= _ALIKE:
@@ -122,7 +123,7 @@ class _Proofs:
 
 
 def _places(line: str, value: float) -> Sequence[int]:
-    """Which operands a number may be, by what stands before it."""
+    """Which operands a number may be, by what stands before it, in C without loops."""
     numbers = [(float(one[1]), one[0][0]) for one in re.finditer(rf"[^\w.]\s*\(?-?{NUMBER}", line)]
     before = [sign for size, sign in numbers if np.isclose(size, abs(value), rtol=1e-7, atol=0)]
     places: Mapping[str, Sequence[int]] = {"?": [1], ":": [2]}

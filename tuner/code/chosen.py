@@ -9,8 +9,12 @@ Also: TypeAlias = Callable[[int], list[Hashable]]
 """What a step of a batch shows, by its place there."""
 
 
+_WORTH = 50
+"""Least of what matters least that is worth a step."""
+
+
 class Chosen:
-    """Steps, and what each of them shows: constants, and what matters less.
+    """Steps, and what each of them shows: constants, what matters less, and what matters least.
 
     Attributes:
         steps: a field each.
@@ -53,7 +57,9 @@ class Chosen:
         return sorted(kept)
 
     def _best(self, left: int, rest: Sequence[int]) -> int | None:
-        """The step that shows most of what is left; None: no step shows any of it."""
+        """The step that shows most of what is left; None: no step shows what is worth one."""
         gains = [[(bits & left).bit_count() for bits in self._shown[at]] for at in rest]
         best = max(range(len(rest)), key=gains.__getitem__, default=None)
-        return None if best is None or not any(gains[best]) else rest[best]
+        if best is None or not (any(gains[best][:2]) or sum(gains[best]) >= _WORTH):
+            return None
+        return rest[best]
