@@ -72,7 +72,8 @@ the rest (matrix exponentials, spectra). Derivatives are computed in one of two 
   scalars. Of a symmetric product, as that of a covariance, one half is computed and copied to the
   other; rows that end within a vector register are filled up.
 
-Values without a gradient, as a simplex search needs them, are C without derivatives.
+Values without a gradient, as a simplex search needs them, are C without derivatives; where they go
+by C, so do those of many points, as of a search's random starts and of a report's map.
 
 Sine and cosine of an angle come from one series without a call. In `tuner.values_and_gradients`
 eight points share a vector, unless the objective keeps samples until after the loop.

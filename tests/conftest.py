@@ -48,7 +48,33 @@ def pytest_configure(config):
 
 
 @pytest.fixture(scope="session", autouse=True)
-def kept_programs():
+def shared_context():
+    """Programs of one process share a context of MLIR.
+
+    JAX makes one for every program, a fifth of the time of a small one, and keeps it: a megabyte.
+    So does here a program that is met while another one is written down.
+    """
+    import jax
+    from jax._src.interpreters import mlir
+    from jax._src.lib.mlir import ir
+
+    import filters  # noqa: F401  # before JAX's backend starts
+
+    make, context = mlir.make_ir_context, mlir.make_ir_context()
+
+    def shared():
+        return context if ir.Context.current is None else make()
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(mlir, "make_ir_context", shared)
+        # Compiled, not found among what is kept: what the compiler loads into a context, it loads
+        # before there are other threads.
+        jax.jit(lambda x: x + 1.0)(0.0)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def kept_programs(shared_context):
     """What one process compiled, no other one compiles again."""
     from tuner.run.cache import use_cache
 

@@ -4,7 +4,11 @@ A package offers one by an entry point of one of the groups below; this package'
 the same way.
 """
 
-from importlib.metadata import EntryPoint, entry_points
+import sys
+from collections.abc import Sequence
+from functools import lru_cache
+from importlib import metadata
+from importlib.metadata import EntryPoint
 from typing import Any, Literal, TypeAlias
 
 from tuner.names import unknown
@@ -13,13 +17,23 @@ Group: TypeAlias = Literal["tuner.studies", "tuner.filters", "tuner.objectives"]
 _KINDS = {"tuner.studies": "study", "tuner.filters": "filter", "tuner.objectives": "objective"}
 
 
+def entry_points(group: Group) -> Sequence[EntryPoint]:
+    """What packages offer in a group; their files are read once for a search path."""
+    return _installed(group, tuple(sys.path))
+
+
+@lru_cache
+def _installed(group: Group, path: tuple[str, ...]) -> tuple[EntryPoint, ...]:
+    return tuple(metadata.entry_points(group=group))
+
+
 def names(group: Group) -> list[str]:
     """The names in a group, sorted; nothing of it is imported.
 
     >>> "local-level" in names("tuner.filters")
     True
     """
-    return sorted({point.name for point in entry_points(group=group)})
+    return sorted({point.name for point in entry_points(group)})
 
 
 def find(group: Group, name: str) -> Any:
@@ -32,7 +46,7 @@ def find(group: Group, name: str) -> Any:
     >>> find("tuner.filters", "madgwick").__name__
     'Madgwick'
     """
-    offers = {point.value: point for point in entry_points(group=group) if point.name == name}
+    offers = {point.value: point for point in entry_points(group) if point.name == name}
     if not offers:
         raise unknown(_KINDS[group], name, names(group))
     if len(offers) > 1:

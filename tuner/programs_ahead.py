@@ -34,16 +34,19 @@ class Programs:
 
     Attributes:
         taken: the former, in their order.
+        anything_compiled: whether one of them was not in the folder before.
     """
 
     def __init__(self) -> None:
         self.taken: dict[Program, None] = {}
+        self.anything_compiled = False
         self._begun: dict[Program, Future[Any]] = {}
         self._lock = Lock()
 
-    def note(self, program: Program) -> None:
-        """Count a program among those that were taken."""
+    def note(self, program: Program, *, compiled: bool = False) -> None:
+        """Count a program among those that were taken, and whether it had to be compiled."""
         self.taken.setdefault(program)
+        self.anything_compiled |= compiled
 
     def loaded(self, program: Program) -> Any:
         """A program, ready to be called.

@@ -77,6 +77,11 @@ def _hashed(*texts: str) -> str:
     return digest("\0".join([_surroundings(), *texts]).encode())
 
 
+def anything_compiled() -> bool:
+    """Whether this process had to compile a program that it has kept."""
+    return _programs.anything_compiled
+
+
 def stored_text(make: Callable[[], str], *things: Any) -> str:
     """A text that follows from plain data, made once for all runs.
 
@@ -236,7 +241,7 @@ def _compiled(lowered: Any, program: Program) -> Any:
     if not parts:  # what JAX has read itself lacks some functions when it is written again
         with suppress(Exception):  # what cannot be stored is compiled in every run
             keep(program_folder(), program.key, zlib.compress(serialize(compiled)[0], 1))
-            _programs.note(program)
+            _programs.note(program, compiled=True)
     return compiled
 
 
@@ -264,7 +269,7 @@ def as_last_time(*things: Any) -> Iterator[None]:
     with _programs.ahead([Program(*one) for one in json.loads(known or b"[]")]):
         yield
     taken = json.dumps(list(_programs.taken)).encode()
-    if taken != known:
+    if _programs.taken and taken != known:  # a run that is only planned takes none
         keep_alone(program_folder(), key, taken)
 
 

@@ -11,7 +11,8 @@ def _broadcast(x: np.ndarray, *, shape: Any, broadcast_dimensions: Any, **_: Any
     spread = [1] * len(shape)
     for own, axis in enumerate(broadcast_dimensions):
         spread[axis] = x.shape[own]
-    return np.broadcast_to(x.reshape(spread), shape)
+    placed = x.reshape(spread)
+    return placed if placed.shape == tuple(shape) else np.broadcast_to(placed, shape)
 
 
 def _iota(*, dtype: Any, shape: Sequence[int], dimension: int, **_: Any) -> Any:
@@ -44,19 +45,21 @@ def _dynamic_update(x: np.ndarray, part: np.ndarray, *starts: Any) -> Any:
 
 
 def _pad(x: np.ndarray, value: np.ndarray, *, padding_config: Any) -> Any:
-    spaced = [(n - 1) * (gap + 1) + 1 if n else 0 for n, (*_, gap) in _each(x, padding_config)]
-    wide = np.full(spaced, value, x.dtype)
-    wide[tuple(slice(None, None, gap + 1) for *_, gap in padding_config)] = x
-    ends = [(max(low, 0), max(high, 0)) for low, high, _ in padding_config]
-    wide = np.pad(wide, ends, constant_values=value)
-    cuts = [
-        slice(max(-low, 0), n - max(-high, 0)) for n, (low, high, _) in _each(wide, padding_config)
+    before = [max(low, 0) for low, _, _ in padding_config]
+    spaced = [
+        (n - 1) * (gap + 1) + 1 if n else 0
+        for n, (*_, gap) in zip(x.shape, padding_config, strict=True)
     ]
-    return wide[tuple(cuts)]
-
-
-def _each(x: np.ndarray, config: Any) -> Any:
-    return zip(x.shape, config, strict=True)
+    ends = [b + n for b, n in zip(before, spaced, strict=True)]
+    shape = [n + max(high, 0) for n, (_, high, _) in zip(ends, padding_config, strict=True)]
+    whole = np.full(shape, value, x.dtype)
+    steps = [gap + 1 for *_, gap in padding_config]
+    whole[tuple(map(slice, before, ends, steps))] = x
+    cuts = [
+        slice(max(-low, 0), n - max(-high, 0))
+        for n, (low, high, _) in zip(shape, padding_config, strict=True)
+    ]
+    return whole[tuple(cuts)]
 
 
 def _dot(a: np.ndarray, b: np.ndarray, *, dimension_numbers: Any, **_: Any) -> Any:

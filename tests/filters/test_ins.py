@@ -1,6 +1,7 @@
 """The error-state INS against a loop in NumPy and against what a simulated flight hides."""
 
 from dataclasses import replace
+from functools import cache
 
 import jax
 import jax.numpy as jnp
@@ -42,30 +43,30 @@ def moved(x, gyr, acc, dt, g):
 
 
 def plus(x, e):
-    turned = Rotation.from_rotvec(e[:3]) * x[0]
-    return (turned, *(part + e[3 * i : 3 * i + 3] for i, part in enumerate(x[1:], start=1)))
+    """The state with an error, ``(15,)``, or with each of several, ``(n, 15)``."""
+    turned = Rotation.from_rotvec(e[..., :3]) * x[0]
+    return (turned, *(part + e[..., 3 * i : 3 * i + 3] for i, part in enumerate(x[1:], start=1)))
 
 
 def minus(x, y):
     turn = (x[0] * y[0].inv()).as_rotvec()
-    return np.concatenate([turn, *(a - b for a, b in zip(x[1:], y[1:], strict=True))])
+    return np.concatenate([turn, *(a - b for a, b in zip(x[1:], y[1:], strict=True))], axis=-1)
 
 
 def derivative(function, h=1e-3):
     """By the 15 errors: central differences of the fourth order, wrong by about h^4 = 1e-12."""
-    columns = []
-    for e in h * np.eye(15):
-        near, far = function(e) - function(-e), function(2 * e) - function(-2 * e)
-        columns.append((8 * near - far) / (12 * h))
-    return np.array(columns).T
+    e = h * np.eye(15)
+    near, far = function(e) - function(-e), function(2 * e) - function(-2 * e)
+    return ((8 * near - far) / (12 * h)).T
 
 
 def expected(x, mag, up, north):
     """What every number in the order of AIDS should be; the field's direction less itself."""
     q, _, _, v, p = x
     level = q.apply(mag)
-    field = north - np.arctan2(level[1], level[0])
-    return np.array([*p, *v, up * up * p[2], q.inv().apply(v)[0], -field, *v])
+    field = north - np.arctan2(level[..., 1], level[..., 0])
+    height, speed = up * up * p[..., 2:], q.inv().apply(v)[..., :1]
+    return np.concatenate([p, v, height, speed, -field[..., None], v], axis=-1)
 
 
 def loop(recording, n, dt):
@@ -133,14 +134,20 @@ def loop(recording, n, dt):
     return [np.array(part) for part in zip(*found, strict=True)]
 
 
+N = 300
+
+
 def holed(seed):
-    """Everything missing at times: the start of the forces, rates, parts of fixes, the field."""
+    """Everything missing at times: the start of the forces, rates, parts of fixes, the field.
+
+    So it is for N samples. The others make it as long as the recordings of the other tests, with
+    which it shares a compilation.
+    """
     rng = np.random.default_rng(seed)
     recording, truth = recorded(rng, NOISE)
-    N = 300
-    recording = InsSample(*(np.array(part[:N]) for part in recording))
+    recording = InsSample(*(np.array(part) for part in recording))
     recording.acc[:2, 1] = np.nan
-    recording.gyr[rng.random(N) < 0.1, 0] = np.nan
+    recording.gyr[:N][rng.random(N) < 0.1, 0] = np.nan
     recording.acc[10 + np.flatnonzero(rng.random(N - 10) < 0.1)] = np.nan
     recording.gps[11, 2] = np.nan
     recording.gps[1, 2] = np.nan
@@ -151,8 +158,9 @@ def holed(seed):
 def test_equals_a_loop_of_its_equations():
     recording, truth = holed(1)
     n = NOISE | {"heading": truth.heading, "declination": 0.1, "heading0": 0.4}
-    q, bg, ba, v, p, P, nis = loop(recording, n, FILTER.dt)
-    out = jax.tree.map(np.asarray, compiled(FILTER, params(n), sample(recording))[1])
+    q, bg, ba, v, p, P, nis = loop(InsSample(*(part[:N] for part in recording)), n, FILTER.dt)
+    out = compiled(FILTER, params(n), sample(recording))[1]
+    out = jax.tree.map(lambda leaf: np.asarray(leaf)[:N], out)
     late = slice(len(out.att) - len(q), None)
     assert len(out.att) - len(q) == 2
     np.testing.assert_array_equal(out.att[:2, 1:3], 0.0)  # level, as long as nothing is known
@@ -194,9 +202,15 @@ as this 0.2 %; the limits below are 11 % wide."""
 several = jax.jit(jax.vmap(lambda p, s: run(FILTER, p, s)[1]))
 
 
+@cache
+def flights():
+    """Recordings and truths of all runs."""
+    return [recorded(np.random.default_rng(seed), QUIET) for seed in range(RUNS)]
+
+
 def monte_carlo(believed):
     """NEES of all states at every sample of every run, ``(RUNS, N)``, and NIS with its count."""
-    made = [recorded(np.random.default_rng(seed), QUIET) for seed in range(RUNS)]
+    made = flights()
     lanes = jax.tree.map(lambda *parts: jnp.stack(parts), *(sample(each) for each, _ in made))
     values = [params(believed | {"heading": truth.heading}) for _, truth in made]
     given = jax.tree.map(lambda *parts: jnp.stack(parts), *values)

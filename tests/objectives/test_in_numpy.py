@@ -30,6 +30,8 @@ def _shapes(a: Array) -> Any:
         jnp.split(a, [1, 3]),
         jnp.unstack(a, axis=1),
         jnp.broadcast_to(a[:, None], (4, 2, 4)),
+        jax.lax.pad(a, 7.0, [(-1, 2, 1), (2, -1, 0)]),
+        jax.lax.pad(a[:, :1], 7.0, [(-2, -3, 2), (1, 0, 3)]),
     )
 
 

@@ -1,8 +1,10 @@
 """What a run does beside its searches and its comparisons."""
 
+from dataclasses import replace
 from threading import Event
 
 import numpy as np
+import pytest
 
 from filters import AlphaBeta, AlphaBetaGains, LevelSample, LocalLevel
 from objectives import Data, InnovationLikelihood
@@ -11,7 +13,7 @@ from tuner import NelderMead, Positive, Problem, Space
 from tuner.problem.exported import Trial
 from tuner.problem.programs import run_filter
 from tuner.run import machine
-from tuner.run.background_work import compile_checks
+from tuner.run.background_work import compile_checks, compiled_ahead
 
 RECORD = Data(LevelSample(np.sin(0.3 * np.arange(73.0))), np.zeros(73))
 LEVEL = Problem(
@@ -68,3 +70,31 @@ def test_a_filter_that_cannot_be_tried_is_told_with_the_reason(monkeypatch):
     found, records = machine.in_all_variants(tuned(name="track"), trials)
     assert found == {}
     assert [record.refused for record in records] == ["it has no samples"] * 2
+
+
+@pytest.mark.usefixtures("stored")
+def test_what_is_kept_is_compiled_ahead_and_waited_for_where_it_is_needed(monkeypatch):
+    filter = LocalLevel(dt=float(np.random.default_rng().uniform(0.3, 0.4)))
+    problem = replace(LEVEL, filter=filter)
+    started, go_on = Event(), Event()
+    differentiated = Problem.by_xla
+
+    def waits(self, z):
+        started.set()
+        assert go_on.wait(60)
+        return differentiated(self, z)
+
+    monkeypatch.setattr(Problem, "by_xla", waits)
+    with compiled_ahead(problem):
+        assert started.wait(60)
+    go_on.set()  # nobody has waited for it
+    value, gradient = problem.by_xla(problem.space.start())
+    assert np.isfinite([value, *gradient]).all()
+
+
+def test_what_is_not_kept_is_waited_for(monkeypatch):
+    done = []
+    monkeypatch.setattr(Problem, "by_xla", lambda self, z: done.append(z))
+    with compiled_ahead(LEVEL):
+        pass
+    assert len(done) == 1

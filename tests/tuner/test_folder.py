@@ -42,6 +42,17 @@ def test_nothing_is_made_before_the_first_file(here):
     assert (here / "a" / "b" / "exports" / "gyro.json").read_bytes() == b"{}"
 
 
+def test_files_side_by_side_are_those_that_were_given(here):
+    folder = opened(here / "out")
+    files = {f"exports/{k}.txt": f"text {k}".encode() for k in range(40)} | {"one": b"1"}
+    assert folder.write_all(files) == list(files)
+    assert {name: (here / "out" / name).read_bytes() for name in files} == files
+    assert folder.write_all({}) == []
+    with pytest.raises(WriteError, match="one exists"):
+        folder.write_all({"another": b"", "one": b"2"})
+    assert (here / "out" / "one").read_bytes() == b"1"
+
+
 def test_an_empty_folder_will_do(here):
     (here / "out").mkdir()
     assert opened(here / "out") == RunFolder(here / "out", overwrite=False)

@@ -163,7 +163,7 @@ def test_dense_matrices_go_by_rows(n, row):
     assert f"-mprefer-vector-width={width}" in code.options
     assert value == pytest.approx(wanted, rel=1e-12)
     np.testing.assert_allclose(gradient, slopes, rtol=1e-11, atol=1e-11 * np.abs(slopes).max())
-    copied = rf"\[\({row} \* i1\) \+ i0\] = m\d+\[\({row} \* i0\) \+ i1\];"
+    copied = rf"mirror\(m\d+, {row}, {n}\);"
     assert len(re.findall(copied, code.text)) == 2  # one half of a covariance, forwards and back
     assert "+ weight[i0 + " not in code.text  # no transposed half is added
 

@@ -14,6 +14,8 @@ from tuner import Problem, Space
 from tuner.code.refused import NoCounterpartError
 from tuner.native import compiled, route
 from tuner.native.kept_texts import KeptTexts
+from tuner.problem import surface
+from tuner.problem.surface import values
 
 STEPS = np.cumsum(np.random.default_rng(3).normal(size=(400, 2)), axis=0)
 
@@ -184,3 +186,18 @@ def test_c_pays_sooner_where_it_is_kept(monkeypatch):
     here = posed()
     here.value_and_gradient(here.space.start())
     assert here.gradient_by.endswith("the record is too short for compiling C to pay")
+
+
+@pytest.mark.usefixtures("forced")
+def test_values_of_many_points_go_by_the_same_c(monkeypatch):
+    problem = posed()
+    Z = problem.space.starts(9, seed=0)
+    right = [problem.value_by_xla(z) for z in Z]
+
+    def refused(*_):
+        raise AssertionError("by XLA")
+
+    monkeypatch.setattr(surface, "_values", refused)
+    np.testing.assert_allclose(values(problem, Z), right, rtol=1e-11)
+    monkeypatch.undo()
+    np.testing.assert_allclose(values(problem, Z), right, rtol=1e-11)

@@ -13,7 +13,8 @@ from tuner.code.implementation import Implementation
 from tuner.code.implemented import implemented
 from tuner.code.literal import Precision
 from tuner.code.program import Program, as_graph
-from tuner.code.reference import Reference, reference
+from tuner.code.reference import Reference, reference, selected_samples
+from tuner.code.reference_filter import ReferenceFilter
 from tuner.code.refused import NoCounterpartError
 from tuner.code.trace import Traced, traced
 
@@ -126,6 +127,13 @@ def prepared(filter: Any, params: Any, inputs: Any, precision: Precision) -> Pre
     sample = jax.tree.map(lambda leaf: np.asarray(leaf)[0], inputs)
     whole = traced(filter, params, sample, precision, _wanted(filter))
     return Prepared(whole, formulas(whole), filter, params, inputs)
+
+
+def run_ahead(filter: Any, params: Any, inputs: Any) -> None:
+    """Compile what provides test samples in either precision, by running it."""
+    filter, inputs = one_record(filter, inputs)
+    for dtype in (np.float64, np.float32):
+        ReferenceFilter(filter, params, dtype).run(selected_samples(inputs))
 
 
 def formulas(traced: Traced) -> Program | None:

@@ -65,7 +65,7 @@ def reference(
         program: its formulas; None: single steps are not searched for.
     """
     own = ReferenceFilter(filter, params, np.float32 if precision == "float" else np.float64)
-    samples = _with_holes(own, _selected_samples(inputs))
+    samples = _with_holes(own, selected_samples(inputs))
     states, outputs = own.run(samples)
     others = [own.run(near) for near in _beside(samples, own.dtype)]
     others.append(replace(own, dtype=np.float64).run(samples))
@@ -105,8 +105,8 @@ def _beside(samples: Any, dtype: type[np.floating]) -> Iterator[Any]:
         yield jax.tree.map(near, samples)
 
 
-def _selected_samples(inputs: Any) -> Any:
-    """The first half consecutive, the others spread over the rest."""
+def selected_samples(inputs: Any) -> Any:
+    """Samples of a recording: the first half consecutive, the others spread over the rest."""
     count = len(jax.tree.leaves(inputs)[0])
     near = np.arange(min(count, SAMPLES // 2))
     far = np.linspace(len(near), count - 1, min(SAMPLES, count) - len(near)).astype(int)

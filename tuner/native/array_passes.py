@@ -27,6 +27,7 @@ from tuner.code.strides import MOVED
 from tuner.code.tables import Tables
 from tuner.native.compiler import options_of_rows
 from tuner.native.even import Carried, even_slots, without_turns
+from tuner.native.mirrored import mirrors
 from tuner.native.passes_frame import Around, Back, Code, Forth, Sizes, framed
 from tuner.native.products import writers
 from tuner.native.reversal import Before, traced
@@ -168,7 +169,8 @@ class _Writer:
         )
         forth, back, around = self._forth(), self._back(), self._around()
         lines = [forth.sample, back.sample, forth.stored, forth.kept, forth.after]
-        text = framed("\n".join(self.tables.used(lines)), sizes, forth, back, around)
+        functions = [*self.tables.used(lines), *mirrors(lines)]
+        text = framed("\n".join(functions), sizes, forth, back, around)
         ends = [slot for slot, w in zip(arrays.state, arrays.wanted, strict=True) if w]
         operations = work([*self.forwards.operations, *self.backwards.operations]) // _AT_ONCE
         counts = sizes.carried, sizes.stored, _size(ends), sizes.kept, operations

@@ -104,21 +104,17 @@ def _half_written(block: Block, operation: Operation, terms: Callable[[Index], l
     out = operation.outputs[0]
     into, (size, _) = block.buffer(out.shape, kind_of(out.dtype)), out.shape
 
+    def rows(first: int, end: int) -> None:
+        block.loop(first, end, lambda i: block.loop(0, end, lambda j: one((i, j))))
+
     def one(index: Index) -> None:
         block.say(f"{into.at(index)} = {' + '.join(terms(index))};")
 
-    def copied(index: Index) -> None:
-        i, j = index
-        block.say(f"{into.at((j, i))} = {into.at((i, j))};")
-
-    def rows(first: int, end: int, length: int | str, entry: Callable[[Index], None]) -> None:
-        block.loop(first, end, lambda i: block.loop(0, length or i, lambda j: entry((i, j))))
-
     for first in range(0, size, _ROWS):
-        begun, end = len(block.lines), min(first + _ROWS, size)
-        rows(first, end, end, one)
+        begun = len(block.lines)
+        rows(first, min(first + _ROWS, size))
         block.fill_up(begun + 1, into)
-    rows(1, size, "", copied)
+    block.say(f"mirror({into.buffer}, {into.strides[0]}, {size});")
     return into
 
 

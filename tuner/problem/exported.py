@@ -107,6 +107,11 @@ class Exported:
         """
         return trials_of(filter, params, inputs) if self.runs is None else self.runs(params)
 
+    def written(self, filter: Any, params: Any, inputs: Any) -> Mapping[str, Trial]:
+        """The forms to write as C, by name; the arguments are those of :meth:`tried`."""
+        made = self.machine or self.runs
+        return trials_of(filter, params, inputs) if made is None else made(params)
+
 
 def exported_of(filter: Any, unit: str = "") -> Exported:
     """The declared export of a filter: its states, and what it derives from its parameters."""

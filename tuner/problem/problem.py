@@ -21,7 +21,7 @@ from tuner.problem.constant_gains import share_of_constant_gains
 from tuner.problem.constraint import Constraint
 from tuner.problem.derived import derived_numbers
 from tuner.problem.differences import differences
-from tuner.problem.exported import Exported, Trial, exported_of, one_of, quantities_of, trials_of
+from tuner.problem.exported import Exported, Trial, exported_of, one_of, quantities_of
 from tuner.problem.identity import identity_of
 from tuner.problem.lines import Lines, OneRecord, lines_of
 from tuner.problem.paths import turns_round, way_of
@@ -305,13 +305,10 @@ class Problem:
         Nothing for a design that does not say what runs.
         """
         what, params = self.what_is_exported(), self.params(solution)
-        made = what.machine or what.runs
-        if made is not None:
-            return made(params)
-        trials = trials_of(self.filter, params, self.data.inputs)
-        if self.filter is not None and "steady" not in trials:
-            trials |= steady_form_of(one_of(self.filter), params)
-        return trials
+        trials = what.written(self.filter, params, self.data.inputs)
+        if what.machine or what.runs or self.filter is None or "steady" in trials:
+            return trials
+        return {**trials, **steady_form_of(one_of(self.filter), params)}
 
     def what_is_exported(self) -> Exported:
         """The filter's name, its states, its sample time and what follows from its parameters."""

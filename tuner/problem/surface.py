@@ -29,10 +29,12 @@ def values(problem: Problem, Z: np.ndarray) -> np.ndarray:
     The points run side by side in one time loop and in as many threads as there are processors,
     unless other threads of the same work compute beside this one; memory stays below
     :data:`MEMORY`. Where the problem has many recordings they run side by side,
-    and the points one after another.
+    and the points one after another; where its values go by C, in threads alone.
     """
     if problem.in_lines is not None:
         return np.array([problem.value(z) for z in Z])
+    if problem.way is None and problem.route.value(problem.space.start()) is not None:
+        return np.array(side_by_side(problem.value, [*Z]))
     found = np.concatenate(_batches(problem, Z, _values))
     return np.where(np.isfinite(found), found, np.inf)
 

@@ -1,7 +1,9 @@
 """Compiling and importing what a fit needs later, while it is planned and solved."""
 
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
+from functools import partial
 from importlib import import_module
 from typing import Any
 
@@ -13,11 +15,12 @@ from tuner.problem.problem import Problem
 from tuner.problem.programs import run_filter
 from tuner.problem.samples import numbers
 from tuner.run.threads import at_once
+from tuner.stored_programs import anything_compiled, in_use, key_of
 
 LONG_RECORD = 1_000_000
 """Samples from which a trial run takes longer than compiling."""
-REPORT_PACKAGES = ("matplotlib.figure", "matplotlib.backends.backend_agg", "contourpy", "jinja2")
-"""Modules that draw pictures and write reports."""
+REPORT_PACKAGES = ("contourpy", "jinja2")
+"""Modules that write reports."""
 
 
 @contextmanager
@@ -41,18 +44,58 @@ def compile_ahead(problem: Problem) -> None:
     XLA compiles without the interpreter's lock. What fails here fails again where it is needed,
     and is told there.
     """
-    if not _is_short(problem):
+    for compile_one in (differentiate, _compile_slopes, _compile_single_precision):
+        compile_one(problem)
+
+
+@contextmanager
+def compiled_ahead(problem: Problem) -> Iterator[None]:
+    """Compile meanwhile what a fit runs, and wait for it in the end.
+
+    Programs that are kept between runs are not waited for: whoever needs one that is being compiled
+    waits for that one.
+    """
+    if not (in_use() and key_of(problem.scored) is not None):
+        with in_background(partial(compile_ahead, problem)):
+            yield
         return
-    z = problem.space.start()
-    for trial in (
-        lambda: problem.by_xla(z),
-        lambda: numbers(problem, z),
-        lambda: run_filter(
-            problem.filter, *halved((problem.made(problem.parameters(z)), problem.data.inputs))
-        ),
-    ):
+    pool = ThreadPoolExecutor(2)
+    for compile_one in _IN_TURN:
+        pool.submit(compile_one, problem)
+    pool.shutdown(wait=False)
+    yield
+
+
+def _evaluate(problem: Problem) -> None:
+    if _is_short(problem):
         with suppress(Exception):
-            trial()
+            problem.value_by_xla(problem.space.start())
+
+
+def _compile_slopes(problem: Problem) -> None:
+    if _is_short(problem):
+        with suppress(Exception):
+            numbers(problem, problem.space.start())
+
+
+def _compile_single_precision(problem: Problem) -> None:
+    if _is_short(problem):
+        with suppress(Exception):
+            params = problem.made(problem.parameters(problem.space.start()))
+            run_filter(problem.filter, *halved((params, problem.data.inputs)))
+
+
+def _compile_self_tests(problem: Problem) -> None:
+    """Compile what a self-test of C runs, if anything else had to be compiled in this run."""
+    if not (_is_short(problem) and anything_compiled()):
+        return
+    with suppress(Exception):
+        from tuner.code.form import run_ahead
+
+        params = problem.made(problem.parameters(problem.space.start()))
+        what = problem.what_is_exported()
+        for trial in what.written(problem.filter, params, problem.data.inputs).values():
+            run_ahead(*trial)
 
 
 def differentiate(problem: Any) -> None:
@@ -72,6 +115,16 @@ def compile_checks(problem: Problem) -> None:
         for filter, *given in what.tried(problem.filter, params, problem.data.inputs).values():
             run_filter(filter, *given)
             run_filter(filter, *halved(tuple(given)))
+
+
+_IN_TURN = (
+    differentiate,
+    _evaluate,
+    _compile_slopes,
+    _compile_single_precision,
+    _compile_self_tests,
+)
+"""In the order in which a fit comes to need them; the last ones once its search has begun."""
 
 
 def of_each_program(problems: Iterable[Any]) -> list[Problem]:

@@ -2,6 +2,7 @@
 
 import os
 import platform
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -41,8 +42,9 @@ def environment() -> dict[str, Any]:
     }
 
 
+@cache
 def installed(name: str) -> str | None:
-    """The version of an installed distribution; None where it is missing."""
+    """The version of an installed distribution; None where it is missing. Its file is read once."""
     try:
         return version(name)
     except PackageNotFoundError:

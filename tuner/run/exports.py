@@ -1,7 +1,7 @@
 """The files of a run's tuned filters: exports that are read back, C, outputs; and their checks."""
 
 import io
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import Executor, Future
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
@@ -20,7 +20,6 @@ from tuner.run.folder import RunFolder
 from tuner.run.progress import Progress
 from tuner.run.result import CodeRecord, ExportRecord, SingleRecord
 from tuner.run.study import Plan
-from tuner.run.threads import at_once
 
 VERSIONS = ("filter-tuner", "jax", "numpy", "scipy", "optuna")
 
@@ -98,7 +97,7 @@ def write_exports(
         progress(f"exporting {each.tuned.name}", 2, 4)
         code = making.result()
         if each.solution.status.trusted:
-            exports.records.extend(_export(folder, each, form, code.headers) for form in formats)
+            exports.records.extend(_export(folder, each, formats, code.headers))
         exports.others.extend(code.others)
         exports.code.extend(code.records)
         progress(f"single precision {each.tuned.name}", 3, 4)
@@ -115,20 +114,21 @@ def _write_code(folder: RunFolder, each: TunedFilter, formats: tuple[str, ...]) 
     found, records = in_all_variants(each.tuned, each.problem.on_machine(each.solution))
     header = f"exports/{each.tuned.name}.h"
     headers = {name: data for name, data in found.items() if name == header}
-    names = [name for name in found if name not in headers]
-    with at_once(len(names) or 1) as pool:  # each waits for the disk
-        others = list(pool.map(lambda name: folder.write(name, found[name]), names))
-    return Code(headers, others, records)
+    others = {name: text for name, text in found.items() if name not in headers}
+    return Code(headers, folder.write_all(others), records)
 
 
 def _export(
-    folder: RunFolder, each: TunedFilter, form: str, headers: Mapping[str, bytes]
-) -> ExportRecord:
-    """Write a tuned filter in one format, and read it back."""
-    name = f"exports/{each.tuned.name}{export.suffix(form)}"
-    folder.write(name, headers.get(name) or export.dump(each.tuned, form))
-    read_back = export.read_back(each.tuned, folder.path / name, form)
-    return score_export(each.problem, each.solution.value, read_back, form, name)
+    folder: RunFolder, each: TunedFilter, formats: Iterable[str], headers: Mapping[str, bytes]
+) -> Iterator[ExportRecord]:
+    """Write a tuned filter in all formats, and read each back."""
+    names = {f"exports/{each.tuned.name}{export.suffix(form)}": form for form in formats}
+    folder.write_all(
+        {name: headers.get(name) or export.dump(each.tuned, form) for name, form in names.items()}
+    )
+    for name, form in names.items():
+        read_back = export.read_back(each.tuned, folder.path / name, form)
+        yield score_export(each.problem, each.solution.value, read_back, form, name)
 
 
 def write_outputs(folder: RunFolder, problem: Problem, solution: Solution) -> str:

@@ -26,7 +26,10 @@ class FigureFiles:
 
 
 def draw_figures(
-    folder: RunFolder, figures: Callable[[], Iterable[Figure]], progress: Progress
+    folder: RunFolder,
+    figures: Callable[[], Iterable[Figure]],
+    progress: Progress,
+    picture: Callable[[Figure], bytes] = picture,
 ) -> FigureFiles:
     """Draw figures and write them; one that fails ends no run.
 
@@ -34,6 +37,7 @@ def draw_figures(
         folder: of the run.
         figures: makes them, one after another.
         progress: told of every figure.
+        picture: a figure as a PNG.
 
     Raises:
         WriteError: where a file cannot be written.
@@ -48,7 +52,7 @@ def draw_figures(
                 written.failed.append(f"{figure.name} could not be drawn: {_in_words(error)}")
                 continue
             stem = f"figures/{figure.name}"
-            written.files.extend(folder.write(f"{stem}.{end}", made[end]) for end in made)
+            written.files.extend(folder.write_all({f"{stem}.{end}": made[end] for end in made}))
             written.figures.append(figure)
     except WriteError:
         raise

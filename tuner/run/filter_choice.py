@@ -3,12 +3,11 @@
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from importlib.metadata import entry_points
 from os import PathLike
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from tuner.catalogue import find
+from tuner.catalogue import entry_points, find
 from tuner.run.own_file import OwnFile, own_file
 
 
@@ -85,7 +84,7 @@ def _no_class(thing: Any) -> str:
 def _of_class(cls: type[Any]) -> FilterChoice:
     """A class under the name that it has on the command line, if it has one there."""
     value = f"{cls.__module__}:{cls.__qualname__}"
-    for point in entry_points(group="tuner.filters"):
+    for point in entry_points("tuner.filters"):
         if point.value == value:
             return FilterChoice(point.name, cls, {"filter": point.name})
     file = _file_of(cls)

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +18,7 @@ from tuner.problem.facts import check_facts
 from tuner.problem.problem import Problem
 from tuner.problem.surface import values
 from tuner.processors import side_by_side
-from tuner.run.background_work import compile_ahead, in_background
+from tuner.run.background_work import compiled_ahead
 from tuner.run.figure import Figure
 from tuner.run.finding import Finding
 from tuner.run.fit_figures import figures
@@ -134,7 +133,7 @@ def _source(parts: list[Source]) -> Source:
 def plan_fit(posed: Posed, request: Request, other: Posed | None = None) -> Plan:
     """The tasks, exports and figures; against another objective the front of both."""
     solver = _solver(request)
-    with in_background(partial(compile_ahead, posed.problem)):
+    with compiled_ahead(posed.problem):
         parted = parting(posed.problem, request.held_out)
         main, second = _screened(posed, parted, request)
         posed = replace(posed, problem=main)

@@ -4,10 +4,12 @@ import contextlib
 import json
 import os
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from tuner.atomic import WriteError, write_bytes
+from tuner.run.threads import at_once
 
 OWN = (
     "study.toml",
@@ -23,6 +25,8 @@ OWN = (
     "trials.sqlite3-shm",
 )
 """The names of files that every run writes."""
+_SIDE_BY_SIDE = 16
+"""So many files at most are written at once."""
 _BELOW = re.compile(r"(exports|figures)/[^/\\\0]+")
 
 
@@ -58,6 +62,11 @@ class RunFolder:
             ) from None
         write_bytes(file, data, overwrite=self.overwrite or replace)
         return name
+
+    def write_all(self, files: Mapping[str, bytes]) -> list[str]:
+        """Write several files side by side, since each waits for the disk; return their names."""
+        with at_once(min(len(files), _SIDE_BY_SIDE) or 1) as pool:
+            return list(pool.map(self.write, files, files.values()))
 
     def clear(self) -> None:
         """Remove what a run wrote here before, and nothing else."""

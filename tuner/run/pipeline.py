@@ -37,6 +37,7 @@ from tuner.run.figure_files import draw_figures
 from tuner.run.finding import Finding
 from tuner.run.fit_record import FitRecord
 from tuner.run.folder import RunFolder
+from tuner.run.painter import Painter
 from tuner.run.progress import Progress
 from tuner.run.progress_file import (
     SCHEMA,
@@ -86,6 +87,7 @@ class Run:
         claims: names of the claims that are asked for; all if empty.
         identity: of the run; see :mod:`tuner.run.identity`.
         kept: what its report tells of the study and of the recordings.
+        painter: draws its figures.
     """
 
     study: str
@@ -97,6 +99,7 @@ class Run:
     claims: tuple[str, ...] = ()
     identity: Mapping[str, str] = field(default_factory=dict)
     kept: ForReport = field(default_factory=nothing_kept)
+    painter: Painter = field(default_factory=Painter)
 
     def check(self, jobs: int) -> None:
         """Find what would be refused before anything is written: score where each search begins.
@@ -123,12 +126,12 @@ class Run:
         solutions, digests = dict(finished), dict[tuple[str, str], str]()
         open_tasks = [task for task in self.plan.tasks if task_key(task) not in solutions]
         self.progress("solving", len(solutions), len(self.plan.tasks))
-        self._save(solutions, digests)  # a run that is interrupted at once can go on as well
         with in_background(self._prepare), at_once(jobs) as pool:
             for problem in of_each_program(task.problem for task in open_tasks):
                 pool.submit(differentiate, problem)
             several = jobs > 1 and len(open_tasks) > 1
             futures = {pool.submit(_solved, task, several): task for task in open_tasks}
+            self._save(solutions, digests)  # a run that is interrupted at once can go on as well
             for future in as_completed(futures):
                 task = futures[future]
                 solutions[task_key(task)], digests[task_key(task)] = future.result()
@@ -139,6 +142,7 @@ class Run:
 
     def _prepare(self) -> None:
         """Import and compile what the end of the run takes."""
+        self.painter.begin()
         import_report_packages()
         if self.plan.report is None:  # a fit has compiled its own as it was planned
             for problem in exported(self.plan):
@@ -189,7 +193,8 @@ class Run:
             if self.plan.report is not None:
                 outputs = [write_outputs(self.folder, *each) for each in found]
             figures = partial(self.plan.figures, self.plan.case, solutions)
-            drawn = draw_figures(self.folder, figures, self.progress)
+            drawn = draw_figures(self.folder, figures, self.progress, self.painter.picture)
+            self.painter.end()
             told = self._told(solutions, drawn.figures)
             exports = write_exports(self.folder, pending, formats, self.progress)
         files = (*exports.files, *outputs, *drawn.files, KEPT, PAGE)
@@ -233,8 +238,8 @@ class Run:
         """The report, and what it takes to write it again."""
         self.progress("writing the report", 3, 4)
         kept = self.kept.model_copy(update={"pictures": pictures})
-        self.folder.write(KEPT, kept.to_json())
-        self.folder.write(PAGE, page_of(result, kept, self.folder.path))
+        page = page_of(result, kept, self.folder.path)
+        self.folder.write_all({KEPT: kept.to_json(), PAGE: page})
 
     def tuned(self, problem: Problem, solution: Solution) -> Tuned:
         """The exports of a problem: its parameters, and what follows from them."""
