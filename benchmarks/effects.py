@@ -1,13 +1,14 @@
 """What a number does that no step of a self-test shows: one by one, by evaluation."""
 
-from collections.abc import Collection, Iterator
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from typing import Literal
 
 import numpy as np
 
-from benchmarks.numbers_in_c import Changed, Moved
+from benchmarks.numbers_in_c import NUMBER, Changed, Moved
 from tuner.code.array_step import Step
 from tuner.code.detection import LONG, allowed, comparable, expected
 from tuner.code.limits import beside_limits
@@ -15,9 +16,16 @@ from tuner.code.mutants import CHANGE, Mutant
 from tuner.code.needed import Ways
 from tuner.code.selftest_tables import stored
 from tuner.code.states import Around, Arrays, by_field, by_node, rounded
+from tuner.code.unsteady import Unsteady
 
 Kind = Literal[
-    "proven", "without effect", "not reached", "only doubled", "below tolerance", "missed"
+    "proven",
+    "by rounding",
+    "without effect",
+    "not reached",
+    "only doubled",
+    "below tolerance",
+    "missed",
 ]
 _NONE = 1e-28
 """Share of the largest result of a step, with 113 bits, below which a move is due to rounding."""
@@ -25,6 +33,8 @@ _ROUNDING = 1e-10
 """Share of the same move with fewer bits below which it is rounding."""
 _TWICE, _LARGE = 1.0, (-0.999, 1e3, 1e6)
 """Changes over the number, and those that turn most of the decisions that it takes part in."""
+_SAME = 1e-10
+"""Difference of two numbers over them, up to which they are one."""
 _ALIKE = 100
 """Most constants of one size that are looked at for a proof."""
 _BATCH, _DRAWN, _FREE = 128, 6, 400
@@ -37,7 +47,8 @@ class Effect:
 
     Attributes:
         line: where it stands.
-        kind: proven by the formulas to reach no result; without effect, whatever is decided, as far
+        kind: proven by the formulas to reach no result, or to do so only where rounding decides,
+            which no self-test can have; without effect, whatever is decided, as far
             as was tried; with one under decisions that no state tried
             takes together; with one when it is doubled, but not by a thousandth; with one below
             what is allowed; or with a larger one, which the steps of the self-test miss.
@@ -49,16 +60,74 @@ class Effect:
     multiple: float
 
 
-def _proven(step: Step, ways: Ways, undetected: Collection[Mutant], value: float) -> bool:
-    """Whether no constant of this size that is not detected reaches a result, whatever is decided.
+class _Proofs:
+    """What the formulas tell of constants that are not detected.
 
-    The number is one of them, or the inverse of one where it divides.
+    Args:
+        step: the formulas.
+        undetected: these constants.
+        plain: the C, for the order of its results.
     """
-    nodes = step.graph.nodes
-    sizes = {one: abs(float(nodes[nodes[one.node].args[one.at]].value)) for one in undetected}
-    near = (abs(value), 1 / abs(value))
-    same = [one for one, size in sizes.items() if np.isclose(size, near, rtol=1e-6, atol=0).any()]
-    return 0 < len(same) <= _ALIKE and all(ways.way(one) is None for one in same)
+
+    def __init__(self, step: Step, undetected: Sequence[Mutant], plain: Changed) -> None:
+        nodes = step.graph.nodes
+        self._step, self._plain = step, plain
+        self._loops = "for (" in plain.source  # where a choice may stand the other way round
+        self._sizes = {
+            one: abs(float(nodes[nodes[one.node].args[one.at]].value)) for one in undetected
+        }
+        self._ways = Ways(step.graph, step.order, step.roots)
+        self._unsteady = Unsteady(step)
+
+    def kind(self, line: str, value: float, moved: np.ndarray) -> Kind | None:
+        """What is proven of a number; None: nothing.
+
+        It is one of the constants of this size, or the inverse of one where it divides: one that
+        reaches all results that it moves.
+
+        Args:
+            line: where it stands.
+            value: the number.
+            moved: which results it moves under some decisions, ``(results,)``.
+        """
+        same = [
+            one
+            for one, size in self._sizes.items()
+            if self._is(one, size, abs(value))
+            and (self._loops or one.at in _places(line, value))
+            and self._reaches(one, moved)
+        ]
+        if not 0 < len(same) <= _ALIKE:
+            return None
+        ways = [(one, self._ways.way(one)) for one in same]
+        if all(way is None for _, way in ways):
+            return "proven"
+        if moved.any() and all(way is None or self._unsteady.always(one, way) for one, way in ways):
+            return "by rounding"
+        return None
+
+    def _is(self, one: Mutant, size: float, value: float) -> bool:
+        """Whether a number may be this constant, or a divisor where it is a factor."""
+        if np.isclose(size, value, rtol=_SAME, atol=0):
+            return True
+        factor = self._step.graph.nodes[one.node].op == "mul"
+        return factor and bool(np.isclose(size, 1 / value, rtol=1e-6, atol=0))
+
+    def _reaches(self, one: Mutant, moved: np.ndarray) -> bool:
+        """Whether all these results depend on a constant."""
+        if not moved.any():
+            return True
+        after = self._step.after([one.node])
+        own = np.array([[root in after] for root in self._step.roots], float)
+        return not (moved & (_in_c(self._step, self._plain, own)[0] == 0)).any()
+
+
+def _places(line: str, value: float) -> Sequence[int]:
+    """Which operands a number may be, by what stands before it, in C without loops."""
+    numbers = [(float(one[1]), one[0][0]) for one in re.finditer(rf"[^\w.]\s*\(?-?{NUMBER}", line)]
+    before = [sign for size, sign in numbers if np.isclose(size, abs(value), rtol=1e-7, atol=0)]
+    places: Mapping[str, Sequence[int]] = {"?": [1], ":": [2]}
+    return places.get(before[0], range(3)) if len(before) == 1 else range(3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +142,7 @@ class _Looked:
 def effects(
     step: Step,
     around: Around,
-    undetected: Collection[Mutant],
+    undetected: Sequence[Mutant],
     plain: Changed,
     wide: Changed,
     hidden: dict[int, str],
@@ -89,26 +158,30 @@ def effects(
         hidden: the numbers, with the line of each.
     """
     draw = np.random.default_rng(5)
-    looked = list(_looked(step, around, plain, draw)) if hidden else []
-    ways = Ways(step.graph, step.order, step.roots)
+    looked = list(_looked(step, around, undetected, plain, draw)) if hidden else []
+    proofs = _Proofs(step, undetected, plain)
     for number, line in hidden.items():
         multiple = max((_multiple(plain, number, one) for one in looked), default=0.0)
         kind: Kind = "missed"
         if multiple < 1:
-            some = looked[:1] + looked[-1:] if len(step.order) > LONG else looked
+            some = looked[:1] + looked[_DRAWN // 2 :] if len(step.order) > LONG else looked
             if any(_acts(plain, wide, number, one, CHANGE) for one in some):
                 kind = "below tolerance"
             elif any(_acts(plain, wide, number, one, _TWICE) for one in some):
                 kind = "only doubled"
             else:
-                kind = _unseen(step, around, plain, wide, number, draw)
-                if _proven(step, ways, undetected, plain.value(number)):
-                    kind = "proven"
+                moved = _unseen(step, around, plain, wide, number, draw)
+                kind = "not reached" if moved.any() else "without effect"
+                kind = proofs.kind(line, plain.value(number), moved) or kind
         yield Effect(line, kind, multiple)
 
 
 def _looked(
-    step: Step, around: Around, plain: Changed, draw: np.random.Generator
+    step: Step,
+    around: Around,
+    undetected: Sequence[Mutant],
+    plain: Changed,
+    draw: np.random.Generator,
 ) -> Iterator[_Looked]:
     """Steps near and far; of long ones those in which the C is well within what is allowed.
 
@@ -116,9 +189,10 @@ def _looked(
     """
     program, own = step.program, len(around.states)
     long = len(step.order) > LONG
-    few, many = (2, _DRAWN // 2) if long else (16, _DRAWN)
+    few, many = (4, _DRAWN // 2) if long else (16, _DRAWN)
     batches = [around.drawn(draw, _BATCH) for _ in range(many)]
-    for batch in [*batches, *islice(beside_limits(step, around, draw), few)]:
+    wanted = {one.node for one in undetected if one in step.limits} if long else None
+    for batch in [*batches, *islice(beside_limits(step, around, draw, wanted), few)]:
         states, samples = (rounded(part, program.precision) for part in batch)
         given = by_node(program, states, samples)
         right = expected(step, given, draw)
@@ -152,15 +226,15 @@ def _multiple(plain: Changed, number: int, looked: _Looked) -> float:
 def _acts(plain: Changed, wide: Changed, number: int, looked: _Looked, change: float) -> bool:
     """Whether a change moves a result."""
     given = number, change, looked.states, looked.samples
-    return _shows(wide.moved(*given), plain.moved(*given))
+    return bool(_shows(wide.moved(*given), plain.moved(*given)).any())
 
 
-def _shows(found: Moved, rounded: Moved) -> bool:
-    """Whether a result moves with 113 bits, and not by rounding, which fewer bits show more."""
+def _shows(found: Moved, rounded: Moved) -> np.ndarray:
+    """Which results move with 113 bits, and not by rounding, which fewer bits show more."""
     exact, coarse = _shares(found), _shares(rounded)
-    missing = bool(np.isinf(exact).any() and np.isinf(coarse).any())
-    largest, by_rounding = (one[np.isfinite(one)].max(initial=0) for one in (exact, coarse))
-    return missing or bool(largest > max(_NONE, _ROUNDING * by_rounding))
+    by_rounding = coarse[np.isfinite(coarse)].max(initial=0)
+    moves = np.isfinite(exact) & (exact > max(_NONE, _ROUNDING * by_rounding))
+    return np.asarray((moves | (np.isinf(exact) & np.isinf(coarse).any())).any(axis=0))
 
 
 def _shares(found: Moved) -> np.ndarray:
@@ -176,8 +250,8 @@ def _unseen(
     wide: Changed,
     number: int,
     draw: np.random.Generator,
-) -> Kind:
-    """Whether a number has an effect under any decisions, whether a state takes them or not.
+) -> np.ndarray:
+    """The results that a number moves under any decisions, whether a state takes them or not.
 
     Decisions are taken at random; one that the number may turn is taken otherwise with it.
     """
@@ -192,12 +266,14 @@ def _unseen(
 
     for change in (CHANGE, _TWICE, *_LARGE):
         one = found(wide, change, forces)
-        if change in (CHANGE, _TWICE) and _shows(one, found(plain, change, forces)):
-            return "not reached"
+        moved = _shows(one, found(plain, change, forces))
+        if change in (CHANGE, _TWICE) and moved.any():
+            return moved
         turned |= one.turned.any(axis=0)
     for k in np.flatnonzero(turned):
         sides = [forces.copy(), forces.copy()]
         sides[0][:, k], sides[1][:, k] = -1, 1
-        if _shows(found(wide, CHANGE, *sides), found(plain, CHANGE, *sides)):
-            return "not reached"
-    return "without effect"
+        moved = _shows(found(wide, CHANGE, *sides), found(plain, CHANGE, *sides))
+        if moved.any():
+            return moved
+    return np.zeros(len(moved), bool)

@@ -18,7 +18,8 @@ from tuner.code.operations import Kind
 from tuner.code.selftest_tables import stored
 from tuner.code.states import Arrays
 
-_NUMBER = r"(?<![\w.])(\d+\.\d*(?:e[-+]?\d+)?|\d+e[-+]?\d+)f?\b"
+NUMBER = r"(?<![\w.])(\d+\.\d*(?:e[-+]?\d+)?|\d+e[-+]?\d+)f?\b"
+"""A number that is not whole in C."""
 _COMPARISON = r"(?<!-)[<>]|==|!="
 _FUNCTIONS = re.findall(
     r"\w+",
@@ -107,14 +108,14 @@ def changeable(source: str, real: Precision) -> tuple[str, list[str]]:
     tables = re.compile(rf"static {real} (\w+)\[\d+\] = {{(.*?)}};", re.DOTALL)
     parts, end = [], 0
     for table in tables.finditer(source):
-        parts += [re.sub(_NUMBER, in_memory, source[end : table.start()]), table[0]]
+        parts += [re.sub(NUMBER, in_memory, source[end : table.start()]), table[0]]
         end = table.end()
         for k, entry in enumerate(table[2].split(",")):
-            value = re.search(_NUMBER, entry)
+            value = re.search(NUMBER, entry)
             if value and float(value[1]) != 0:
                 places.append(f"&{table[1]}[{k}]")
                 lines.append(f"{table[1]}[{k}] = {value[0]}")
-    parts.append(re.sub(_NUMBER, in_memory, source[end:]))
+    parts.append(re.sub(NUMBER, in_memory, source[end:]))
     head = f"static {real} numbers[] = {{{', '.join(numbers) or '0'}}};"
     ends = [f"{real} *place(int k)", "{"]
     ends += [f"    static {real} *const places[] = {{{', '.join([*places, '0'])}}};"]

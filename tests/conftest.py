@@ -117,9 +117,9 @@ def first_steps(monkeypatch):
 
     That is most of the time of making C.
     """
-    monkeypatch.setattr("tuner.code.search._FEW", 1)
-    monkeypatch.setattr("tuner.code.search._OPERATIONS", 0)
-    monkeypatch.setattr("tuner.code.search.beside_limits", lambda *_, by_one=True: iter(()))
+    monkeypatch.setattr("tuner.code.batches._FEW", 1)
+    monkeypatch.setattr("tuner.code.batches._OPERATIONS", 0)
+    monkeypatch.setattr("tuner.code.batches.beside_limits", lambda *_, by_one=True: iter(()))
 
 
 @pytest.fixture(autouse=True)

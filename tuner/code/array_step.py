@@ -145,12 +145,16 @@ class Step:
 
     def _after(self, changed: Collection[int]) -> Iterator[Work]:
         """Some nodes and those that depend on them, in order."""
+        return map(self._work_of.__getitem__, sorted(self.after(changed)))
+
+    def after(self, changed: Collection[int]) -> set[int]:
+        """Some nodes and those that depend on them."""
         seen, open_ = set(changed), list(changed)
         while open_:
             more = [k for k in self._users.get(open_.pop(), ()) if k not in seen]
             seen.update(more)
             open_ += more
-        return map(self._work_of.__getitem__, sorted(seen))
+        return seen
 
     @cached_property
     def _work_of(self) -> dict[int, Work]:

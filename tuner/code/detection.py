@@ -1,7 +1,7 @@
 """Whether a constant that is changed shows in the results of a step, beyond rounding."""
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -112,15 +112,26 @@ def allowed(step: Step, right: Expected) -> np.ndarray:
     return np.asarray(strays * right.strays + SHARE * size)
 
 
-def agree(step: Step, right: Expected, found: np.ndarray) -> np.ndarray:
-    """Which steps of another implementation are well within the tolerance, ``(B,)``.
+def with_others(step: Step, right: Expected, found: Sequence[np.ndarray]) -> Expected:
+    """The same, with results of another implementation, which count as another rounding.
 
-    Its operations may be in another order, as those of C with loops are.
+    Where one has a number and the other none, a step is not steady; nor is a long one in which it
+    is not well within the tolerance: its order of operations may be another, as in C with loops.
+
+    Args:
+        step: the filter's.
+        right: its results.
+        found: those of the other implementation, ``(roots, B)``, by each half of symmetric ones.
     """
-    with np.errstate(invalid="ignore"):
-        apart = np.nan_to_num(np.abs(found - right.exact), posinf=0, neginf=0)
-    same = (np.isnan(found) == np.isnan(right.exact)).all(axis=0)
-    return np.asarray(same & (apart <= allowed(step, right) / 4).all(axis=0))
+    steady, strays = right.steady, right.strays
+    for other in found:
+        with np.errstate(invalid="ignore"):
+            apart = np.nan_to_num(np.abs(other - right.exact), posinf=0, neginf=0)
+        steady = steady & (np.isnan(other) == np.isnan(right.exact)).all(axis=0)
+        if len(step.order) > LONG:
+            steady &= (apart <= allowed(step, right) / 4).all(axis=0)
+        strays = np.maximum(strays, apart)
+    return replace(right, strays=strays, steady=steady)
 
 
 def detected(
@@ -142,16 +153,20 @@ def detected(
 
 
 def moves(
-    step: Step, right: Expected, draw: np.random.Generator, whole: Collection[int] = ()
+    step: Step,
+    right: Expected,
+    draw: np.random.Generator,
+    whole: Collection[int] = (),
+    uses: Sequence[Mutant] = (),
 ) -> dict[Mutant, np.ndarray]:
     """By how much each constant moves the results, over their tolerances, to first order.
 
-    So do operations that are changed as a whole.
+    So do operations that are changed as a whole, and others where one operation uses them.
 
     The root of the sum of squares, ``(B,)``; 0 in steps that are not compared.
     """
     good = comparable(step, right)
-    found = sensitivities(step, right.values, allowed(step, right), draw, whole)
+    found = sensitivities(step, right.values, allowed(step, right), draw, whole, uses)
     return {one: np.where(good, size, 0.0) for one, size in found.items()}
 
 

@@ -7,7 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from tuner.code.array_step import Step
-from tuner.code.mutants import Mutant
+from tuner.code.detection import LONG
+from tuner.code.mutants import Mutant, uses_of
 from tuner.code.needed import Way, Ways
 
 _MET = 16
@@ -24,12 +25,15 @@ class Hidden:
     Attributes:
         mutants: these, but those of which is proven that they have no effect.
         idle: those without any effect so far, the latter among them.
+        uses: of results with a constant, in long steps; those that did not show yet.
     """
 
     def __init__(self, step: Step) -> None:
         self._step = step
         self.mutants: list[Mutant] = list(step.mutants)
         self.idle = set(self.mutants)
+        long = len(step.order) > LONG
+        self.uses = set(uses_of(step.graph, step.order, self.mutants) if long else ())
         self._proven = set[Mutant]()
         self._known = dict[Mutant, Way | None]()
         self._met = Counter[Mutant]()

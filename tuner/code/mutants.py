@@ -74,6 +74,25 @@ def limits_of(graph: Graph, order: Sequence[int], roots: Sequence[int]) -> set[M
     }
 
 
+def uses_of(graph: Graph, order: Sequence[int], mutants: Sequence[Mutant]) -> list[Mutant]:
+    """Where results of operations with a constant are used, if more than one operation does.
+
+    Formulas have such a result once. C with loops works some of them out each time anew, with a
+    number of its own.
+
+    Args:
+        graph: of a step.
+        order: its nodes.
+        mutants: its constants.
+    """
+    own, found = {one.node for one in mutants}, dict[int, list[Mutant]]()
+    for k in order:
+        for at, part in enumerate(graph.nodes[k].args):
+            if part in own:
+                found.setdefault(part, []).append(Mutant(k, at))
+    return [one for uses in found.values() if len(uses) > 1 for one in uses]
+
+
 def _changes(node: Node) -> bool:
     return bool(np.isfinite(node.value)) and node.value != 0
 

@@ -1,15 +1,14 @@
 """What has to be decided, and how, for a change of a constant to reach a result."""
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
+from tuner.code.decided import NOTHING, Decided, Facts
 from tuner.code.graph import Graph
-from tuner.code.mutants import Mutant
+from tuner.code.mutants import CHANGE, Mutant
 from tuner.code.operations import STEPPED
 
-Decided: TypeAlias = frozenset[tuple[int, bool]]
-"""Truth values, and what they are."""
-_NOTHING: Decided = frozenset()
+_ORDERS = ("lt", "le", "gt", "ge")
 
 
 class Way(NamedTuple):
@@ -35,11 +34,8 @@ class Ways:
 
     def __init__(self, graph: Graph, order: Sequence[int], roots: Sequence[int]) -> None:
         self._graph, self._roots = graph, roots
-        self._users: dict[int, list[int]] = {}
-        for k in order:
-            for part in set(graph.nodes[k].args):
-                self._users.setdefault(part, []).append(k)
-        self._facts: dict[tuple[int, bool], Decided | None] = {}
+        self._users = users_of(graph, order)
+        self._facts = Facts(graph, self._users)
 
     def way(self, one: Mutant) -> Way | None:
         """The way from a constant; None: a change reaches no result, whatever is decided.
@@ -49,6 +45,8 @@ class Ways:
         result counts what all have in common. All numbers are finite, or missing.
         """
         nodes = self._graph.nodes
+        if self._scales_its_own_limit(one):
+            return None
         found, moving, turned = dict[int, Decided](), set[int](), set[int]()
         for k in self._after(one.node):
             ways = list(self._own(one) if k == one.node else self._ways(k, found))
@@ -58,10 +56,22 @@ class Ways:
             if k == one.node or not moving.isdisjoint(nodes[k].args):
                 (turned if nodes[k].op in STEPPED else moving).add(k)
         ends = [found[root] for root in self._roots if root in found]
-        if not ends:
+        needed = self._facts.closed(frozenset.intersection(*ends)) if ends else None
+        if needed is None:
             return None
         smooth = any(root in moving for root in self._roots)
-        return Way(frozenset.intersection(*ends), frozenset(() if smooth else turned))
+        return Way(needed, frozenset(() if smooth else turned))
+
+    def _scales_its_own_limit(self, one: Mutant) -> bool:
+        """Whether a number is only compared with a share of itself: its sign decides."""
+        nodes = self._graph.nodes
+        node, share = nodes[one.node], float(nodes[nodes[one.node].args[one.at]].value)
+        own, users = {one.node, *node.args} - {node.args[one.at]}, self._users.get(one.node, ())
+        if node.op != "mul" or not 0 < share * (1 + CHANGE) < 1:
+            return False
+        return one.node not in self._roots and all(
+            nodes[k].op in _ORDERS and set(nodes[k].args) == own for k in users
+        )
 
     def _after(self, first: int) -> list[int]:
         """The nodes that depend on one, itself included, in order."""
@@ -73,7 +83,7 @@ class Ways:
         return sorted(seen)
 
     def _own(self, one: Mutant) -> Iterator[Decided]:
-        node, way = self._graph.nodes[one.node], _NOTHING
+        node, way = self._graph.nodes[one.node], NOTHING
         own = self._through(way, one.node, one.at, {node.args[one.at]: way})
         if own is not None:
             yield own
@@ -89,11 +99,11 @@ class Ways:
         """The way on by an operand of an operation; None: it ends there."""
         node = self._graph.nodes[k]
         if node.op == "choose" and at > 0:
-            return self._with(way, node.args[0], at == 1)
+            return self._facts.joined(way, node.args[0], at == 1)
         if len(node.args) == 2:
             other = node.args[1 - at]
             if node.op in ("and", "or") and other not in found:
-                return self._with(way, other, node.op == "and")
+                return self._facts.joined(way, other, node.op == "and")
             if node.op == "mul" or (node.op == "div" and at == 1):
                 return self._unless_zero(way, other)
         return way
@@ -104,7 +114,7 @@ class Ways:
         if node.op == "choose":
             for at in (1, 2):
                 if self._graph.is_constant(node.args[at], 0):
-                    return self._with(way, node.args[0], at == 2)
+                    return self._facts.joined(way, node.args[0], at == 2)
             return way
         count = {"mul": 2, "neg": 1, "div": 1}.get(node.op, 0)
         for part in node.args[:count]:
@@ -114,27 +124,11 @@ class Ways:
             found = more
         return found
 
-    def _with(self, way: Decided, k: int, value: bool) -> Decided | None:
-        """One decision more; None: it contradicts another one."""
-        more = self._fact(k, value)
-        if more is None or any((j, not truth) in way for j, truth in more):
-            return None
-        return way | more
 
-    def _fact(self, k: int, value: bool) -> Decided | None:
-        """What follows from a truth value, itself included; None: it is never so."""
-        if (k, value) not in self._facts:
-            self._facts[k, value] = self._worked_out(k, value)
-        return self._facts[k, value]
-
-    def _worked_out(self, k: int, value: bool) -> Decided | None:
-        node = self._graph.nodes[k]
-        if node.op == "constant":
-            return _NOTHING if bool(node.value) == value else None
-        found: Decided | None = frozenset({(k, value)})
-        follow = {"not": True, "and": value, "or": not value}.get(node.op, False)
-        for part in node.args if follow else ():
-            found = self._with(found or _NOTHING, part, value != (node.op == "not"))
-            if found is None:
-                break
-        return found
+def users_of(graph: Graph, order: Sequence[int]) -> dict[int, list[int]]:
+    """The operations that use each node."""
+    found: dict[int, list[int]] = {}
+    for k in order:
+        for part in set(graph.nodes[k].args):
+            found.setdefault(part, []).append(k)
+    return found

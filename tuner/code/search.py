@@ -1,36 +1,30 @@
 """Steps in which a wrong constant shows: a search from states near a filter's own and far off."""
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import islice
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 
 from tuner.code.array_step import Given, Step
+from tuner.code.batches import batches
+from tuner.code.chosen import Also, Chosen
 from tuner.code.detection import (
     LONG,
     SAFE,
     Expected,
-    agree,
     comparable,
     detected,
     expected,
     moves,
     plain,
+    with_others,
 )
 from tuner.code.hidden import Hidden
-from tuner.code.limits import beside_limits
-from tuner.code.mutants import WHOLE
+from tuner.code.mutants import WHOLE, Mutant
 from tuner.code.states import Around, Arrays, by_node, rounded
 from tuner.code.together import Inverses, Together
 
-_BATCH, _ROUNDS, _FEW = 64, 12, 4
-"""States looked at together, and how often: at most, and in the longest steps."""
-_LEAST = 4
-"""Rounds at least, before only steps beside limits are looked at."""
-_OPERATIONS = 72_000
-"""Operations that are looked at in all rounds together."""
 _TOGETHER = 96
 """Limits of a long step that are changed together."""
 _CLEAR = 10.0
@@ -45,7 +39,7 @@ class Found:
 
     Attributes:
         states, samples: a field each, ``(C, ...)``.
-        count: C.
+        chosen: the same, with what shows in each.
         tried: number of states that were looked at.
         idle: number of constants that had no effect in any of them: not even doubled, or in a long
             step by their derivatives.
@@ -53,60 +47,67 @@ class Found:
 
     states: Arrays
     samples: Arrays
-    count: int
+    chosen: Chosen
     tried: int
     idle: int
 
 
-def search(step: Step, around: Around, most: int, by_jax: Results) -> Found:
-    """At most so many steps that together show as many constants as can be.
+def search(step: Step, around: Around, by_jax: Results) -> Found:
+    """Steps that together show as many constants as can be.
 
     Args:
         step: the filter's.
         around: where states are drawn.
-        most: number of steps.
         by_jax: JAX's results of steps, with which those of a long step have to agree.
     """
-    draw, tried, chosen, gains = np.random.default_rng(0), 0, list[Arrays](), list[int]()
+    draw, tried, chosen = np.random.default_rng(0), 0, Chosen()
     program, hidden, together, inverses = step.program, Hidden(step), Together(step), Inverses(step)
-    for drawn, beside in _batches(step, around, draw, hidden):
+    for drawn, beside in batches(step, around, draw, hidden):
         if not hidden.mutants:
             break
         states, samples = (rounded(part, program.precision) for part in drawn)
         given = by_node(program, states, samples)
         tried += len(next(iter(given.values()), ()))
         if len(step.order) > LONG:
-            right = expected(step, given, draw)
-            same = [agree(step, right, found) for found in by_jax(states, samples)]
-            right = replace(right, steady=np.logical_and.reduce([right.steady, *same]))
+            right = with_others(step, expected(step, given, draw), by_jax(states, samples))
             good = comparable(step, right)
             if not good.any():
                 continue
             right = right.of(good)
             states, samples = ([x[good] for x in part] for part in (states, samples))
-            shows = _by_derivatives(step, right, hidden, draw, together, beside)
-            together.take([*states, *samples])
+            shows, also, used = _by_derivatives(step, right, hidden, draw, together, beside)
+            together.take([*states, *samples], also)
             if beside:
-                inverses.look(right, [*states, *samples])
+                inverses.look(right, [*states, *samples], also)
         else:
-            shows = _by_changes(step, given, hidden, draw)
-        while shows.any():
-            best = int(shows.sum(axis=0).argmax())
-            gains.append(int(shows[:, best].sum()))
-            chosen.append([x[best] for x in (*states, *samples)])
+            shows, also, used = _by_changes(step, given, hidden, draw), _nothing, {}
+        while shows.any() or used:
+            best = int(shows.sum(axis=0).argmax()) if shows.any() else _commonest(used)
+            own = [hidden.mutants[k] for k in np.flatnonzero(shows[:, best])]
+            more = [one for one, row in used.items() if row[best]]
+            chosen.take([x[best] for x in (*states, *samples)], [*own, *also(best)], [], more)
             rest = np.logical_not(shows[:, best])
             hidden.leave(rest)
-            shows = shows[rest]
+            hidden.uses.difference_update(more)
+            shows, used = shows[rest], {one: row for one, row in used.items() if not row[best]}
         if len(step.order) <= LONG:
             hidden.leave_proven()
 
-    for gain, more in ((1, inverses.steps()), (0, together.steps())):
-        for one in more:
-            chosen.append(one)
-            gains.append(gain)
-    kept = np.sort(np.argsort(-np.array(gains, int), kind="stable")[:most])
-    whole, own = _by_fields(step, [chosen[at] for at in kept]), len(program.state)
-    return Found(whole[:own], whole[own:], len(kept), tried, len(hidden.idle))
+    for one, shown in inverses.steps():
+        chosen.take(one, shown)
+    for one, shown, groups in together.steps():
+        chosen.take(one, shown, groups)
+    whole, fields = _by_fields(step, chosen.steps), len(program.state)
+    return Found(whole[:fields], whole[fields:], chosen, tried, len(hidden.idle))
+
+
+def _commonest(shown: Mapping[Mutant, np.ndarray]) -> int:
+    """The step in which most of these show."""
+    return int(np.sum(list(shown.values()), axis=0).argmax())
+
+
+def _nothing(_: int) -> list[Hashable]:
+    return []
 
 
 def _by_fields(step: Step, chosen: list[Arrays]) -> Arrays:
@@ -147,12 +148,14 @@ def _by_derivatives(
     draw: np.random.Generator,
     together: Together,
     beside: bool,
-) -> np.ndarray:
+) -> tuple[np.ndarray, Also, dict[Mutant, np.ndarray]]:
     """The same by derivatives, which take one pass for all constants; limits have none.
 
-    Factors of what is compared show beside limits, and are looked at only there.
+    Factors of what is compared show beside limits, and are looked at only there. Also what each
+    step shows, found before or not, and where uses of results show that did not yet.
     """
-    found = moves(step, right, draw, together.whole)
+    found = moves(step, right, draw, together.whole, sorted(hidden.uses))
+    used = {one: found.pop(one) > _CLEAR for one in sorted(hidden.uses)}
     sizes = np.array([found[one] for one in hidden.mutants])
     shows = sizes > _CLEAR
     where = step.limits if beside else step.own_limits
@@ -165,28 +168,6 @@ def _by_derivatives(
     hidden.idle -= {hidden.mutants[k] for k in moved}
     rest = {one for one, shown in zip(hidden.mutants, seen, strict=True) if not shown}
     together.look({one: x for one, x in found.items() if one in rest or one.at == WHOLE})
-    return shows
-
-
-def _batches(
-    step: Step, around: Around, draw: np.random.Generator, hidden: Hidden
-) -> Iterator[tuple[tuple[Arrays, Arrays], bool]]:
-    """States and samples, and whether they are beside limits."""
-    near, long = replace(around, wide=False), len(step.order) > LONG
-    rounds = max(_FEW, min(_ROUNDS, _OPERATIONS // len(step.order)))
-    for turn in range(rounds):
-        yield near.drawn(draw, _BATCH), False
-        if not long and turn + 1 >= _LEAST and hidden.only_at_limits:
-            break
-    if not long:
-        for moving in (False, True):
-            wanted = hidden.wanted(moving=moving)
-            batches = beside_limits(step, near, draw, wanted, by_one=moving)
-            yield from ((one, True) for one in batches)
-    else:
-        limits = {one.node for one in hidden.mutants if one in step.limits}
-        limits |= {k for k in step.order if step.graph.nodes[k].op == "round"}
-        batches = islice(beside_limits(step, near, draw, limits), rounds // 2)
-        yield from ((one, True) for one in batches)
-        if around.wide:
-            yield around.drawn(draw, _BATCH), False
+    clear = np.array([found[one] > _CLEAR for one in step.mutants])
+    used = {one: row for one, row in used.items() if row.any()}
+    return shows, lambda at: [step.mutants[k] for k in np.flatnonzero(clear[:, at])], used

@@ -22,6 +22,7 @@ def sensitivities(
     scales: np.ndarray,
     draw: np.random.Generator,
     whole: Collection[int] = (),
+    uses: Sequence[Mutant] = (),
 ) -> dict[Mutant, np.ndarray]:
     """By how much a change of each constant moves the results of steps, ``(B,)`` each.
 
@@ -35,8 +36,10 @@ def sensitivities(
         scales: a size of each result, ``(roots, B)``.
         draw: a generator.
         whole: operations whose results are changed by the same share, as if they had a factor.
+        uses: operands that are no constants and are changed by the same share, each where one
+            operation uses it.
     """
-    wanted = [*step.mutants, *(Mutant(k, WHOLE) for k in sorted(whole))]
+    wanted = [*step.mutants, *uses, *(Mutant(k, WHOLE) for k in sorted(whole))]
     nodes, rows = step.graph.nodes, _rows(wanted)
     squares = np.zeros((len(wanted), scales.shape[1]))
     with np.errstate(all="ignore"):
@@ -53,9 +56,9 @@ def sensitivities(
                 part = node.args[at]
                 share = _times(adjoint, _slope(node, step.functions[k], given, at))
                 if (k, at) in rows:
-                    moved = share * (CHANGE * nodes[part].value)
+                    moved = share * (CHANGE * values[part])
                     np.add.reduce(moved * moved, axis=0, out=squares[rows[k, at]])
-                else:
+                if nodes[part].op != "constant":
                     before = adjoints.get(part)
                     adjoints[part] = share if before is None else before + share
     return dict(zip(wanted, np.sqrt(squares / _WEIGHTINGS), strict=True))

@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from tuner.code.covariances import definite, largest, some_huge
 from tuner.code.fields import Field
 from tuner.code.literal import Precision
 from tuner.code.program import Program
@@ -29,8 +30,9 @@ class Around:
         states: states that a filter was in, a field each, ``(N, ...)``.
         samples: the sample that came then, a field each.
         resting: number of states, the last ones, in which nothing changed any more.
-        wide: whether covariances are much farther off than all else: what makes up for rounding
-            shows only there, and long steps have no time to be brought there.
+        wide: powers of ten that the precision has, where covariances are much farther off than all
+            else: what makes up for rounding shows only there, and long steps have no time to be
+            brought there. 0: they are not.
     """
 
     state: Sequence[Field]
@@ -38,7 +40,7 @@ class Around:
     states: Arrays
     samples: Arrays
     resting: int = 0
-    wide: bool = False
+    wide: float = 0.0
 
     def drawn(self, draw: np.random.Generator, count: int) -> tuple[Arrays, Arrays]:
         """States and samples, a field each, ``(count, ...)``."""
@@ -68,7 +70,7 @@ def _all_drawn(
     fields: Sequence[Field],
     near: Arrays,
     still: np.ndarray,
-    wide: bool = False,
+    wide: float = 0.0,
 ) -> Arrays:
     """Values near given ones, or farther off in all fields or in some.
 
@@ -83,7 +85,10 @@ def _all_drawn(
         off = np.where(some & (draw.random(count) < _SOME), 0.0, far)
         if f.half and wide:
             off = np.where(still[:count] | (draw.random(count) < 1 / 2), off, _WIDE)
-        found.append(_drawn(draw, f, x, off if f.half else np.where(still[:count], 0.0, off)))
+        values = _drawn(draw, f, x, off if f.half else np.where(still[:count], 0.0, off))
+        if f.half and wide:
+            values = some_huge(draw, x, values, wide)
+        found.append(values)
     return found
 
 
@@ -99,11 +104,11 @@ def _drawn(
         return np.where(far[axes] > _FAR, other, near)
     whole = (10 ** (far * draw.uniform(-1, 1, count)) * (draw.random(count) > _NOTHING))[axes]
     if len(field.shape) == 2 and field.shape[0] == field.shape[1]:
-        return _matrix(draw, near, far) * whole
+        return definite(draw, near, far) * whole
     each = 10 ** (
         (draw.choice([0.0, 0.5, 1.0], count) * far)[axes] * draw.uniform(-1, 1, near.shape)
     )
-    size = _size(near)[axes]
+    size = largest(near)[axes]
     moved = draw.choice([0.0, 0.01, 1.0], count)[axes] * (far[axes] > 0)
     empty = (
         (draw.random(near.shape) < 1 / 2) & (draw.random(count) < _SPARSE)[axes] & (far[axes] > 0)
@@ -111,22 +116,6 @@ def _drawn(
     with np.errstate(over="ignore", invalid="ignore"):  # what is no number is not tried
         found = (near + moved * size * draw.normal(size=near.shape)) * whole * each
     return np.where(empty, 0.0, found)
-
-
-def _size(near: np.ndarray) -> np.ndarray:
-    """The largest number in each, or one."""
-    size = np.abs(np.nan_to_num(near)).max(axis=tuple(range(1, near.ndim)), initial=0)
-    return np.where(size > 0, size, 1.0)
-
-
-def _matrix(draw: np.random.Generator, near: np.ndarray, far: np.ndarray) -> np.ndarray:
-    """Matrices that stay symmetric and definite where the given ones are."""
-    count, n = near.shape[:2]
-    scales = 10 ** (0.5 * far[:, None] * draw.uniform(-1, 1, (count, n)))
-    root = draw.normal(size=(count, n, n)) * np.sqrt(_size(near) / n)[:, None, None]
-    more = root @ root.transpose(0, 2, 1) * draw.choice([0.0, 0.1, 1.0], count)[:, None, None]
-    whole = near + more * (far[:, None, None] > 0)
-    return np.asarray(whole * scales[:, :, None] * scales[:, None, :])
 
 
 def _with_holes(draw: np.random.Generator, values: np.ndarray) -> np.ndarray:

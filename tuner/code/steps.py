@@ -9,7 +9,7 @@ import numpy as np
 
 from tuner.code.array_step import Step
 from tuner.code.at_rest import whereabouts
-from tuner.code.detection import LONG, agree, allowed, expected, undetected
+from tuner.code.detection import EPS, LONG, allowed, expected, undetected, with_others
 from tuner.code.fields import Field
 from tuner.code.mutants import Mutant
 from tuner.code.operations import kind_of
@@ -62,13 +62,16 @@ def searched_steps(
     """Steps in which constants show, with JAX's results."""
     step = Step(program)
     around = whereabouts(own, program.state, program.inputs, met, samples)
-    around = replace(around, wide=len(step.order) > LONG)
+    if len(step.order) > LONG:
+        around = replace(around, wide=-np.log10(EPS[program.precision]))
 
     def ran(states: Arrays, given: Arrays) -> tuple[Arrays, Arrays]:
         return _ran(own, jax.tree.structure(samples), states, given, wanted)
 
-    found = search(step, around, STEPS, lambda *given: _roots(program, *ran(*given)))
-    return _judged(step, found, around, *ran(found.states, found.samples)) if found.count else None
+    found = search(step, around, lambda *given: _roots(program, *ran(*given)))
+    if not found.chosen.steps:
+        return None
+    return _judged(step, found, around, *ran(found.states, found.samples))
 
 
 def _ran(
@@ -102,15 +105,9 @@ def _judged(step: Step, found: Found, around: Around, after: Arrays, outputs: Ar
     program = step.program
     given = by_node(program, found.states, found.samples)
     right = expected(step, given, np.random.default_rng(1))
-    same, strays = right.steady, right.strays
-    for by_jax in _roots(program, after, outputs):
-        with np.errstate(invalid="ignore"):
-            apart = np.nan_to_num(np.abs(by_jax - right.exact), posinf=0, neginf=0)
-        same = same & (np.isnan(by_jax) == np.isnan(right.exact)).all(axis=0)
-        if len(step.order) > LONG:  # whose C with loops is another order of operations, as JAX is
-            same &= agree(step, right, by_jax)
-        strays = np.maximum(strays, apart)
-    right = replace(right, strays=strays)
+    right = with_others(step, right, _roots(program, after, outputs))
+    kept = found.chosen.fewest(STEPS, right.steady.tolist())
+    same = np.isin(np.arange(len(right.steady)), kept)
     right = right.of(same)
     most, rest = by_field(program.state, allowed(step, right))
     most_out, _ = by_field(program.outputs, rest)

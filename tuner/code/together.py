@@ -5,11 +5,13 @@ move. And it divides by a number where the formulas multiply by its inverse, whi
 where the number becomes larger.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Hashable, Iterator, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
 from tuner.code.array_step import Step
+from tuner.code.chosen import Also
 from tuner.code.detection import EPS, Expected, detected
 from tuner.code.mutants import CHANGE, WHOLE, Mutant
 from tuner.code.nodes import Node
@@ -17,11 +19,21 @@ from tuner.code.states import Arrays
 
 _APART = 64
 """Nodes between equal constants from which they belong to different operations on arrays."""
-_LEAST = 2.0
-"""The move of equal constants together, over its tolerance, that is worth a step."""
+_LEAST, _AMPLE = 2.0, 8.0
+"""The move of equal constants together, over its tolerance, that is worth a step; and from which
+they need no other one."""
 
 _PART = 96
 """Factors that are changed together: what depends on none of them is not worked out."""
+
+
+class _Best(NamedTuple):
+    """The step in which a group moves most: by how much, and what else shows there."""
+
+    size: float
+    step: Arrays
+    shown: list[Hashable]
+    groups: list[int]
 
 
 class Together:
@@ -50,8 +62,9 @@ class Together:
         self._constantless = {*self.whole.values()} - {*self._group.values()}
         # What is zero but for rounding, as those sums are, was evaluated in double.
         self._rounding = EPS[step.program.precision] / EPS["double"]
-        self._best = dict[int, tuple[float, Arrays]]()
+        self._best = dict[int, _Best]()
         self._looked = dict[int, np.ndarray]()
+        self._sure = dict[int, np.ndarray]()
 
     def _halved(self) -> dict[int, int]:
         """Products of operations on arrays of which C takes half of the sum with the mirrored one.
@@ -85,7 +98,7 @@ class Together:
 
         Operations of which all constants show by themselves are left out.
         """
-        self._looked = {}
+        self._looked, self._sure = {}, {}
         hidden = {self._group[one] for one in moves if one.at != WHOLE}
         for one, size in moves.items():
             if one.at == WHOLE and self.whole[one.node] not in hidden | self._constantless:
@@ -93,19 +106,29 @@ class Together:
             group = self.whole[one.node] if one.at == WHOLE else self._group[one]
             moved = size * self._rounding if one.at == WHOLE else size
             self._looked[group] = self._looked.get(group, 0.0) + moved**2
+            if one.at != WHOLE or group in self._constantless:
+                self._sure[group] = self._sure.get(group, 0.0) + moved**2
 
-    def take(self, steps: Arrays) -> None:
-        """Keep those of these steps, a field each, that are the best so far."""
+    def take(self, steps: Arrays, also: Also) -> None:
+        """Keep those of these steps, a field each, that are the best so far.
+
+        Args:
+            steps: those of the last look.
+            also: what else each of them shows.
+        """
         for group, squares in self._looked.items():
             at = int(np.argmax(squares))
             size = float(np.sqrt(squares[at]))
-            if size >= _LEAST and size > self._best.get(group, (0.0, []))[0]:
-                self._best[group] = size, [x[at] for x in steps]
+            before = self._best.get(group)
+            if size >= _LEAST and (before is None or size > before.size):
+                ample = [k for k, more in self._sure.items() if more[at] >= _AMPLE**2]
+                groups = [group, *(k for k in ample if k != group)]
+                self._best[group] = _Best(size, [x[at] for x in steps], also(at), groups)
 
-    def steps(self) -> Iterator[Arrays]:
-        """The best steps, that of the largest moves first."""
-        for _, steps in sorted(self._best.values(), key=lambda one: -one[0]):
-            yield steps
+    def steps(self) -> Iterator[tuple[Arrays, list[Hashable], list[int]]]:
+        """The best steps, that of the largest moves first, and what constants and groups show."""
+        for one in sorted(self._best.values(), key=lambda one: -one.size):
+            yield one.step, one.shown, one.groups
 
 
 class Inverses:
@@ -119,21 +142,31 @@ class Inverses:
         nodes = step.graph.nodes
         self._step = step
         self._factors = [one for one in step.mutants if _is_factor(one, step.limits, nodes)]
-        self._found = list[Arrays]()
+        self._found = list[tuple[Arrays, list[Hashable]]]()
 
-    def look(self, right: Expected, steps: Arrays) -> None:
-        """Keep those of these steps, a field each, that show a factor that none did before."""
+    def look(self, right: Expected, steps: Arrays, also: Also) -> None:
+        """Keep those of these steps, a field each, that show a factor that none did before.
+
+        Args:
+            right: their results.
+            steps: the steps.
+            also: what else each of them shows.
+        """
         if not self._factors:
             return
         parts = [self._factors[at : at + _PART] for at in range(0, len(self._factors), _PART)]
         found = [detected(self._step, part, right, 2.0, change=-CHANGE) for part in parts]
         shows = np.concatenate(found)
         some = np.asarray(shows.any(axis=1))
-        self._found += [[x[at] for x in steps] for at in sorted({*shows[some].argmax(axis=1)})]
-        self._factors = [one for one, seen in zip(self._factors, some, strict=True) if not seen]
+        best = shows[some].argmax(axis=1)
+        seen = [one for one, shown in zip(self._factors, some, strict=True) if shown]
+        for at in sorted({*best.tolist()}):
+            own = [(one, "inverse") for one, k in zip(seen, best, strict=True) if k == at]
+            self._found.append(([x[at] for x in steps], [*also(at), *own]))
+        self._factors = [one for one, shown in zip(self._factors, some, strict=True) if not shown]
 
-    def steps(self) -> list[Arrays]:
-        """The steps."""
+    def steps(self) -> list[tuple[Arrays, list[Hashable]]]:
+        """The steps, and what they show."""
         return self._found
 
 

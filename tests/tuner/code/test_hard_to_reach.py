@@ -125,7 +125,7 @@ def test_what_cannot_pass_a_limit_counts_as_closer_the_closer_it_is():
 
 
 def test_a_divisor_that_only_decides_shows_made_larger_and_smaller(monkeypatch):
-    for module in ("detection", "search"):
+    for module in ("batches", "detection", "hidden", "search"):
         monkeypatch.setattr(f"tuner.code.{module}.LONG", 0)
     found = form("wrapped", Wrapped(), 0.5, RECORD).reference.steps
     assert not found.undetected
@@ -141,8 +141,9 @@ def test_steps_of_inverses_are_those_that_show_them():
     inverses = Inverses(step)
     steps = [np.array([0.0, 3.1 * (1 - 5e-4), 3.1 * (1 + 5e-4)]), np.zeros(3)]
     given = by_node(step.program, steps[:1], steps[1:])
-    inverses.look(expected(step, given, np.random.default_rng(0)), steps)
-    assert [float(one[0]) for one in inverses.steps()] == [steps[0][2]]
+    right = expected(step, given, np.random.default_rng(0))
+    inverses.look(right, steps, lambda at: [at])
+    assert [(float(one[0]), shown[0]) for one, shown in inverses.steps()] == [(steps[0][2], 2)]
 
 
 def test_constants_that_only_decide():

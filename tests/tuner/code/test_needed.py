@@ -135,3 +135,41 @@ def _value(node, args, given):
         "choose": lambda: args[1] if args[0] else args[2],
     }
     return functions[node.op]()
+
+
+def test_of_a_chosen_constant_that_would_decide_otherwise_the_other_is_chosen():
+    graph = Graph()
+    x, y = graph.input("x"), graph.input("y")
+    counts = graph.apply("gt", x, y)
+    zero = graph.constant(0.0)
+    variance = graph.choose(counts, zero, graph.apply("mul", y, y))
+    wrong = graph.apply("gt", variance, zero)
+    size = graph.choose(counts, graph.constant(3.5), y)
+    result = graph.choose(wrong, x, graph.apply("sin", size))
+    assert way(graph, graph.apply("add", result, graph.apply("mul", size, zero)), 3.5) is None
+    other = graph.choose(counts, y, graph.constant(2.5))
+    found = way(graph, graph.choose(wrong, x, graph.apply("sin", other)), 2.5)
+    assert found.needed == {(wrong, True), (counts, True)}
+
+
+def test_one_of_two_is_false_where_both_are_not_true():
+    graph = Graph()
+    x, y = graph.input("x"), graph.input("y")
+    zero = graph.constant(0.0)
+    above, other = graph.apply("gt", x, zero), graph.apply("ne", x, zero)
+    early = graph.apply("and", graph.apply("lt", y, x), above)
+    fresh = graph.apply("and", early, other)
+    missing = graph.apply("isnan", graph.choose(fresh, y, graph.constant(np.nan)))
+    seen = graph.choose(missing, graph.constant(3.5), zero)
+    assert way(graph, graph.choose(early, x, graph.apply("sin", seen)), 3.5) is None
+    assert way(graph, graph.choose(early, graph.apply("sin", seen), x), 3.5) is not None
+
+
+def test_a_share_of_a_number_that_it_is_compared_with_decides_nothing():
+    graph = Graph()
+    x, y = graph.input("x"), graph.input("y")
+    share = graph.apply("mul", x, graph.constant(0.25))
+    assert way(graph, graph.choose(graph.apply("gt", x, share), y, x), 0.25) is None
+    assert way(graph, graph.choose(graph.apply("gt", y, share), y, x), 0.25) is not None
+    large = graph.apply("mul", x, graph.constant(0.9995))
+    assert way(graph, graph.choose(graph.apply("gt", x, large), y, x), 0.9995) is not None

@@ -8,9 +8,10 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from tuner.code.chosen import Chosen
 from tuner.code.fields import Field
 from tuner.code.graph import Graph
-from tuner.code.mutants import Mutant
+from tuner.code.mutants import Mutant, mutants_of, uses_of
 from tuner.code.program import as_graph
 from tuner.code.rounding_errors import Noise
 from tuner.code.states import Around
@@ -65,11 +66,49 @@ def test_equal_constants_of_one_operation_are_one():
     together = Together(step)
     sizes = [np.array([0.9, 1.4, 0.1]), np.array([0.1, 1.4, 0.9]), np.array([0.2, 1.4, 0.2])]
     together.look(dict(zip(mutants, [*sizes, np.array([1.9, 0.0, 0.0])], strict=True)))
-    together.take([np.array([10.0, 11.0, 12.0])])
-    assert list(together.steps()) == [[11.0]]
+    together.take([np.array([10.0, 11.0, 12.0])], lambda at: [at])
+    assert list(together.steps()) == [([11.0], [1], [0])]
     together.look({mutants[-1]: np.array([0.0, 2.5])})
-    together.take([np.array([20.0, 21.0])])
-    assert list(together.steps()) == [[21.0], [11.0]]
+    together.take([np.array([20.0, 21.0])], lambda at: [])
+    assert list(together.steps()) == [([21.0], [], [3]), ([11.0], [1], [0])]
+    alike = [*sizes, np.array([0.9, 1.4, 0.1])]
+    together.look({one: 10 * size for one, size in zip(mutants, alike, strict=True)})
+    together.take([np.array([30.0, 31.0, 32.0])], lambda at: [])
+    assert list(together.steps()) == [([31.0], [], [0, 3]), ([31.0], [], [3, 0])]
+
+
+def test_few_steps_show_what_many_do():
+    chosen = Chosen()
+    for shown in ("ab", "bc", "cd", "abd", "e"):
+        chosen.take([np.array(len(chosen.steps))], shown)
+    chosen.take([np.array(5)], [], ["f", "g"])
+    everywhere = [True] * 6
+    assert chosen.fewest(1, everywhere) == [3]
+    assert chosen.fewest(4, everywhere) == [1, 3, 4, 5]
+    assert chosen.fewest(9, everywhere) == list(range(6))
+    assert chosen.fewest(3, [True, True, True, False, True, True]) == [0, 2, 4]
+
+
+def test_results_that_several_operations_use_are_looked_at_where_each_does():
+    graph = Graph()
+    x, y = graph.input("x"), graph.input("y")
+    twice = graph.apply("mul", x, graph.constant(2.5))
+    once = graph.apply("mul", y, graph.constant(0.3))
+    roots = [graph.apply("sin", twice), graph.apply("mul", twice, y), graph.apply("cos", once)]
+    order = graph.reached(roots)
+    found = uses_of(graph, order, list(mutants_of(graph, order)))
+    assert {one.node for one in found} == set(roots[:2])
+    assert all(graph.nodes[one.node].args[one.at] == twice for one in found)
+
+
+def test_some_huge_covariances_have_variances_alone():
+    states = [np.array([[[2.0, 1.0], [1.0, 3.0]]] * 20)]
+    around = Around([Field("P", (2, 2), "real", half=True)], [], states, [], wide=7.0)
+    (P,), _ = around.drawn(np.random.default_rng(0), 200)
+    huge = (P[:, 0, 1] == 0) & (P[:, 0, 0] > 0)
+    assert 0.3 < np.mean(huge) < 0.7
+    assert np.allclose(P[huge, 1, 1] / P[huge, 0, 0], 1.5)
+    assert (P[huge, 0, 0] >= 2e8).all()
 
 
 class Turning(NamedTuple):

@@ -184,7 +184,8 @@ def test_derivatives_tell_how_far_a_change_moves_a_result():
 
 def test_constants_of_long_steps_are_judged_by_derivatives(monkeypatch):
     monkeypatch.setattr("tuner.code.detection.LONG", 0)
-    monkeypatch.setattr("tuner.code.search.LONG", 0)
+    for module in ("batches", "hidden", "search"):
+        monkeypatch.setattr(f"tuner.code.{module}.LONG", 0)
     steps = form("bent", Bent(), 0.5, RECORD).reference.steps
     assert steps.constants - steps.detected <= 1
     assert len(steps.undetected) == steps.constants - steps.detected
