@@ -11,7 +11,7 @@ from jax import Array
 from filters import AnyFilter
 from objectives import Data, Objective, is_fold
 
-MEMORY = 12
+MEMORY = 7
 """Operations that take as long as storing a number of each sample and loading it again."""
 
 
