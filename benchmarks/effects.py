@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from benchmarks.numbers_in_c import NUMBER, Changed, Moved
+from benchmarks.unsteady import Unsteady
 from tuner.code.array_step import Step
 from tuner.code.detection import LONG, allowed, comparable, expected
 from tuner.code.limits import beside_limits
@@ -16,7 +17,6 @@ from tuner.code.mutants import CHANGE, Mutant
 from tuner.code.needed import Ways
 from tuner.code.selftest_tables import stored
 from tuner.code.states import Around, Arrays, by_field, by_node, rounded
-from tuner.code.unsteady import Unsteady
 
 Kind = Literal[
     "proven",

@@ -61,7 +61,7 @@ the rest (matrix exponentials, spectra). Derivatives are computed in one of two 
   computed.
 - **A pass over the record and one back**, for any number of parameters: from nine on always, from
   five on where it takes less time, in which a number that is stored and loaded again counts as
-  twelve operations. The way back is JAX's own derivative of the step, with the covariance's steps
+  seven operations. The way back is JAX's own derivative of the step, with the covariance's steps
   by hand (`filters.way_back`). What is stored of a sample, and what the pass back computes again
   from it, is that choice of all which takes least time (a minimum cut). Going back, a processor
   does not foresee what is read next: what is stored of a sample is fetched two samples ahead of its

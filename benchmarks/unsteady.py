@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from benchmarks.ranges import Ranges
 from tuner.code.array_step import Step
 from tuner.code.detection import EPS
 from tuner.code.mutants import CHANGE, Mutant
 from tuner.code.needed import Way, users_of
 from tuner.code.operations import COMPARE
-from tuner.code.ranges import Ranges
 
 _CLOSE, _ALONE = 5.0, 0.5
 """Widths over the rounding of the number that is compared: within the first all values are closer

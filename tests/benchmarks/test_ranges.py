@@ -5,12 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from benchmarks.ranges import Ranges
+from benchmarks.unsteady import Unsteady
 from tuner.code.graph import Graph
 from tuner.code.mutants import Mutant, mutants_of
 from tuner.code.needed import Way, Ways
 from tuner.code.operations import COMPARE
-from tuner.code.ranges import Ranges
-from tuner.code.unsteady import Unsteady
 
 
 def summed(graph, parts):
