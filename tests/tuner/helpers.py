@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
+from filters import LocalLevel
 from filters.declared import Channel
 from objectives import Data
 from tuner.data.source import Source
@@ -21,6 +22,20 @@ from tuner.run.comparison import claim, number
 from tuner.run.figure import Chart, Line
 from tuner.run.study import Claim, Plan, Study, Task, best
 from tuner.solvers import make_solver
+
+
+@dataclass(frozen=True)
+class OwnLevel:
+    """A level's filter of a user's own, which says nothing of its model."""
+
+    dt: float
+    params, inputs, outputs = LocalLevel.params, LocalLevel.inputs, LocalLevel.outputs
+
+    def init(self, params):
+        return LocalLevel(self.dt).init(params)
+
+    def step(self, params, state, inputs):
+        return LocalLevel(self.dt).step(params, state, inputs)
 
 
 @dataclass(frozen=True)

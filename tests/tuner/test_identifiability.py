@@ -1,6 +1,6 @@
 """What differences of measurements say of noise: against spectra, Riccati and simulation."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import jax.numpy as jnp
 import numpy as np
@@ -28,6 +28,7 @@ from filters import (
 from filters.declared import assembled
 from objectives import ChannelRmse, Data, InnovationLikelihood
 from tests.strategies import seeds
+from tests.tuner.helpers import OwnLevel
 from tuner import Covariance, Fixed, Positive, Problem, Space
 from tuner.identifiability.determined import determined, with_known_start
 from tuner.identifiability.linear_form import NoiseModel
@@ -358,24 +359,10 @@ def test_where_nothing_of_noise_is_left_it_begins_at_the_deviation():
     assert 1e-6 < np.exp(found.start[0]) < 0.1
 
 
-@dataclass(frozen=True)
-class OfNoModel:
-    """A level's filter that says nothing of its model."""
-
-    dt: float
-    params, inputs, outputs = LocalLevel.params, LocalLevel.inputs, LocalLevel.outputs
-
-    def init(self, params):
-        return LocalLevel(self.dt).init(params)
-
-    def step(self, params, state, inputs):
-        return LocalLevel(self.dt).step(params, state, inputs)
-
-
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"filter": OfNoModel(0.1)}, "has no known linear model"),
+        ({"filter": OwnLevel(0.1)}, "has no known linear model"),
         ({"objective": ChannelRmse("level")}, "not judged by the likelihood"),
         ({"data": Data(LevelSample(np.ones(1)), np.zeros(1))}, "too few to determine the noise"),
         (

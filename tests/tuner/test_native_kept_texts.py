@@ -1,7 +1,5 @@
 """C that was written once is called again without tracing anything, and gives the same numbers."""
 
-from dataclasses import dataclass
-
 import jax
 import numpy as np
 import pytest
@@ -9,6 +7,7 @@ import pytest
 from filters import ConstantVelocity, LocalLevel
 from objectives import Data, InnovationLikelihood
 from tests.tuner.code.compiled import needed
+from tests.tuner.helpers import OwnLevel
 from tests.tuner.model.documents import SHORT, made
 from tuner import Problem, Space
 from tuner.code.refused import NoCounterpartError
@@ -135,27 +134,13 @@ def test_c_that_differs_from_xla_is_not_used_though_it_is_kept(monkeypatch):
     assert (value, gradient.tolist()) == (wrong.by_xla(z)[0], wrong.by_xla(z)[1].tolist())
 
 
-@dataclass(frozen=True)
-class Foreign:
-    """A filter that is not this package's."""
-
-    dt: float
-    params, inputs, outputs = LocalLevel.params, LocalLevel.inputs, LocalLevel.outputs
-
-    def init(self, params):
-        return LocalLevel(self.dt).init(params)
-
-    def step(self, params, state, inputs):
-        return LocalLevel(self.dt).step(params, state, inputs)
-
-
 @pytest.mark.usefixtures("forced")
 def test_a_filter_of_the_user_s_own_is_traced_in_every_run(monkeypatch):
-    first = both(posed(Foreign(dt=0.1)))
+    first = both(posed(OwnLevel(dt=0.1)))
     new_process()
     traced, runner_of = [], compiled.runner_of
     monkeypatch.setattr(compiled, "runner_of", lambda *a: traced.append(a) or runner_of(*a))
-    assert both(posed(Foreign(dt=0.1))).tolist() == first.tolist()
+    assert both(posed(OwnLevel(dt=0.1))).tolist() == first.tolist()
     assert traced
 
 
@@ -179,7 +164,7 @@ def test_c_pays_sooner_where_it_is_kept(monkeypatch):
     monkeypatch.setenv("TUNER_NATIVE", "auto")
     monkeypatch.setattr(route, "KEPT_PAYS", -np.inf)
     assert both(posed()).size
-    foreign = posed(Foreign(dt=0.1))
+    foreign = posed(OwnLevel(dt=0.1))
     foreign.value_and_gradient(foreign.space.start())
     assert foreign.gradient_by.endswith("the record is too short for compiling C to pay")
     monkeypatch.delenv("TUNER_PROGRAMS")
