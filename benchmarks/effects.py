@@ -11,7 +11,7 @@ import numpy as np
 from benchmarks.numbers_in_c import NUMBER, Changed, Moved
 from benchmarks.unsteady import Unsteady
 from tuner.code.array_step import Step
-from tuner.code.detection import LONG, allowed, comparable, expected
+from tuner.code.expected import LONG, allowed, comparable, expected
 from tuner.code.limits import beside_limits
 from tuner.code.mutants import CHANGE, Mutant
 from tuner.code.needed import Ways

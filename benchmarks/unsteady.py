@@ -4,7 +4,7 @@ import numpy as np
 
 from benchmarks.ranges import Ranges
 from tuner.code.array_step import Step
-from tuner.code.detection import EPS
+from tuner.code.expected import EPS
 from tuner.code.mutants import CHANGE, Mutant
 from tuner.code.needed import Way, users_of
 from tuner.code.operations import COMPARE

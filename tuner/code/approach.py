@@ -5,7 +5,7 @@ import numpy as np
 from tuner.code.array_step import Step
 from tuner.code.bases import Bases, above, missing
 from tuner.code.by_one_entry import by_one_entry
-from tuner.code.detection import LONG
+from tuner.code.expected import LONG
 from tuner.code.states import Arrays
 from tuner.code.variations import varied
 

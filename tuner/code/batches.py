@@ -7,7 +7,7 @@ from itertools import islice
 import numpy as np
 
 from tuner.code.array_step import Step
-from tuner.code.detection import LONG
+from tuner.code.expected import LONG
 from tuner.code.hidden import Hidden
 from tuner.code.limits import beside_limits
 from tuner.code.states import Around, Arrays

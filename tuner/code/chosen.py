@@ -3,6 +3,8 @@
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from typing import TypeAlias
 
+import numpy as np
+
 from tuner.code.states import Arrays
 
 Also: TypeAlias = Callable[[int], list[Hashable]]
@@ -28,7 +30,13 @@ class Chosen:
     def take(self, step: Arrays, *shown: Iterable[Hashable]) -> None:
         """Add a step, a field each, with what it shows, the constants first."""
         self.steps.append(step)
-        self._shown.append([self._bits(some) for some in shown])
+        self._shown.append([self._bits(some) for some in shown or [()]])
+
+    def show(self, ones: Sequence[Hashable], where: np.ndarray) -> None:
+        """Add constants that show, with the steps in which each does, ``(M, C)``."""
+        for one, row in zip(ones, where, strict=True):
+            for at in np.flatnonzero(row).tolist():
+                self._shown[at][0] |= self._bits([one])
 
     def _bits(self, shown: Iterable[Hashable]) -> int:
         found = 0

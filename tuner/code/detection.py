@@ -1,155 +1,47 @@
 """Whether a constant that is changed shows in the results of a step, beyond rounding."""
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from tuner.code.array_step import Given, Step
+from tuner.code.array_step import Step
+from tuner.code.expected import LONG, Expected, allowed, comparable
 from tuner.code.mutants import CHANGE, Mutant
-from tuner.code.rounding_errors import Noise
 from tuner.code.sensitivity import sensitivities
 
-EPS = {"double": 2.0**-52, "float": 2.0**-23}
-SHARE = 4
-"""Tolerance of a number after one step over its size and the precision, beside that of rounding."""
-STRAYS, IN_LOOPS = 4, 16
-"""Tolerance over the largest effect of random rounding errors; in C with loops, whose operations
-are in another order."""
-LONG = 6000
-"""Operations of a step beyond which constants are judged by derivatives, which one pass gives for
-all of them, and changed one by one only in the end."""
-_CLEAR, _FAINT = 60.0, 0.5
-"""The root of summed squares of moves over their tolerances from which a constant shows whichever
-of the results share it, and below which it does not."""
-_PART, _REPEATS = 64, 6
-_MARGIN, SAFE = 8.0, 16.0
-"""Distance of two numbers that are compared, over the largest effect of rounding on it, from which
-other rounding errors decide alike; and in a search of short steps, which are judged once more."""
-_LARGEST = {"double": 1e60, "float": 1e12}
+FAINT, _CLEAR = 0.5, 60.0
+"""The root of summed squares of moves over their tolerances below which a constant shows in none of
+the results, and from which it does whichever of them share it."""
+_PART = 64
 
 
-@dataclass(frozen=True, eq=False)
-class Expected:
-    """Roots of steps without and with rounding errors.
-
-    Attributes:
-        exact: without, ``(roots, B)``.
-        strays: by how much rounding changes them.
-        steady: whether rounding is far from changing a decision, ``(B,)``.
-        values: all nodes without rounding errors, ``(B,)`` or ``(1,)`` each.
-    """
-
-    exact: np.ndarray
-    strays: np.ndarray
-    steady: np.ndarray
-    values: Mapping[int, np.ndarray]
-
-    def of(self, which: np.ndarray) -> "Expected":
-        """Those of some of the steps."""
-        values = {k: x[which] if len(x) == len(which) else x for k, x in self.values.items()}
-        return Expected(self.exact[:, which], self.strays[:, which], self.steady[which], values)
-
-
-def plain(step: Step, given: Given) -> Expected:
-    """The results of steps, without rounding errors."""
-    count = max(map(len, given.values()), default=1)
-    values = step.all_values(given)
-    found = [np.broadcast_to(values[k], count) for k in step.roots]
-    exact = np.array(found, float).reshape(-1, count)
-    return Expected(exact, np.zeros(exact.shape), np.ones(count, bool), values)
-
-
-def expected(
-    step: Step, given: Given, draw: np.random.Generator, margin: float = _MARGIN
-) -> Expected:
-    """The results of steps, and by how much rounding errors change them.
-
-    Args:
-        step: the filter's.
-        given: states and samples.
-        draw: a generator.
-        margin: distance of two numbers that are compared, over the largest effect of rounding on
-            it, from which a step is steady.
-    """
-    noisy = {k: np.zeros(1) for pair in step.decisions for k in pair}
-    noisy |= {k: np.zeros(1) for k in step.to_whole}
-    right = plain(step, given)
-    exact = right.exact
-    noise = Noise(draw, EPS[step.program.precision], _REPEATS)
-    runs = step.noisy_results(given, noise, noisy)
-    with np.errstate(all="ignore"):
-        apart = [np.abs(run - right) for run, right in zip(runs, exact, strict=True)]
-    strays = np.array([np.max(np.atleast_2d(one), axis=0) for one in apart]).reshape(exact.shape)
-    steady = _steady(step, right.values, noisy, exact.shape[1], margin)
-    return Expected(exact, np.where(np.isnan(exact), 0, strays), steady, right.values)
-
-
-def _steady(
-    step: Step,
-    decided: Mapping[int, np.ndarray],
-    noisy: Mapping[int, np.ndarray],
-    count: int,
-    least: float,
+def largest_moves(
+    step: Step, mutants: Sequence[Mutant], right: Expected, change: float = CHANGE
 ) -> np.ndarray:
-    """Whether no decision is within rounding of what is decided."""
-    steady = np.ones(count, bool)
-    with np.errstate(all="ignore"):
-        margins = [(decided[x] - decided[y], noisy[x] - noisy[y]) for x, y in step.decisions]
-        for x in step.to_whole:
-            half = np.floor(decided[x]) + 0.5
-            margins.append((decided[x] - half, noisy[x] - half))
-        for margin, other in margins:
-            moved = np.abs(np.atleast_2d(other - margin)).max(axis=0)
-            steady &= ~((moved > 0) & (np.abs(margin) < least * moved))
-    return steady
+    """The largest move of a result over its tolerance, by a change of each constant, ``(M, B)``.
 
-
-def allowed(step: Step, right: Expected) -> np.ndarray:
-    """The tolerance of each root, ``(roots, B)``."""
-    size = EPS[step.program.precision] * np.abs(np.nan_to_num(right.exact))
-    strays = IN_LOOPS if len(step.order) > LONG else STRAYS
-    return np.asarray(strays * right.strays + SHARE * size)
-
-
-def with_others(step: Step, right: Expected, found: Sequence[np.ndarray]) -> Expected:
-    """The same, with results of another implementation, which count as another rounding.
-
-    Where one has a number and the other none, a step is not steady; nor is a long one in which it
-    is not well within the tolerance: its order of operations may be another, as in C with loops.
-
-    Args:
-        step: the filter's.
-        right: its results.
-        found: those of the other implementation, ``(roots, B)``, by each half of symmetric ones.
+    0 in a step without finite results.
     """
-    steady, strays = right.steady, right.strays
-    for other in found:
-        with np.errstate(invalid="ignore"):
-            apart = np.nan_to_num(np.abs(other - right.exact), posinf=0, neginf=0)
-        steady = steady & (np.isnan(other) == np.isnan(right.exact)).all(axis=0)
-        if len(step.order) > LONG:
-            steady &= (apart <= allowed(step, right) / 4).all(axis=0)
-        strays = np.maximum(strays, apart)
-    return replace(right, strays=strays, steady=steady)
+    most = allowed(step, right)
+    found = np.zeros((len(mutants), right.exact.shape[1]))
+    with np.errstate(all="ignore"):
+        for k, row in enumerate(step.results(right.values, mutants, change)):
+            if row.ndim == 2:
+                apart = np.abs(row.astype(float) - right.exact[k]) / most[k]
+                other = np.isnan(row) != np.isnan(right.exact[k])
+                found = np.fmax(found, np.where(other, np.inf, apart))
+    return np.where(comparable(step, right), found, 0.0)
 
 
 def detected(
     step: Step,
-    mutants: list[Mutant],
+    mutants: Sequence[Mutant],
     right: Expected,
     margin: float,
     change: float = CHANGE,
 ) -> np.ndarray:
     """Which constants show in which steps, ``(M, B)``; none in a step without finite results."""
-    most = margin * allowed(step, right)
-    found = np.zeros((len(mutants), right.exact.shape[1]), bool)
-    with np.errstate(all="ignore"):
-        for k, row in enumerate(step.results(right.values, mutants, change)):
-            if row.ndim == 2:
-                apart = np.abs(row.astype(float) - right.exact[k])
-                found |= (apart > most[k]) | (np.isnan(row) != np.isnan(right.exact[k]))
-    return np.asarray(found & comparable(step, right))
+    return np.asarray(largest_moves(step, mutants, right, change) > margin)
 
 
 def moves(
@@ -179,8 +71,8 @@ def undetected(step: Step, right: Expected) -> list[Mutant]:
         return _unseen(mutants, detected(step, mutants, right, 1.0))
     found = moves(step, right, np.random.default_rng(2))
     size = {one: float(x.max()) for one, x in found.items()}
-    hidden = [one for one in mutants if one not in step.limits and size[one] <= _FAINT]
-    rest = [one for one in mutants if one in step.limits or _FAINT < size[one] <= _CLEAR]
+    hidden = [one for one in mutants if one not in step.limits and size[one] <= FAINT]
+    rest = [one for one in mutants if one in step.limits or FAINT < size[one] <= _CLEAR]
     for at in range(0, len(rest), _PART):
         part = rest[at : at + _PART]
         hidden += _unseen(part, detected(step, part, right, 1.0))
@@ -189,11 +81,3 @@ def undetected(step: Step, right: Expected) -> list[Mutant]:
 
 def _unseen(mutants: list[Mutant], shows: np.ndarray) -> list[Mutant]:
     return [one for one, row in zip(mutants, shows, strict=True) if not row.any()]
-
-
-def comparable(step: Step, right: Expected) -> np.ndarray:
-    """The steps to a finite state of numbers that are not too large."""
-    own = sum(field.size for field in step.program.state)
-    good = np.isfinite(right.exact[:own]).all(axis=0) & np.isfinite(right.strays).all(axis=0)
-    size = np.abs(np.nan_to_num(right.exact)).max(axis=0, initial=0)
-    return np.asarray(good & right.steady & (size < _LARGEST[step.program.precision]))

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from tuner.code.array_step import Step
-from tuner.code.detection import LONG
+from tuner.code.expected import LONG
 from tuner.code.mutants import Mutant, uses_of
 from tuner.code.needed import Way, Ways
 

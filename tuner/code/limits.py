@@ -14,7 +14,8 @@ from tuner.code.approach import beyond, close
 from tuner.code.array_step import Given, Step
 from tuner.code.bases import Bases, Compared
 from tuner.code.compared import ComparedNumbers, reaches
-from tuner.code.detection import LONG, detected, plain
+from tuner.code.detection import detected
+from tuner.code.expected import LONG, plain
 from tuner.code.mutants import OTHERWISE, Mutant
 from tuner.code.operations import COMPARE
 from tuner.code.states import Around, Arrays, by_node

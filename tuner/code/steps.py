@@ -9,7 +9,8 @@ import numpy as np
 
 from tuner.code.array_step import Step
 from tuner.code.at_rest import whereabouts
-from tuner.code.detection import EPS, LONG, allowed, expected, undetected, with_others
+from tuner.code.detection import largest_moves, undetected
+from tuner.code.expected import EPS, LONG, allowed, expected, with_others
 from tuner.code.fields import Field
 from tuner.code.mutants import Mutant
 from tuner.code.operations import kind_of
@@ -106,6 +107,7 @@ def _judged(step: Step, found: Found, around: Around, after: Arrays, outputs: Ar
     given = by_node(program, found.states, found.samples)
     right = expected(step, given, np.random.default_rng(1))
     right = with_others(step, right, _roots(program, after, outputs))
+    found.chosen.show(found.faint, largest_moves(step, found.faint, right) > 1)
     kept = found.chosen.fewest(STEPS, right.steady.tolist())
     same = np.isin(np.arange(len(right.steady)), kept)
     right = right.of(same)

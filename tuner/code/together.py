@@ -5,6 +5,7 @@ move. And it divides by a number where the formulas multiply by its inverse, whi
 where the number becomes larger.
 """
 
+from collections import Counter
 from collections.abc import Hashable, Iterator, Mapping
 from typing import NamedTuple
 
@@ -12,7 +13,8 @@ import numpy as np
 
 from tuner.code.array_step import Step
 from tuner.code.chosen import Also
-from tuner.code.detection import EPS, Expected, detected
+from tuner.code.detection import detected
+from tuner.code.expected import EPS, Expected
 from tuner.code.mutants import CHANGE, WHOLE, Mutant
 from tuner.code.nodes import Node
 from tuner.code.states import Arrays
@@ -43,6 +45,7 @@ class Together:
         step: whose constants they are.
 
     Attributes:
+        alone: constants that are the only ones of their operation.
         whole: products that formulas have once, and C as half a sum with an equal one, with their
             group.
     """
@@ -58,6 +61,8 @@ class Together:
             apart = before is None or one.node - before.node > _APART
             self._group[one] = len(self._group) if apart else self._group[last[key]]
             last[key] = one
+        count = Counter(self._group.values())
+        self.alone = {one for one, group in self._group.items() if count[group] == 1}
         self.whole = self._halved()
         self._constantless = {*self.whole.values()} - {*self._group.values()}
         # What is zero but for rounding, as those sums are, was evaluated in double.

@@ -13,7 +13,8 @@ from tuner.code.array_step import Step
 from tuner.code.bases import Bases, missing
 from tuner.code.by_one_entry import by_one_entry
 from tuner.code.compared import ComparedNumbers
-from tuner.code.detection import detected, expected, plain
+from tuner.code.detection import detected
+from tuner.code.expected import expected, plain
 from tuner.code.fields import Field
 from tuner.code.form import form
 from tuner.code.graph import Graph

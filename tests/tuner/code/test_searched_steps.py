@@ -9,7 +9,9 @@ import numpy as np
 from jax import Array
 
 from tuner.code.chosen import Chosen
+from tuner.code.faint import Faint
 from tuner.code.fields import Field
+from tuner.code.form import form
 from tuner.code.graph import Graph
 from tuner.code.mutants import Mutant, mutants_of, uses_of
 from tuner.code.program import as_graph
@@ -18,6 +20,18 @@ from tuner.code.states import Around
 from tuner.code.steps import _roots
 from tuner.code.together import Together
 from tuner.code.trace import traced
+
+
+@dataclass(frozen=True)
+class Curved:
+    """A sum of which a thousandth of the last term is hardly more than its rounding."""
+
+    def init(self, params):
+        return jnp.zeros((), jnp.asarray(params).dtype)
+
+    def step(self, params, state, inputs):
+        x = state + params * (inputs - state)
+        return x, jnp.cos(x) + 1.5 + 1e-11 * jnp.sin(x)
 
 
 def test_errors_are_small_and_of_their_own():
@@ -87,6 +101,44 @@ def test_few_steps_show_what_many_do():
     assert chosen.fewest(4, everywhere) == [1, 3, 4, 5]
     assert chosen.fewest(9, everywhere) == list(range(6))
     assert chosen.fewest(3, [True, True, True, False, True, True]) == [0, 2, 4]
+
+
+def test_steps_may_show_more_when_they_are_judged():
+    chosen = Chosen()
+    for shown in ("ab", "a", "b"):
+        chosen.take([np.zeros(1)], shown)
+    chosen.take([np.zeros(1)])
+    assert chosen.fewest(1, [True] * 4) == [0]
+    chosen.show(["c", "d"], np.array([[False, True, False, True], [False, False, False, True]]))
+    assert chosen.fewest(2, [True] * 4) == [0, 3]
+
+
+def test_of_constants_that_hardly_show_the_best_steps_are_kept():
+    faint, one, other = Faint(), Mutant(1, 0), Mutant(2, 0)
+    draw = np.random.default_rng(0)
+    sizes = {one: draw.uniform(0.0, 2.0, (3, 20)), other: np.full((3, 20), 0.6)}
+    for k in range(3):
+        moves = {key: rows[k] for key, rows in sizes.items()}
+        faint.look(moves, [np.arange(20.0) + 100 * k])
+    assert faint.mutants == [one]
+    best = np.argsort(-sizes[one].ravel())[:6]
+    assert [step[0] for step in faint.steps] == [float(100 * (k // 20) + k % 20) for k in best]
+    faint.leave([other])
+    assert not faint.mutants
+    assert not faint.steps
+
+
+def test_a_constant_that_only_just_shows_is_among_the_steps(monkeypatch):
+    for module in ("batches", "detection", "expected", "hidden", "search"):
+        monkeypatch.setattr(f"tuner.code.{module}.LONG", 0)
+    kept = []
+    shows = Chosen.show
+    monkeypatch.setattr(Chosen, "show", lambda *given: (kept.append(given[1:]), shows(*given)))
+    steps = form("curved", Curved(), 0.5, 0.1 * np.sin(np.arange(60.0))).reference.steps
+    ((mutants, where),) = kept
+    assert len(mutants) == 1
+    assert where.any()
+    assert mutants[0] not in steps.undetected
 
 
 def test_results_that_several_operations_use_are_looked_at_where_each_does():

@@ -14,8 +14,8 @@ from benchmarks.numbers_in_c import Changed, changeable
 from tests.tuner.code.compiled import compile_in, needed, ran
 from tests.tuner.export_cases import tuned
 from tuner.code.array_step import Step
-from tuner.code.detection import expected
 from tuner.code.document import files
+from tuner.code.expected import expected
 from tuner.code.form import Form, form, ready
 from tuner.code.graph import Graph
 from tuner.code.mutants import OTHERWISE, Mutant
@@ -183,8 +183,7 @@ def test_derivatives_tell_how_far_a_change_moves_a_result():
 
 
 def test_constants_of_long_steps_are_judged_by_derivatives(monkeypatch):
-    monkeypatch.setattr("tuner.code.detection.LONG", 0)
-    for module in ("batches", "hidden", "search"):
+    for module in ("batches", "detection", "expected", "hidden", "search"):
         monkeypatch.setattr(f"tuner.code.{module}.LONG", 0)
     steps = form("bent", Bent(), 0.5, RECORD).reference.steps
     assert steps.constants - steps.detected <= 1
