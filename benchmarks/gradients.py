@@ -30,7 +30,7 @@ from filters import (
 )
 from objectives import Data, InnovationLikelihood, Way, score, score_and_gradient
 from tuner import Positive, Problem, Space
-from tuner.native.compiler import NoCodeError, compiler
+from tuner.compiler import NoCodeError, compiler
 
 PART = "Likelihoods of Kalman filters and their gradients"
 LINEAR = ((4, 2, 1.7, 2.0), (9, 3, 1.3, 1.5), (15, 3, 1.0, 1.2), (24, 6, 1.6, 1.6))

@@ -16,7 +16,7 @@ from benchmarks.gradients import c_over_c, over_c
 from benchmarks.long_records import settled
 from benchmarks.processes import measure
 from benchmarks.whole_loops import large
-from tuner.native.compiler import NoCodeError
+from tuner.compiler import NoCodeError
 
 SAMPLES = 20_000
 LEAST_EFFECT = 3.0  # 10 to 70 is usual

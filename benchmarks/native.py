@@ -23,9 +23,9 @@ from benchmarks.work import Work
 from filters import LinearKalman, LinearModel, Sample, TiltKalman, TiltNoise, Transition
 from objectives import Data, InnovationLikelihood, Reading
 from tuner import Positive, Problem, Space, values_and_gradients
+from tuner.compiler import NoCodeError, compiler
 from tuner.native.backwards import Backwards
 from tuner.native.compiled import Native
-from tuner.native.compiler import NoCodeError, compiler
 
 PART = "Gradients by compiled C"
 SAMPLES, ROUNDS, POINTS = 20_000, 9, 256

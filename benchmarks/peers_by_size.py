@@ -14,7 +14,7 @@ import numpy as np
 from benchmarks.gradients import by_c, gradient_call, oscillators
 from benchmarks.table import Row, duration
 from benchmarks.timing import Call, interleave
-from tuner.native.compiler import NoCodeError
+from tuner.compiler import NoCodeError
 
 PART = "Gradients of likelihoods in other libraries"
 SIZES = ((4, 2, 20.0), (9, 3, 20.0), (15, 3, 7.0), (24, 6, 7.0))

@@ -21,9 +21,9 @@ from pathlib import Path
 
 import numpy as np
 
+from tuner.compiler import compiler
 from tuner.data.logs import compiled
 from tuner.data.logs.compiled import Form
-from tuner.native.compiler import compiler
 
 OPTIONS = ("-O2", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 LETTERS = b"0123456789" * 3 + b'....---++eE,,\n\n  \t\0\xff/:nan#%"'

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 from benchmarks.text_fuzz import right
 from tests.tuner.code.compiled import needed
 from tests.tuner.test_logs_regular import cells, loaded, numbers
+from tuner import compiler
+from tuner.compiler import NoCodeError
 from tuner.data.logs import compiled
 from tuner.data.logs.compiled import Form, by_scipy
 from tuner.data.logs.csv import open_csv
-from tuner.native import compiler
-from tuner.native.compiler import NoCodeError
 
 EITHER = object()
 

@@ -14,13 +14,13 @@ from filters import LinearKalman, LinearModel, Sample, Transition
 from objectives import Data, InnovationLikelihood, score_and_gradient
 from tests.filters.battery import CASES
 from tests.tuner.code.compiled import needed
-from tuner import Gradient, Positive, Problem, Space, values_and_gradients
+from tuner import Gradient, Positive, Problem, Space, compiler, values_and_gradients
 from tuner.cached import own
 from tuner.code.graph import TooLargeError
 from tuner.code.refused import NoCounterpartError
-from tuner.native import compiler, route
+from tuner.compiler import NoCodeError, library
+from tuner.native import route
 from tuner.native.compiled import Native
-from tuner.native.compiler import NoCodeError, library
 
 quickly = partial(jax.jit, compiler_options={"xla_backend_optimization_level": 0})
 N = 300

@@ -14,9 +14,9 @@ from tests.tuner.code.compiled import needed
 from tests.tuner.test_native import Weighed, at_end, quickly
 from tuner import Positive, Problem, Space
 from tuner.code.refused import NoCounterpartError
+from tuner.compiler import library
 from tuner.native import backwards, passes
 from tuner.native.backwards import Backwards
-from tuner.native.compiler import library
 
 N = 200
 

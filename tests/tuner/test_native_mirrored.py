@@ -5,7 +5,7 @@ import ctypes
 import numpy as np
 import pytest
 
-from tuner.native.compiler import NoCodeError, compiler, library
+from tuner.compiler import NoCodeError, compiler, library
 from tuner.native.filled import address
 from tuner.native.mirrored import mirrors
 

@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from tests.tuner.code.compiled import needed
-from tuner.native.compiler import library
+from tuner.compiler import library
 from tuner.native.sines import sines
 
 CALLED = """

@@ -39,10 +39,10 @@ def work_of(
     for part, k in last.items():
         if part not in ends:
             done.setdefault(k, []).append(part)
-    return [Work(k, nodes[k], functions[k], _is_rounded(nodes[k]), done.get(k, [])) for k in order]
+    return [Work(k, nodes[k], functions[k], is_rounded(nodes[k]), done.get(k, [])) for k in order]
 
 
-def _is_rounded(node: Node) -> bool:
+def is_rounded(node: Node) -> bool:
     """Whether an operation has a rounding error."""
     return node.kind == "real" and bool(node.args) and node.op not in _EXACT
 
@@ -66,8 +66,14 @@ def function_of(node: Node, nodes: Sequence[Node]) -> Callable[..., Any] | None:
         kind = {"real": float, "whole": int, "truth": bool}[node.kind]
         return lambda x: np.asarray(x, kind)
     if node.kind == "whole" and node.op == "div":
-        return lambda x, y: np.nan_to_num(np.trunc(x / y)).astype(int)
+        return _whole_quotient
     return (UNARY if len(node.args) == 1 else BINARY)[node.op]
+
+
+def _whole_quotient(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Quotients of whole numbers; 0 for one by zero."""
+    found = np.trunc(x / y)
+    return np.where(np.isfinite(found), found, 0.0).astype(int)
 
 
 def _whole(x: np.ndarray) -> np.ndarray:

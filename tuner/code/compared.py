@@ -10,8 +10,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from tuner.code.array_functions import Work
-from tuner.code.array_step import Given, Step
+from tuner.code.array_step import Step
+from tuner.code.evaluation import Evaluation, Given, Values
 from tuner.code.graph import Graph
 
 Pair: TypeAlias = tuple[int, int | float]
@@ -60,13 +60,12 @@ class _Part:
         self._step, self._bits, self._ends = step, bits, ends
 
     @cached_property
-    def _work(self) -> list[Work]:
-        return self._step.work(set_bits(self._bits), self._ends)
+    def _nodes(self) -> Evaluation:
+        return self._step.part(set_bits(self._bits), self._ends)
 
-    def values(self, given: Given, rows: np.ndarray) -> dict[int, np.ndarray]:
+    def values(self, given: Given, rows: np.ndarray) -> Values:
         """The ends in some of the steps."""
-        here = {one.k: given[one.k][rows] for one in self._work if one.node.op == "input"}
-        return self._step.values(here, self._work)
+        return self._nodes.values({k: given[k][rows] for k in self._nodes.inputs})
 
 
 def _grouped(bits: Sequence[int]) -> list[int]:

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tuner.code.array_step import Given, Step
+from tuner.code.array_step import Step
+from tuner.code.evaluation import Given, Values
 from tuner.code.rounding_errors import Noise
 
 EPS = {"double": 2.0**-52, "float": 2.0**-23}
@@ -38,12 +39,12 @@ class Expected:
     exact: np.ndarray
     strays: np.ndarray
     steady: np.ndarray
-    values: Mapping[int, np.ndarray]
+    values: Values
 
     def of(self, which: np.ndarray) -> "Expected":
         """Those of some of the steps."""
-        values = {k: x[which] if len(x) == len(which) else x for k, x in self.values.items()}
-        return Expected(self.exact[:, which], self.strays[:, which], self.steady[which], values)
+        exact, strays = self.exact[:, which], self.strays[:, which]
+        return Expected(exact, strays, self.steady[which], self.values.of(which))
 
 
 def plain(step: Step, given: Given) -> Expected:
@@ -67,14 +68,13 @@ def expected(
         margin: distance of two numbers that are compared, over the largest effect of rounding on
             it, from which a step is steady.
     """
-    noisy = {k: np.zeros(1) for pair in step.decisions for k in pair}
-    noisy |= {k: np.zeros(1) for k in step.to_whole}
     right = plain(step, given)
     exact = right.exact
     noise = Noise(draw, EPS[step.program.precision], _REPEATS)
-    runs = step.noisy_results(given, noise, noisy)
+    decided = {k for pair in step.decisions for k in pair} | {*step.to_whole}
+    noisy = step.whole.noisy(given, noise, list(dict.fromkeys([*step.roots, *sorted(decided)])))
     with np.errstate(all="ignore"):
-        apart = [np.abs(run - right) for run, right in zip(runs, exact, strict=True)]
+        apart = [np.abs(noisy[k] - right) for k, right in zip(step.roots, exact, strict=True)]
     strays = np.array([np.max(np.atleast_2d(one), axis=0) for one in apart]).reshape(exact.shape)
     steady = _steady(step, right.values, noisy, exact.shape[1], margin)
     return Expected(exact, np.where(np.isnan(exact), 0, strays), steady, right.values)

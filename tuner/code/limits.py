@@ -11,10 +11,11 @@ from itertools import zip_longest
 import numpy as np
 
 from tuner.code.approach import beyond, close
-from tuner.code.array_step import Given, Step
+from tuner.code.array_step import Step
 from tuner.code.bases import Bases, Compared
 from tuner.code.compared import ComparedNumbers, reaches
 from tuner.code.detection import detected
+from tuner.code.evaluation import Given
 from tuner.code.expected import LONG, plain
 from tuner.code.mutants import OTHERWISE, Mutant
 from tuner.code.operations import COMPARE
@@ -130,7 +131,7 @@ def _distances(
 ) -> Iterator[np.ndarray]:
     """How far each number is above its limit, in each step; what is no number last."""
     ends = {k for one in compared for k in one[1:] if isinstance(k, int)}
-    values = step.values(given, step.work(step.graph.reached(ends), ends))
+    values = step.part(step.graph.reached(ends), ends).values(given)
     for _, x, limit in compared:
         with np.errstate(all="ignore"):
             apart = values[x] - (values[limit] if isinstance(limit, int) else limit)

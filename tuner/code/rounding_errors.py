@@ -1,6 +1,5 @@
 """Random rounding errors of the operations of a step."""
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -22,13 +21,11 @@ class Noise(NamedTuple):
     size: float
     repeats: int
 
-    def errors(self, width: int) -> Iterator[np.ndarray]:
-        """Factors of the results of one operation after another, ``(repeats, width)``.
+    def row(self, width: int, count: int) -> tuple[np.ndarray, np.ndarray]:
+        """Factors, and where those of each of so many operations begin, ``(repeats, width)``.
 
-        Each is a part of a long row: to draw them all takes longer than the operations.
+        Each operation has a part of a long row: to draw them all takes longer than the operations.
         """
         size = self.repeats * width
         row = 1 + self.size * self.draw.uniform(-1, 1, size + _PLACES)
-        while True:
-            for begin in self.draw.integers(_PLACES, size=1000).tolist():
-                yield row[begin : begin + size].reshape(self.repeats, width)
+        return row, self.draw.integers(_PLACES, size=-(-count // 1000) * 1000)[:count]

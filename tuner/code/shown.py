@@ -5,9 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tuner.code.array_step import Given, Step
+from tuner.code.array_step import Step
 from tuner.code.chosen import Also
 from tuner.code.detection import FAINT, detected, largest_moves, moves
+from tuner.code.evaluation import Given
 from tuner.code.expected import SAFE, Expected, comparable, expected, plain
 from tuner.code.hidden import Hidden
 from tuner.code.mutants import WHOLE, Mutant

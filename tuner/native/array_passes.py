@@ -25,7 +25,7 @@ from tuner.code.straight_line import (
 )
 from tuner.code.strides import MOVED
 from tuner.code.tables import Tables
-from tuner.native.compiler import options_of_rows
+from tuner.compiler import options_of_rows
 from tuner.native.even import Carried, even_slots, without_turns
 from tuner.native.mirrored import mirrors
 from tuner.native.passes_frame import Around, Back, Code, Forth, Sizes, framed

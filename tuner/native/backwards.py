@@ -14,7 +14,7 @@ from jax import Array
 
 from filters import AnyFilter
 from objectives import Data, Objective, is_fold
-from tuner.native.compiler import library
+from tuner.compiler import library
 from tuner.native.filled import MEMORY, address
 from tuner.native.kept_texts import UNKEPT, KeptTexts
 from tuner.native.loop_score import LoopScore, Weights, weights_of

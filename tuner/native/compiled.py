@@ -15,7 +15,7 @@ from filters import AnyFilter
 from objectives import Data, Objective, is_fold
 from tuner.code.graph import TooLargeError
 from tuner.code.refused import NoCounterpartError
-from tuner.native.compiler import library
+from tuner.compiler import library
 from tuner.native.filled import MEMORY, address
 from tuner.native.fused import fused
 from tuner.native.iteration import Iteration, iteration

@@ -16,7 +16,7 @@ from objectives import Data, Objective, is_fold
 from tuner.cached import code_folder
 from tuner.code.graph import TooLargeError
 from tuner.code.refused import NoCounterpartError
-from tuner.native.compiler import NoCodeError, compiler, use
+from tuner.compiler import NoCodeError, compiler, use
 from tuner.native.kept_texts import KeptTexts
 from tuner.stored_programs import in_use, key_of, stored_text
 

@@ -13,7 +13,7 @@ from tuner.code.graph import Graph, TooLargeError
 from tuner.code.interpreter import objects
 from tuner.code.primitives import interpreter
 from tuner.code.refused import NoCounterpartError
-from tuner.native.compiler import library
+from tuner.compiler import library
 from tuner.native.filled import address
 from tuner.native.kept_texts import Kept, at_once
 from tuner.native.scalars import Scalars

@@ -55,8 +55,8 @@ def test_pairs_that_share_little_are_worked_out_apart(monkeypatch):
     step, inputs, ends = several_chains()
     monkeypatch.setattr("tuner.code.compared._OVERHEAD", 0)
     asked = []
-    made = step.values
-    step.__dict__["values"] = lambda given, work: asked.append(len(work)) or made(given, work)
+    made = step.part
+    step.__dict__["part"] = lambda order, ends: asked.append(len(order)) or made(order, ends)
     given = {int(k): np.ones(2 * COUNT) for k in inputs}
     ComparedNumbers(step, [(ends[0], 1.0), (ends[3], 1.0)]).in_own_steps(
         given, [(ends[0], 1.0), (ends[3], 1.0)]

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tuner.cached import code_folder
+from tuner.compiler import NoCodeError, library, use
 from tuner.data.logs.regular import read_regular
 from tuner.data.logs.scaling import Bits, Floats
-from tuner.native.compiler import NoCodeError, library, use
 
 
 @dataclass(frozen=True)
