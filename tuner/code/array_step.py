@@ -50,7 +50,7 @@ class Step:
         code = calculator()
         if code is None:
             return InNumPy(self.graph, order, ends)
-        return Compiled(code, self.graph.nodes, order)
+        return Compiled(code, self.graph.nodes, order, ends)
 
     @cached_property
     def whole(self) -> Evaluation:

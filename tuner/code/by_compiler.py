@@ -13,6 +13,9 @@ from tuner.code.mutants import WHOLE, Mutant
 from tuner.code.nodes import Node
 from tuner.code.rounding_errors import Noise
 
+_CACHED, _LEAST = 40_000, 16
+"""Numbers that a processor has at hand, and the fewest states that are worked out together."""
+
 
 class _Rows(Values):
     """Values of nodes on many states, ``(B,)`` each.
@@ -48,9 +51,20 @@ class Compiled:
         code: the compiled functions.
         nodes: of the graph.
         order: which, in order.
+        ends: those whose values are asked for.
+
+    Attributes:
+        inputs: those that are.
     """
 
-    def __init__(self, code: ctypes.CDLL, nodes: Sequence[Node], order: Sequence[int]) -> None:
+    def __init__(
+        self,
+        code: ctypes.CDLL,
+        nodes: Sequence[Node],
+        order: Sequence[int],
+        ends: Collection[int],
+    ) -> None:
+        self._ends = None if len(ends) == len(order) else list(dict.fromkeys(ends))
         self._code, self._nodes = code, [nodes[k] for k in order]
         self._places = {k: place for place, k in enumerate(order)}
         self._kinds = [node.kind for node in self._nodes]
@@ -64,10 +78,19 @@ class Compiled:
         self.inputs = [k for k in order if nodes[k].op == "input"]
 
     def values(self, given: Given) -> Values:
-        """All of them, from the inputs among them."""
-        rows = self._filled(given)
-        self._run("values", rows)
-        return _Rows(rows, self._places, self._kinds)
+        """The ends, from the inputs."""
+        if self._ends is None:
+            rows = self._filled(given)
+            self._run("values", rows)
+            return _Rows(rows, self._places, self._kinds)
+        width = max((len(given[k]) for k in self.inputs), default=1)
+        numbers = np.array([np.broadcast_to(given[k], width) for k in self.inputs], float)
+        places, ends = self._where(self.inputs), self._where(self._ends)
+        out = np.empty((len(ends), width))
+        rows = self._begun(min(width, max(_LEAST, _CACHED // len(self._nodes))))
+        self._run("some_values", rows, width, len(places), places, numbers, len(ends), ends, out)
+        kinds = [self._kinds[place] for place in ends]
+        return _Rows(out, {k: n for n, k in enumerate(self._ends)}, kinds)
 
     def noisy(self, given: Given, noise: Noise, ends: Sequence[int]) -> dict[int, np.ndarray]:
         """Some with random rounding errors of every operation, ``(repeats, B)`` each."""
@@ -136,10 +159,14 @@ class Compiled:
         found = [smooth_operands(node) for node in self._nodes]
         return np.array([(some.start, some.stop) for some in found], np.int8)
 
-    def _filled(self, given: Given) -> np.ndarray:
-        width = max((len(given[k]) for k in self.inputs), default=1)
-        rows = np.empty((len(self._nodes), width))
+    def _begun(self, width: int) -> np.ndarray:
+        """Rows of which the constants are there."""
+        rows = np.zeros((len(self._nodes), width))
         rows[self._constants] = self._numbers[:, None]
+        return rows
+
+    def _filled(self, given: Given) -> np.ndarray:
+        rows = self._begun(max((len(given[k]) for k in self.inputs), default=1))
         for k in self.inputs:
             rows[self._places[k]] = given[k]
         return rows

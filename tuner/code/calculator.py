@@ -13,7 +13,7 @@ from tuner.compiler import NoCodeError, library, use
 _NAMES = "given", *UNARY, *BINARY, "choose", "copy", "whole", "whole_quotient"
 _CODES = {name: k for k, name in enumerate(_NAMES)}
 _TEXTS = "operations", "runs"
-_OPTIONS = "-O3", "-ffp-contract=off", "-fno-trapping-math"
+_OPTIONS = ("-ffp-contract=off",)
 """Every operation is rounded by itself, as in NumPy."""
 
 

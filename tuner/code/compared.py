@@ -57,7 +57,8 @@ class _Part:
     """The nodes of a step, given as bits, that some pairs depend on."""
 
     def __init__(self, step: Step, bits: int, ends: Collection[int]) -> None:
-        self._step, self._bits, self._ends = step, bits, ends
+        self._step, self._bits = step, bits
+        self._ends = [k for k in ends if bits >> k & 1]
 
     @cached_property
     def _nodes(self) -> Evaluation:

@@ -28,6 +28,22 @@ void values(size_t count, size_t width, const uint8_t *ops, const int32_t *args,
     }
 }
 
+/* Some rows, (wanted, whole), a part of the states at a time, so that all rows stay in the cache.
+ * Constants stand in the rows already; the inputs are given, (inputs, whole). */
+void some_values(size_t count, size_t width, const uint8_t *ops, const int32_t *args, double *rows,
+                 size_t whole, size_t inputs, const int32_t *places, const double *given,
+                 size_t wanted, const int32_t *ends, double *out)
+{
+    for (size_t from = 0; from < whole; from += width) {
+        const size_t here = whole - from < width ? whole - from : width;
+        for (size_t k = 0; k < inputs; k++)
+            memcpy(rows + places[k] * width, given + k * whole + from, here * sizeof *rows);
+        values(count, width, ops, args, rows);
+        for (size_t k = 0; k < wanted; k++)
+            memcpy(out + k * whole + from, rows + ends[k] * width, here * sizeof *out);
+    }
+}
+
 /* Some rows with random rounding errors, (wanted, repeats, width): factors that begin anywhere in
  * a long row of them. */
 void noisy(size_t count, size_t width, const uint8_t *ops, const int32_t *args, double *rows,

@@ -26,7 +26,7 @@ ROUNDED = 1e-15
 
 def in_both(graph, order):
     needed("gcc")
-    return Compiled(calculator(), graph.nodes, order), InNumPy(graph, order, order)
+    return Compiled(calculator(), graph.nodes, order, order), InNumPy(graph, order, order)
 
 
 def close(one, other, rtol=ROUNDED):
@@ -59,6 +59,19 @@ def test_all_operations_are_numpys():
         assert found[k].dtype.kind == {"real": "f", "truth": "b", "whole": "i"}[node.kind]
         if node.op in LOGIC or node.op in ("add", "sub", "mul", "div", "sqrt", "max", "min"):
             assert close(found[k], right[k], 0), node.op
+
+
+def test_of_many_states_some_nodes_alone(monkeypatch):
+    needed("gcc")
+    graph, ends = all_operations()
+    order, x, y = graph.reached(ends), graph.input("x"), graph.input("y")
+    whole = InNumPy(graph, order, order).values({x: X, y: Y})
+    for cached in (1, 2_000, 100_000):
+        monkeypatch.setattr("tuner.code.by_compiler._CACHED", cached)
+        some = Compiled(calculator(), graph.nodes, order, ends[::3]).values({x: X, y: Y})
+        assert [*some] == [*dict.fromkeys(ends[::3])]
+        assert all(close(some[k], whole[k]) for k in ends[::3])
+        assert all(some[k].dtype == whole[k].dtype for k in ends[::3])
 
 
 def test_functions_of_single_numbers():
