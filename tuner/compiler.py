@@ -158,7 +158,7 @@ def library(source: str, folder: Path, more: Sequence[str] = ()) -> ctypes.CDLL:
         NoCodeError: where there is no compiler that works.
     """
     found = compiler()
-    more = _supported(found.command, tuple(more))
+    more = supported(found.command, tuple(more))
     effort = ["-O2", *more, *(["-O1"] if source.count("\n") > LONG else [])]
     key = digest("\0".join([source, *effort, found.key]).encode())
     if own(folder):
@@ -180,8 +180,13 @@ def library(source: str, folder: Path, more: Sequence[str] = ()) -> ctypes.CDLL:
 
 
 @cache
-def _supported(command: tuple[str, ...], options: tuple[str, ...]) -> tuple[str, ...]:
-    """Those of some options that a compiler knows."""
+def supported(command: tuple[str, ...], options: tuple[str, ...]) -> tuple[str, ...]:
+    """Those of some options that a compiler knows.
+
+    Args:
+        command: the compiler, with its arguments.
+        options: that are asked for.
+    """
 
     def known(some: tuple[str, ...]) -> bool:
         try:

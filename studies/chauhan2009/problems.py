@@ -23,6 +23,7 @@ from tuner.problem.parameters import Bounded, Fixed, Parameter, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.shared_gradients import SharedGradients
 from tuner.problem.space import Space
+from tuner.stored_programs import QUICKLY
 
 FUZZY = GpsAidedKalman(DT, EVERY, "fuzzy")
 RANDOM = GpsAidedKalman(DT, EVERY, "random")
@@ -229,5 +230,5 @@ def _random(params: GpsAidedNoise, inputs: GpsAidedSample) -> Array:
     return jax.vmap(angles, in_axes=(GpsAidedNoise(*axes),))(params)
 
 
-_run: Callable[..., Any] = jax.jit(passed, static_argnums=0)
-_angles: Callable[..., Array] = jax.jit(_random)
+_run: Callable[..., Any] = jax.jit(passed, static_argnums=0, compiler_options=QUICKLY)
+_angles: Callable[..., Array] = jax.jit(_random, compiler_options=QUICKLY)

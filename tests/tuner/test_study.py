@@ -2,12 +2,14 @@
 
 import dataclasses
 import re
+import threading
 
 import numpy as np
 import pytest
 
 from tests.tuner.helpers import Solved, bowl, problem, trench
 from tuner.data.source import Source
+from tuner.run.background_work import begin_claims
 from tuner.run.comparison import number
 from tuner.run.study import Claim, Plan, Task
 
@@ -123,6 +125,38 @@ def test_claims_know_the_case_and_the_solutions():
 
     (found,) = Claim("a", told).compare("the case", {("left", "any"): 2.0})
     assert found.ours == 2.0
+
+
+def test_claims_that_need_no_solution_are_tried_while_others_wait():
+    told, waited = [], threading.Event()
+
+    def early(case, solutions):
+        assert not solutions
+        told.append(threading.current_thread())
+        waited.set()
+        return [row("table.[1]")]
+
+    def late(case, solutions):
+        assert solutions
+        return [row("left.R")]
+
+    made = plan(claims=(Claim("left.R", late, ("left",)), Claim("table.[1]", early)))
+    begun = begin_claims(made)
+    assert waited.wait(10)
+    found = made.compare({("left", "any"): 2.0}, early=begun)
+    assert [one.quantity for one in found] == ["left.R", "table.[1]"]
+    assert told != [threading.current_thread()]
+    assert len(told) == 1
+
+
+def test_an_early_claim_fails_where_it_is_asked_for():
+    def wrong(case, solutions):
+        raise ValueError("no such number")
+
+    made = plan(claims=(Claim("left.R", wrong),))
+    begun = begin_claims(made)
+    with pytest.raises(ValueError, match=exactly("no such number")):
+        made.compare({}, early=begun)
 
 
 def test_what_nobody_solves_cannot_be_exported():

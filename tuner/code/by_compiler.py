@@ -84,7 +84,9 @@ class Compiled:
             self._run("values", rows)
             return _Rows(rows, self._places, self._kinds)
         width = max((len(given[k]) for k in self.inputs), default=1)
-        numbers = np.array([np.broadcast_to(given[k], width) for k in self.inputs], float)
+        numbers = np.empty((len(self.inputs), width))
+        for row, k in zip(numbers, self.inputs, strict=True):
+            row[:] = given[k]
         places, ends = self._where(self.inputs), self._where(self._ends)
         out = np.empty((len(ends), width))
         rows = self._begun(min(width, max(_LEAST, _CACHED // len(self._nodes))))

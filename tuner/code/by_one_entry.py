@@ -1,6 +1,7 @@
 """Steps that one entry brings beyond a limit: all else, and what follows from it, stays."""
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -31,7 +32,8 @@ def by_one_entry(step: Step, own: int, bases: Bases, side: np.ndarray) -> tuple[
     """
     x, limit = above(step, own, bases.steps, bases)
     moved = [np.repeat(x, _LANES, axis=0) for x in bases.steps]
-    entries_of = {one: _entries(step, one) for one in dict.fromkeys(bases.compared)}
+    places = _places(step)
+    entries_of = {one: _entries(step, one, places) for one in dict.fromkeys(bases.compared)}
     for at, one in enumerate(bases.compared):
         entries = entries_of[one]
         for k, (field, index) in enumerate(entries):
@@ -47,19 +49,25 @@ def by_one_entry(step: Step, own: int, bases: Bases, side: np.ndarray) -> tuple[
     return [np.where(_along(there, x), y[rows], x) for x, y in pairs], there
 
 
-def _entries(step: Step, one: Compared) -> list[tuple[int, tuple[int, ...]]]:
-    """The real entries that a decision depends on by the fewest operations, with their field.
+_Place: TypeAlias = tuple[int, tuple[int, ...]]
+"""An entry of a state or sample: its field, and where it stands there."""
 
-    Of covariances only variances, which leave it one.
-    """
-    program, places = step.program, dict[int, tuple[int, tuple[int, ...]]]()
+
+def _places(step: Step) -> dict[int, _Place]:
+    """The real entries by their nodes; of covariances only variances, which leave it one."""
+    program, found = step.program, dict[int, _Place]()
     fields: list[Field] = [*program.state, *program.inputs]
     nodes = [*program.known["state"], *program.known["in"]]
     for at, (field, known) in enumerate(zip(fields, nodes, strict=True)):
         for index in field.entries() if field.kind == "real" else ():
             if not field.half or index[0] == index[1]:
-                places[int(known[index])] = at, index
-    found = list[tuple[int, tuple[int, ...]]]()
+                found[int(known[index])] = at, index
+    return found
+
+
+def _entries(step: Step, one: Compared, places: Mapping[int, _Place]) -> list[_Place]:
+    """The entries that a decision depends on by the fewest operations."""
+    found = list[_Place]()
     level = seen = {k for k in one[1:] if isinstance(k, int)}
     while level and len(found) < _MOST:
         found += [places[k] for k in sorted(level) if k in places]

@@ -51,8 +51,7 @@ def plain(step: Step, given: Given) -> Expected:
     """The results of steps, without rounding errors."""
     count = max(map(len, given.values()), default=1)
     values = step.all_values(given)
-    found = [np.broadcast_to(values[k], count) for k in step.roots]
-    exact = np.array(found, float).reshape(-1, count)
+    exact = _rows(values, step.roots, count)
     return Expected(exact, np.zeros(exact.shape), np.ones(count, bool), values)
 
 
@@ -73,10 +72,10 @@ def expected(
     noise = Noise(draw, EPS[step.program.precision], _REPEATS)
     decided = {k for pair in step.decisions for k in pair} | {*step.to_whole}
     noisy = step.whole.noisy(given, noise, list(dict.fromkeys([*step.roots, *sorted(decided)])))
+    count = exact.shape[1]
     with np.errstate(all="ignore"):
-        apart = [np.abs(noisy[k] - right) for k, right in zip(step.roots, exact, strict=True)]
-    strays = np.array([np.max(np.atleast_2d(one), axis=0) for one in apart]).reshape(exact.shape)
-    steady = _steady(step, right.values, noisy, exact.shape[1], margin)
+        strays = np.abs(_rows(noisy, step.roots, _REPEATS, count) - exact[:, None]).max(axis=1)
+    steady = _steady(step, right.values, noisy, count, margin)
     return Expected(exact, np.where(np.isnan(exact), 0, strays), steady, right.values)
 
 
@@ -88,16 +87,26 @@ def _steady(
     least: float,
 ) -> np.ndarray:
     """Whether no decision is within rounding of what is decided."""
-    steady = np.ones(count, bool)
+    first, second = [x for x, _ in step.decisions], [y for _, y in step.decisions]
     with np.errstate(all="ignore"):
-        margins = [(decided[x] - decided[y], noisy[x] - noisy[y]) for x, y in step.decisions]
-        for x in step.to_whole:
-            half = np.floor(decided[x]) + 0.5
-            margins.append((decided[x] - half, noisy[x] - half))
-        for margin, other in margins:
-            moved = np.abs(np.atleast_2d(other - margin)).max(axis=0)
-            steady &= ~((moved > 0) & (np.abs(margin) < least * moved))
-    return steady
+        whole = _rows(decided, step.to_whole, count)
+        half = np.floor(whole) + 0.5
+        apart = _rows(decided, first, count) - _rows(decided, second, count)
+        margin = np.vstack([apart, whole - half])
+        shape = _REPEATS, count
+        apart = _rows(noisy, first, *shape) - _rows(noisy, second, *shape)
+        other = np.vstack([apart, _rows(noisy, step.to_whole, *shape) - half[:, None]])
+        moved = np.abs(other - margin[:, None]).max(axis=1)
+        unsure = (moved > 0) & (np.abs(margin) < least * moved)
+    return np.asarray(~unsure.any(axis=0))
+
+
+def _rows(values: Mapping[int, np.ndarray], nodes: Sequence[int], *shape: int) -> np.ndarray:
+    """The values of some nodes, ``(K, *shape)``."""
+    found = np.empty((len(nodes), *shape))
+    for row, k in zip(found, nodes, strict=True):
+        row[:] = values[k]
+    return found
 
 
 def allowed(step: Step, right: Expected) -> np.ndarray:

@@ -25,7 +25,7 @@ from objectives import (
 )
 from tuner.problem.constraint import Constraint
 from tuner.problem.space import Space
-from tuner.stored_programs import StoredProgram, stored_jit, stored_text
+from tuner.stored_programs import QUICKLY, StoredProgram, stored_jit, stored_text
 
 Build: TypeAlias = Callable[[dict[str, Array]], Any]
 """Makes the filter's parameters from values by name."""
@@ -111,7 +111,7 @@ def kept_bytes_of(static: Static, z: np.ndarray, data: Data) -> int:
     return int(stored_text(counted, "kept bytes", static, shapes))
 
 
-@stored_jit(1)
+@stored_jit(1, **QUICKLY)
 def run_filter(filter: AnyFilter, params: Any, inputs: Any) -> Any:
     """The outputs of a filter over a record, compiled; equal filters share the compilation."""
     return run(filter, params, inputs)[1]

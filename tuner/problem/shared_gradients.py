@@ -12,10 +12,7 @@ from filters import AnyFilter
 from objectives import Data, Objective, Way, score_and_gradient
 from objectives.in_numpy import in_numpy
 from tuner.problem.programs import Static
-from tuner.stored_programs import stored_jit
-
-QUICKLY = {"xla_backend_optimization_level": 1}
-"""Compiler options: a third less to compile, and runs a sixth longer."""
+from tuner.stored_programs import QUICKLY, stored_jit
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Compiling and importing what a fit needs later, while it is planned and solved."""
 
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from functools import partial
 from importlib import import_module
@@ -14,6 +14,8 @@ from tuner.certificate.single_precision import halved
 from tuner.problem.problem import Problem
 from tuner.problem.programs import run_filter
 from tuner.problem.samples import numbers
+from tuner.run.comparison import Comparison
+from tuner.run.study import Claim, Plan
 from tuner.run.threads import at_once
 from tuner.stored_programs import anything_compiled, in_use, key_of
 
@@ -80,6 +82,15 @@ def compile_gradients(pool: Executor, problems: Iterable[Any]) -> None:
             pool.submit(differentiate, problem)
 
 
+def begin_claims(plan: Plan) -> dict[Claim, Future[list[Comparison]]]:
+    """Begin to try the claims that need no solution, one after another; nobody waits here."""
+    pool = ThreadPoolExecutor(1)
+    claims = [claim for claim in plan.claims if not claim.needs]
+    found = {claim: pool.submit(claim.compare, plan.case, {}) for claim in claims}
+    pool.shutdown(wait=False)
+    return found
+
+
 def _begin(threads: int, work: Iterable[Callable[[], None]]) -> None:
     """Do something in threads that are not waited for."""
     pool = ThreadPoolExecutor(threads)
@@ -112,7 +123,7 @@ def _compile_single_precision(problem: Problem) -> None:
             run_filter(problem.filter, *halved((params, problem.data.inputs)))
 
 
-def _compile_self_tests(problem: Problem) -> None:
+def compile_self_tests(problem: Problem) -> None:
     """Compile what a self-test of C runs, if anything else had to be compiled in this run."""
     if not (_is_short(problem) and anything_compiled()):
         return
@@ -149,7 +160,7 @@ _IN_TURN = (
     _evaluate,
     _compile_slopes,
     _compile_single_precision,
-    _compile_self_tests,
+    compile_self_tests,
 )
 """In the order in which a fit comes to need them; the last ones once its search has begun."""
 

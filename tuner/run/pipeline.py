@@ -3,7 +3,7 @@
 import json
 import time
 from collections.abc import Mapping
-from concurrent.futures import as_completed
+from concurrent.futures import Future, as_completed
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -17,12 +17,15 @@ from tuner.report.report_json import Kept as ForReport
 from tuner.report.report_json import KeptChart, KeptMap, kept_pictures, nothing_kept
 from tuner.report.write import KEPT, PAGE, page_of
 from tuner.run.background_work import (
+    begin_claims,
     begin_gradients,
     compile_checks,
     compile_gradients,
+    compile_self_tests,
     import_report_packages,
     in_background,
 )
+from tuner.run.comparison import Comparison
 from tuner.run.environment import environment
 from tuner.run.exports import (
     TunedFilter,
@@ -55,7 +58,7 @@ from tuner.run.result import (
     pretty,
 )
 from tuner.run.shared_run import Together
-from tuner.run.study import Plan, Solutions, Task, best
+from tuner.run.study import Claim, Plan, Solutions, Task, best
 from tuner.run.threads import at_once
 
 
@@ -88,6 +91,7 @@ class Run:
         identity: of the run; see :mod:`tuner.run.identity`.
         kept: what its report tells of the study and of the recordings.
         painter: draws its figures.
+        early: claims that are tried while the searches run.
     """
 
     study: str
@@ -100,6 +104,7 @@ class Run:
     identity: Mapping[str, str] = field(default_factory=dict)
     kept: ForReport = field(default_factory=nothing_kept)
     painter: Painter = field(default_factory=Painter)
+    early: dict[Claim, Future[list[Comparison]]] = field(default_factory=dict)
 
     def check(self, jobs: int) -> None:
         """Find what would be refused before anything is written: score where each search begins.
@@ -131,6 +136,8 @@ class Run:
             compile_gradients(pool, (task.problem for task in open_tasks))
             several = jobs > 1 and len(open_tasks) > 1
             futures = {pool.submit(_solved, task, several): task for task in open_tasks}
+            if jobs > 1:
+                self.early.update(begin_claims(self.plan))
             self._save(solutions, digests)  # a run that is interrupted at once can go on as well
             for future in as_completed(futures):
                 task = futures[future]
@@ -145,8 +152,10 @@ class Run:
         self.painter.begin()
         import_report_packages()
         if self.plan.report is None:  # a fit has compiled its own as it was planned
-            for problem in exported(self.plan):
-                compile_checks(problem)
+            problems = exported(self.plan)
+            for compile_one in (compile_checks, compile_self_tests):
+                for problem in problems:
+                    compile_one(problem)
 
     def solve_together(self, together: Together, finished: Solutions) -> Solutions:
         """Solve all tasks beside other processes; what they found is scored again here.
@@ -189,7 +198,7 @@ class Run:
         with at_once(2) as pool:
             pending = begin_exports(pool, self.folder, tuned, formats)
             self.progress("comparing", 0, 4)
-            comparisons = self.plan.compare(solutions, self.claims)
+            comparisons = self.plan.compare(solutions, self.claims, self.early)
             if self.plan.report is not None:
                 outputs = [write_outputs(self.folder, *each) for each in found]
             figures = partial(self.plan.figures, self.plan.case, solutions)

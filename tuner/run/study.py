@@ -1,6 +1,7 @@
 """The protocol of a study, and how studies are found."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping
+from concurrent.futures import Future
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -78,7 +79,8 @@ class Claim:
         name: the row's name, "exp2.order_S_phi"; with * or ? where the function returns a row for
             each of several things: "*.q_over_r".
         rows: from the study's case and the solutions to its row or rows.
-        needs: names of the problems, with * and ?, whose solutions it asks for.
+        needs: names of the problems, with * and ?, whose solutions it asks for. Without any it is
+            tried while the searches run, and is given no solution.
     """
 
     name: str
@@ -158,13 +160,27 @@ class Plan:
         tasks = tuple(task for task in self.tasks if _among(task.problem.name, needs))
         return Plan(self.source, tasks, (), self.case, claims, no_figures)
 
-    def compare(self, solutions: Solutions, names: Iterable[str] = ()) -> list[Comparison]:
+    def compare(
+        self,
+        solutions: Solutions,
+        names: Iterable[str] = (),
+        early: Mapping["Claim", Future[list[Comparison]]] | None = None,
+    ) -> list[Comparison]:
         """The rows of all claims, or those of some names, with * and ?.
+
+        Args:
+            solutions: of the tasks.
+            names: of the rows; none: all.
+            early: claims that are being tried already.
 
         Raises:
             ValueError: for a name that no row has, with the near ones.
         """
-        rows = [row for claim in self.claims for row in claim.compare(self.case, solutions)]
+        begun = early or {}
+        rows: list[Comparison] = []
+        for one in self.claims:
+            found = begun.get(one)
+            rows += one.compare(self.case, solutions) if found is None else found.result()
         wanted = tuple(names)
         for name in wanted:
             if not any(_meet(row.quantity, name) for row in rows):
