@@ -17,12 +17,11 @@ from tuner.code.graph import TooLargeError
 from tuner.code.refused import NoCounterpartError
 from tuner.compiler import library
 from tuner.native.filled import MEMORY, address
-from tuner.native.fused import fused
 from tuner.native.iteration import Iteration, iteration
 from tuner.native.kept_texts import UNKEPT, KeptTexts
-from tuner.native.loop import Loop, loop
+from tuner.native.loop import loop
 from tuner.native.loop_score import LoopScore, Weights, weights_of
-from tuner.native.pipelining import pipelined
+from tuner.native.phases import Phases, phases
 from tuner.native.row_function import RowFunction
 from tuner.native.runner import Runner, columns, runner_of
 from tuner.native.scaled import scaled
@@ -245,21 +244,21 @@ class Native:
         return _Costs(*self._texts.of("costs", self._estimated))
 
     def _estimated(self) -> "_Costs":
-        loop = self._loop
+        loop = self._loop.main
         wide = len(varying(loop, {"dp"}).intersection(loop.needed))
         once = loop.operations + wide * (max(1.0, self._lanes / 4) - 1)
         kept = len(loop.kept) * (1 + loop.directions * self._lanes)
         return _Costs(loop.directions, loop.operations, once + MEMORY * kept)
 
     @cached_property
-    def _loop(self) -> Loop:
+    def _loop(self) -> Phases:
         """The loop with all directions, which share its values, or else with one vector of them."""
         every = [np.ones(len(self._moves), bool)]
         try:
             whole = loop(self._iteration, every * -(-self.size // self._lanes))
         except TooLargeError:
             whole = loop(self._iteration, every)
-        return pipelined(fused(whole))
+        return phases(whole)
 
     @cached_property
     def _directions(self) -> Any:
@@ -268,15 +267,14 @@ class Native:
     @cached_property
     def _plain(self) -> Any:
         def written() -> str:
-            values = pipelined(fused(loop(self._iteration, [])))
-            return source(values, LANES, points=False)
+            return source(phases(loop(self._iteration, [])), LANES, points=False)
 
         return self._loaded("values", written)
 
     @cached_property
     def _points(self) -> Any:
         def written() -> str:
-            by_point = pipelined(fused(loop(self._iteration, list(self._moves.T))))
+            by_point = phases(loop(self._iteration, list(self._moves.T)))
             return source(by_point, LANES, points=True)
 
         return self._loaded("points", written)

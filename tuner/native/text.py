@@ -1,12 +1,13 @@
 """A time loop in C, with directions or points as lanes of the compiler's vectors."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
 from tuner.code.graph import Graph
 from tuner.code.literal import type_of
 from tuner.native.lanes import HEAD, Lanes, function
 from tuner.native.loop import Loop
+from tuner.native.phases import Phases
 from tuner.native.scalars import Scalars, read
 from tuner.native.sines import sines
 
@@ -15,7 +16,7 @@ LONG = 4000
 are no vectors, that a processor has derivatives to work on while it waits for a value."""
 
 
-def source(loop: Loop, lanes: int, *, points: bool) -> str:
+def source(both: Phases, lanes: int, *, points: bool) -> str:
     """A function ``run`` that runs a loop over a record.
 
     It takes the number of samples and of columns, the varying parameters and their derivatives,
@@ -24,51 +25,78 @@ def source(loop: Loop, lanes: int, *, points: bool) -> str:
     lanes of each number lie side by side, else those of each derivative.
 
     Args:
-        loop: the loop, in one direction that stands for all lanes, or in each of several.
+        both: the loop, in one direction that stands for all lanes, or in each of several; with the
+            one before it.
         lanes: their number, a power of two.
         points: whether each lane has its own point.
 
     Raises:
         NoCounterpartError: for a quotient of whole numbers that differs between points.
     """
-    return _Source(loop, lanes, points=points).text()
+    before = None if both.first is None else _Source(both.first, lanes, points=points)
+    loop = _Source(both.main, lanes, points=points, before=before)
+    loops, parts = loop.text(), [loop]
+    if before is not None:
+        loops, parts = [*before.until(both.zero), "    {", *loops, "    }"], [before, loop]
+    functions = {name: takes for part in parts for name, takes in part.lanes.functions.items()}
+    main = [
+        "void run(size_t n, size_t width, const double *p, const double *dp, const double *u,",
+        "         double *end, double *kept)",
+        "{",
+        "    const lanes zero = {0};",
+        "    const masks none = {0};",
+        "    size_t i = 0;",
+        *loops,
+        "}",
+    ]
+    turned = [sines()] if any(part.scalars.turns for part in parts) else []
+    used = [function(name, takes, lanes) for name, takes in sorted(functions.items())]
+    return "\n".join([HEAD.format(bytes=8 * lanes), *turned, *used, "\n".join(main), ""])
 
 
 class _Source:
-    def __init__(self, loop: Loop, lanes: int, *, points: bool) -> None:
+    def __init__(
+        self, loop: Loop, lanes: int, *, points: bool, before: "_Source | None" = None
+    ) -> None:
         self.loop, self.graph, self.count, self.points = loop, loop.graph, lanes, points
-        self.wide = varying(loop, {"p", "dp"} if points else {"dp"})
+        self.wide = varying(
+            loop, {"p", "dp"} if points else {"dp"}, before.carried_wide if before else ()
+        )
         self.scalars = Scalars(loop.graph)
-        self.steady = _of(loop.graph, {"p", "dp"})
+        self.steady = _of(loop.graph, {"p", "dp", "before"})
         expected = _of(loop.graph, {"u", "p"}) - self.wide
         self.lanes = Lanes(loop.graph, self.wide, expected, self.name)
         self._inverse: set[int] = set()
 
-    def text(self) -> str:
-        """The whole text."""
-        before, sample, after = self._before(), self._sample(), self._after()
-        used = sorted(self.lanes.functions.items())
-        main = [
-            "void run(size_t n, size_t width, const double *p, const double *dp, const double *u,",
-            "         double *end, double *kept)",
-            "{",
-            "    const lanes zero = {0};",
-            "    const masks none = {0};",
-            *before,
-            "    for (size_t i = 0; i < n; i++, u += width) {",
-            *(f"    {line}" for line in sample),
-            "    }",
-            *after,
-            "}",
-        ]
-        functions = [function(name, takes, self.count) for name, takes in used]
-        head = HEAD.format(bytes=8 * self.count)
-        turned = [sines()] if self.scalars.turns else []
-        return "\n".join([head, *turned, *functions, "\n".join(main), ""])
+    @property
+    def carried_wide(self) -> set[int]:
+        """Which of the carried numbers are vectors."""
+        return {k for k, cell in enumerate(self.loop.carried) if cell.input in self.wide}
+
+    def text(self) -> list[str]:
+        """The loop, to the end of the record, and its results."""
+        return [*self._before(), *self._over([]), *self._after()]
+
+    def until(self, zero: Sequence[int]) -> list[str]:
+        """The loop, up to the sample before which these carried numbers are zero."""
+        wide, open_ = self.carried_wide, ["    bool open = false;"]
+        each = f"for (int j = 0; j < {self.count}; j++) "
+        for k in zero:
+            text = f"{each}open |= S{k}[j] != 0.0;" if k in wide else f"open |= S{k} != 0.0;"
+            open_.append(f"    {text}")
+        return [*self._before(), *self._over([*open_, "    if (!open) break;"])]
+
+    def _over(self, first: list[str]) -> list[str]:
+        """The samples that are left, with statements at the begin of each."""
+        lines = (f"    {line}" for line in (*first, *self._sample()))
+        return ["    for (; i < n; i++, u += width) {", *lines, "    }"]
 
     def _before(self) -> list[str]:
         """The code of parameters, of values that follow from them, and of the initial state."""
         self.scalars.lines = []
+        for k, (_, number) in self._inputs("before"):
+            self.scalars.names[k] = f"F{number}"
+            self.scalars.lines.append(f"    const {self._type(k)} F{number} = S{number};")
         for k, value in self._inputs("p", "dp"):
             self._load(k, value)
         carried = self.loop.carried
@@ -185,16 +213,24 @@ class _Source:
         return f"{self.name(k)}[j]{' ? 1.0 : 0.0' if self.graph.nodes[k].kind == 'truth' else ''}"
 
 
-def varying(loop: Loop, seeds: set[str]) -> set[int]:
-    """Nodes that differ between lanes: those that depend on the seeds, also over time."""
-    graph, wide = loop.graph, set[int]()
+def varying(loop: Loop, seeds: set[str], before: Collection[int] = ()) -> set[int]:
+    """Nodes that differ between lanes: those that depend on the seeds, also over time.
+
+    Args:
+        loop: the loop.
+        seeds: groups of inputs.
+        before: numbers of the loop before that differ, too.
+    """
+    graph, nodes = loop.graph, enumerate(loop.graph.nodes)
+    own = ((k, node.value) for k, node in nodes if node.op == "input")
+    wide = {k for k, value in own if value[0] == "before" and value[1] in before}
     while True:
-        before = len(wide)
+        count = len(wide)
         for k, node in enumerate(graph.nodes):
             if (node.op == "input" and node.value[0] in seeds) or not wide.isdisjoint(node.args):
                 wide.add(k)
         wide |= {c.input for c in loop.carried if c.start in wide or c.after in wide}
-        if len(wide) == before:
+        if len(wide) == count:
             return wide
 
 
