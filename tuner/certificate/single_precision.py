@@ -8,7 +8,7 @@ import numpy as np
 
 from filters import AnyFilter
 from filters.declared import Channel, bare, channel_facts, output
-from tuner.problem.programs import run_filter
+from tuner.problem.programs import run_filter, try_filter
 
 HARMLESS = 0.01
 """A deviation below this share of the signal's scale is not worth a warning."""
@@ -53,7 +53,7 @@ def single_precision(form: str, filter: AnyFilter, params: Any, inputs: Any) -> 
         TypeError: where the filter falls back to float64, for then nothing would be tested.
     """
     exact = _compared(filter, run_filter(filter, params, inputs))
-    rounded = _compared(filter, run_filter(filter, *halved((params, inputs))))
+    rounded = _compared(filter, try_filter(filter, *halved((params, inputs))))
     found = [_strays(form, name, exact[name], rounded[name]) for name in exact]
     if not found:
         raise TypeError(f"{type(filter).__name__} has no output that can be compared")

@@ -111,9 +111,15 @@ def kept_bytes_of(static: Static, z: np.ndarray, data: Data) -> int:
     return int(stored_text(counted, "kept bytes", static, shapes))
 
 
-@stored_jit(1, **QUICKLY)
+@stored_jit(1)
 def run_filter(filter: AnyFilter, params: Any, inputs: Any) -> Any:
     """The outputs of a filter over a record, compiled; equal filters share the compilation."""
+    return run(filter, params, inputs)[1]
+
+
+@stored_jit(1, **QUICKLY)
+def try_filter(filter: AnyFilter, params: Any, inputs: Any) -> Any:
+    """The same for a trial, whose rounding is not that of :func:`run_filter`."""
     return run(filter, params, inputs)[1]
 
 

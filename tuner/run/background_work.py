@@ -12,7 +12,7 @@ import numpy as np
 
 from tuner.certificate.single_precision import halved
 from tuner.problem.problem import Problem
-from tuner.problem.programs import run_filter
+from tuner.problem.programs import run_filter, try_filter
 from tuner.problem.samples import numbers
 from tuner.run.comparison import Comparison
 from tuner.run.study import Claim, Plan
@@ -120,7 +120,7 @@ def _compile_single_precision(problem: Problem) -> None:
     if _is_short(problem):
         with suppress(Exception):
             params = problem.made(problem.parameters(problem.space.start()))
-            run_filter(problem.filter, *halved((params, problem.data.inputs)))
+            try_filter(problem.filter, *halved((params, problem.data.inputs)))
 
 
 def compile_self_tests(problem: Problem) -> None:
@@ -152,7 +152,7 @@ def compile_checks(problem: Problem) -> None:
         what = problem.what_is_exported()
         for filter, *given in what.tried(problem.filter, params, problem.data.inputs).values():
             run_filter(filter, *given)
-            run_filter(filter, *halved(tuple(given)))
+            try_filter(filter, *halved(tuple(given)))
 
 
 _IN_TURN = (
