@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from tuner.native.backwards import Backwards
     from tuner.native.compiled import Native
 
-PAYS, KEPT_PAYS, COMPILED = 7e7, 3e7, 2e4
+PAYS, KEPT_PAYS, COMPILED = 7e7, 1e7, 2e4
 """Operations of a gradient from which compiling pays over a search, and from which it does where
 later runs find what was written; and the same for each operation of a step."""
 AGREED = 1e-9
