@@ -58,7 +58,9 @@ the rest (matrix exponentials, spectra). Derivatives are computed in one of two 
   register. Common factors of a derivative are multiplied once for all directions, sums of products
   are ordered for multiply-add instructions, and in a short loop the first division of a sample, on
   which everything else depends, is started while the derivatives of the previous sample are
-  computed.
+  computed. Of a start of which nothing is known (`P0 = inf`), much of what is carried is zero for
+  good once the first measurements are taken: from there on the loop has a second phase without it,
+  a fifth of the operations of the first.
 - **A pass over the record and one back**, for any number of parameters: from nine on always, from
   five on where it takes less time, in which a number that is stored and loaded again counts as
   seven operations. The way back is JAX's own derivative of the step, with the covariance's steps
@@ -84,7 +86,7 @@ eight points share a vector, unless the objective keeps samples until after the 
 - **When.** C pays where a search would spend more time in XLA's loop than the compiler takes:
   (N (1 + n) - 20 000) times the operations of a step is above 70 million, for N samples and n
   parameters; with six parameters and 500 operations that is from about 23 000 samples. Where later
-  runs find what was written (*Programs between runs*), it does above 30 million. XLA's own
+  runs find what was written (*Programs between runs*), it does above 10 million. XLA's own
   way back through the loop costs about three passes for any n, and five in parts. There C is used
   if it takes at most half as many operations as a step (in parts five sixths) forwards, or as many
   (in parts five thirds) with a pass back, where three on entries of a row count as one: it does for
