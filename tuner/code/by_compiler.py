@@ -8,7 +8,7 @@ import numpy as np
 
 from tuner.code.array_functions import is_rounded, smooth_operands
 from tuner.code.calculator import code_of
-from tuner.code.evaluation import Given, Values
+from tuner.code.evaluation import Given, Sums, Values
 from tuner.code.mutants import WHOLE, Mutant
 from tuner.code.nodes import Node
 from tuner.code.rounding_errors import Noise
@@ -128,27 +128,20 @@ class Compiled:
         )
         return [out[:, k] if moved[k] else known[end] for k, end in enumerate(ends)]
 
-    def slopes(
-        self,
-        known: Values,
-        ends: Sequence[int],
-        weights: np.ndarray,
-        wanted: Sequence[Mutant],
-        change: float,
-        shift: float,
-    ) -> np.ndarray:
+    def slopes(self, known: Values, sums: Sums) -> np.ndarray:
         """Sums of squared moves of weighted sums of results, ``(M, B)``, to first order."""
         rows = self._array(known)
         places = np.full((len(rows), 4), -1, np.int32)
-        for k, one in enumerate(wanted):
+        for k, one in enumerate(sums.wanted):
             if not one.limit:
                 places[self._places[one.node], 3 if one.at == WHOLE else one.at] = k
-        squares = np.zeros((len(wanted), rows.shape[1]))
+        squares = np.zeros((len(sums.wanted), rows.shape[1]))
         constant, moving, met = np.zeros((3, len(rows)), np.uint8)
         constant[self._constants] = 1
-        found = places, len(weights), len(ends), self._where(ends), np.ascontiguousarray(weights)
+        weights, ends = np.ascontiguousarray(sums.weights), self._where(sums.ends)
+        found = places, len(weights), len(ends), ends, weights, sums.change, sums.shift
         memory = self._scratch(rows, 4), moving, met, squares
-        self._run("slopes", rows, self._smooth, constant, *found, change, shift, *memory)
+        self._run("slopes", rows, self._smooth, constant, *found, *memory)
         return squares
 
     @cached_property

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from tuner.code.array_functions import Work, function_of, work_of
-from tuner.code.evaluation import Given, Values
+from tuner.code.evaluation import Given, Sums, Values
 from tuner.code.graph import Graph
 from tuner.code.mutants import Mutant, with_changes
 from tuner.code.rounding_errors import Noise
@@ -108,18 +108,9 @@ class InNumPy:
                     found.pop(part, None)
         return [found[k] if k in found else known[k] for k in ends]
 
-    def slopes(
-        self,
-        known: Values,
-        ends: Sequence[int],
-        weights: np.ndarray,
-        wanted: Sequence[Mutant],
-        change: float,
-        shift: float,
-    ) -> np.ndarray:
+    def slopes(self, known: Values, sums: Sums) -> np.ndarray:
         """Sums of squared moves of weighted sums of results, ``(M, B)``, to first order."""
-        given = self._graph.nodes, self._functions, self._order, known
-        return slopes(*given, ends, weights, wanted, change, shift)
+        return slopes(self._graph.nodes, self._functions, self._order, known, sums)
 
     def _work(self, ends: frozenset[int]) -> list[Work]:
         if ends not in self._works:

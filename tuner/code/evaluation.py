@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Protocol, TypeAlias
+from typing import NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
@@ -19,6 +19,24 @@ class Values(Mapping[int, np.ndarray]):
     @abstractmethod
     def of(self, which: np.ndarray) -> "Values":
         """Those of some states."""
+
+
+class Sums(NamedTuple):
+    """Weighted sums of a step's results, and what moves them.
+
+    Attributes:
+        ends: the results.
+        weights: of the results, ``(sums, ends, B)``.
+        wanted: operands or results that are changed, each by itself; M of them.
+        change: as a share.
+        shift: half the distance of a difference quotient, over an operand.
+    """
+
+    ends: Sequence[int]
+    weights: np.ndarray
+    wanted: Sequence[Mutant]
+    change: float
+    shift: float
 
 
 class Evaluation(Protocol):
@@ -51,23 +69,6 @@ class Evaluation(Protocol):
         """
         ...
 
-    def slopes(
-        self,
-        known: Values,
-        ends: Sequence[int],
-        weights: np.ndarray,
-        wanted: Sequence[Mutant],
-        change: float,
-        shift: float,
-    ) -> np.ndarray:
-        """Sums of squared moves of weighted sums of results, ``(M, B)``, to first order.
-
-        Args:
-            known: all nodes.
-            ends: the results.
-            weights: of the results, ``(sums, ends, B)``.
-            wanted: operands or results that are changed, each by itself.
-            change: as a share.
-            shift: half the distance of a difference quotient, over an operand.
-        """
+    def slopes(self, known: Values, sums: Sums) -> np.ndarray:
+        """Sums of squared moves of weighted sums of results, ``(M, B)``, to first order."""
         ...

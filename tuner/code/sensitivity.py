@@ -5,7 +5,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from tuner.code.array_step import Step
-from tuner.code.evaluation import Values
+from tuner.code.evaluation import Sums, Values
 from tuner.code.mutants import CHANGE, WHOLE, Mutant
 
 _WEIGHTINGS = 4
@@ -39,7 +39,7 @@ def sensitivities(
     """
     wanted = [*step.mutants, *uses, *(Mutant(k, WHOLE) for k in sorted(whole))]
     weights = _weights(scales, draw)
-    squares = step.whole.slopes(values, step.roots, weights, wanted, CHANGE, _SHIFT)
+    squares = step.whole.slopes(values, Sums(step.roots, weights, wanted, CHANGE, _SHIFT))
     return dict(zip(wanted, np.sqrt(squares / _WEIGHTINGS), strict=True))
 
 

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from tuner.code.array_functions import smooth_operands
+from tuner.code.evaluation import Sums
 from tuner.code.mutants import WHOLE, Mutant
 from tuner.code.nodes import Node
 
@@ -15,11 +16,7 @@ def slopes(
     functions: Mapping[int, Callable[..., Any] | None],
     order: Sequence[int],
     values: Mapping[int, np.ndarray],
-    ends: Sequence[int],
-    weights: np.ndarray,
-    wanted: Sequence[Mutant],
-    change: float,
-    shift: float,
+    sums: Sums,
 ) -> np.ndarray:
     """Sums of squared moves of weighted results, ``(M, B)``, to first order.
 
@@ -28,17 +25,13 @@ def slopes(
         functions: that make them.
         order: those of the step.
         values: of them, ``(B,)`` or ``(1,)`` each.
-        ends: the results.
-        weights: of the results, ``(sums, ends, B)``.
-        wanted: operands or results that are changed, each by itself.
-        change: as a share.
-        shift: half the distance of a difference quotient, over an operand.
+        sums: the weighted results, and what moves them.
     """
-    rows = _rows(wanted)
-    squares = np.zeros((len(wanted), weights.shape[2]))
+    rows = _rows(sums.wanted)
+    squares = np.zeros((len(sums.wanted), sums.weights.shape[2]))
     adjoints: dict[int, np.ndarray] = {}
-    for k, end in enumerate(ends):
-        adjoints[end] = adjoints.get(end, 0.0) + weights[:, k]
+    for k, end in enumerate(sums.ends):
+        adjoints[end] = adjoints.get(end, 0.0) + sums.weights[:, k]
     with np.errstate(all="ignore"):
         for k, smooth in reversed(_ways_back(nodes, order, rows)):
             adjoint = adjoints.pop(k, None)
@@ -46,13 +39,13 @@ def slopes(
                 continue
             node, given = nodes[k], [values[part] for part in nodes[k].args]
             if (k, WHOLE) in rows:
-                moved = adjoint * values[k] * change
+                moved = adjoint * values[k] * sums.change
                 np.add.reduce(moved * moved, axis=0, out=squares[rows[k, WHOLE]])
             for at in smooth:
                 part = node.args[at]
-                share = _times(adjoint, _slope(node, functions[k], given, at, shift))
+                share = _times(adjoint, _slope(node, functions[k], given, at, sums.shift))
                 if (k, at) in rows:
-                    moved = share * (change * values[part])
+                    moved = share * (sums.change * values[part])
                     np.add.reduce(moved * moved, axis=0, out=squares[rows[k, at]])
                 if nodes[part].op != "constant":
                     before = adjoints.get(part)

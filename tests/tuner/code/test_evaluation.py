@@ -11,6 +11,7 @@ from tuner.code.array_step import Step
 from tuner.code.by_compiler import Compiled
 from tuner.code.by_numpy import InNumPy
 from tuner.code.calculator import calculator
+from tuner.code.evaluation import Sums
 from tuner.code.form import ready
 from tuner.code.graph import Graph
 from tuner.code.mutants import OTHERWISE, WHOLE, Mutant, mutants_of
@@ -146,7 +147,7 @@ def test_derivatives_of_every_operation():
     given = {x: draw.uniform(0.2, 2, 50), y: draw.uniform(0.2, 2, 50)}
     weights = draw.normal(size=(3, len(ends), 50))
     found, right = (
-        one.slopes(one.values(given), ends, weights, wanted, 1e-3, 1e-6)
+        one.slopes(one.values(given), Sums(ends, weights, wanted, 1e-3, 1e-6))
         for one in in_both(graph, order)
     )
     assert close(found, right, 1e-7)  # difference quotients divide by a millionth
