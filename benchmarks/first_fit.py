@@ -157,6 +157,7 @@ def _python(folder: Path, cache: str, words: Sequence[str]) -> None:
     own = {
         "TUNER_CACHE": str(folder / cache),
         "TUNER_PROGRAMS": "stored",
+        "TUNER_NATIVE": "auto",  # as users have it, whatever is measured beside
         "PYTHONPYCACHEPREFIX": str(folder / "bytecode"),
         "PYTHONDONTWRITEBYTECODE": "",
     }

@@ -67,7 +67,7 @@ def _run(folder: Path) -> tuple[float, float]:
     before, begun = _processors(), time.perf_counter()
     done = subprocess.run(
         [sys.executable, "-P", "-c", TUNER, "run", "rest", *maps, *log],
-        env=os.environ | {"TUNER_CACHE": str(folder / "cache")},
+        env=os.environ | {"TUNER_CACHE": str(folder / "cache"), "TUNER_NATIVE": "auto"},
         capture_output=True,
         text=True,
         check=False,
