@@ -13,7 +13,7 @@ from tuner.code.expected import LONG, comparable, expected, with_others
 from tuner.code.faint import Faint
 from tuner.code.hidden import Hidden
 from tuner.code.mutants import Mutant
-from tuner.code.shown import by_changes, by_derivatives
+from tuner.code.shown import Shown, by_changes, by_derivatives
 from tuner.code.states import Around, Arrays, by_node, rounded
 from tuner.code.together import Inverses, Together
 
@@ -73,16 +73,7 @@ def search(step: Step, around: Around, by_jax: Results) -> Found:
                 inverses.look(right, [*states, *samples], shown.also)
         else:
             shown = by_changes(step, given, hidden, draw)
-        shows, used = shown.hidden, shown.used
-        while shows.any() or used:
-            best = int(shows.sum(axis=0).argmax()) if shows.any() else _commonest(used)
-            own = [hidden.mutants[k] for k in np.flatnonzero(shows[:, best])]
-            uses = [one for one, row in used.items() if row[best]]
-            chosen.take([x[best] for x in (*states, *samples)], [*own, *shown.also(best)], [], uses)
-            rest = np.logical_not(shows[:, best])
-            hidden.leave(rest)
-            hidden.uses.difference_update(uses)
-            shows, used = shows[rest], {one: row for one, row in used.items() if not row[best]}
+        _take(chosen, hidden, shown, [*states, *samples])
         if len(step.order) <= LONG:
             hidden.leave_proven()
 
@@ -96,6 +87,20 @@ def search(step: Step, around: Around, by_jax: Results) -> Found:
     whole, fields = _by_fields(step, chosen.steps), len(program.state)
     parts = whole[:fields], whole[fields:]
     return Found(*parts, chosen, tried, len(hidden.idle), faint.mutants)
+
+
+def _take(chosen: Chosen, hidden: Hidden, shown: Shown, steps: Arrays) -> None:
+    """Choose steps, a field each, until all is chosen that they show: that of the most first."""
+    shows, used = shown.hidden, shown.used
+    while shows.any() or used:
+        best = int(shows.sum(axis=0).argmax()) if shows.any() else _commonest(used)
+        own = [hidden.mutants[k] for k in np.flatnonzero(shows[:, best])]
+        uses = [one for one, row in used.items() if row[best]]
+        chosen.take([x[best] for x in steps], [*own, *shown.also(best)], [], uses)
+        rest = np.logical_not(shows[:, best])
+        hidden.leave(rest)
+        hidden.uses.difference_update(uses)
+        shows, used = shows[rest], {one: row for one, row in used.items() if not row[best]}
 
 
 def _commonest(shown: Mapping[Mutant, np.ndarray]) -> int:
