@@ -28,7 +28,7 @@ def _calculator() -> ctypes.CDLL | None:
     texts = [files("tuner.code").joinpath(f"{name}.c").read_text("ascii") for name in _TEXTS]
     try:
         return library("\n".join([f"enum {{ {codes} }};", *texts]), code_folder(), _OPTIONS)
-    except NoCodeError:
+    except (NoCodeError, OSError):  # no compiler that works, or no room for what it writes
         return None
 
 

@@ -172,9 +172,10 @@ def test_the_same_steps_of_filters_without_a_compiler(name, monkeypatch):
     assert len(steps[0].samples[0]) == len(steps[1].samples[0])
 
 
-def test_a_broken_compiler_changes_nothing(monkeypatch):
+@pytest.mark.parametrize("error", [NoCodeError("no"), OSError("no space left on device")])
+def test_a_broken_compiler_changes_nothing(error, monkeypatch):
     def broken(*_):
-        raise NoCodeError("no")
+        raise error
 
     monkeypatch.setattr(compiled, "library", broken)
     compiled._calculator.cache_clear()
