@@ -96,6 +96,8 @@ class Graph:
         if kind == "truth":
             zero = self.constant(0 if self.nodes[entry].kind == "whole" else 0.0)
             return self.apply("ne", entry, zero)
+        if kind == "real" and self.nodes[entry].kind == "truth":  # with two constants like others
+            return self.make("choose", entry, self.constant(1.0), self.constant(0.0))
         return self._node(Node("convert", (entry,), None, kind))
 
     def is_constant(self, entry: int, value: float | None = None) -> bool:

@@ -45,17 +45,19 @@ def _of_one(graph: Nodes, op: str, x: int) -> int | None:
 
 
 def _compared(graph: Nodes, op: str, x: int, y: int) -> int | None:
-    """A truth value that was converted to a number and compared with one is the truth value."""
+    """One of two constants that is compared with a third is a truth value."""
     if x == y and graph.nodes[x].kind == "real":
         return graph.apply("isnan", x) if op == "ne" else None
     for inside, other, turned in ((x, y, False), (y, x, True)):
-        node = graph.nodes[inside]
-        if node.op == "convert" and graph.is_constant(other):
-            truth, number = node.args[0], int if node.kind == "whole" else graph.precision
-            if graph.nodes[truth].kind == "truth":
-                pairs = [(graph.constant(number(bit)), other) for bit in (0, 1)]
-                false, true = (graph.apply(op, *(p[::-1] if turned else p)) for p in pairs)
-                return graph.choose(truth, false, true)
+        condition, *chosen = graph.nodes[inside].args or (inside,)
+        if graph.nodes[inside].op == "convert" and graph.nodes[condition].kind == "truth":
+            chosen = [graph.constant(1), graph.constant(0)]
+        elif graph.nodes[inside].op != "choose":
+            continue
+        if all(map(graph.is_constant, (*chosen, other))):
+            pairs = [(one, other) for one in chosen]
+            true, false = (graph.apply(op, *(p[::-1] if turned else p)) for p in pairs)
+            return graph.choose(condition, false, true)
     return None
 
 
