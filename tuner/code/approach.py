@@ -4,6 +4,7 @@ import numpy as np
 
 from tuner.code.array_step import Step
 from tuner.code.bases import Bases, above, missing
+from tuner.code.by_newton import by_newton
 from tuner.code.by_one_entry import by_one_entry
 from tuner.code.expected import LONG
 from tuner.code.states import Arrays
@@ -22,17 +23,22 @@ def beyond(
     step: Step, own: int, bases: Bases, draw: np.random.Generator, *, by_one: bool
 ) -> Arrays:
     """Steps on the other side of the limit, or as close to it as variations come."""
-    x, limit = above(step, own, bases.steps, bases)
+    x, limit, _ = above(step, own, bases.steps, bases)
     side = np.where(x > limit, 1.0, -1.0)
     if not by_one:
         return _varied(step, own, bases, side, draw)
     found, there = by_one_entry(step, own, bases, side)
-    rest = np.flatnonzero(~there)
-    if len(rest):
-        compared = [bases.compared[k] for k in rest]
-        some = Bases(compared, [x[rest] for x in bases.steps], bases.numbers)
-        for field, one in zip(found, _varied(step, own, some, side[rest], draw), strict=True):
-            field[rest] = one
+    for others in (_varied, by_newton):
+        rest = np.flatnonzero(~there)
+        if len(rest):
+            some = bases.of(rest)
+            tried = others(step, own, some, side[rest], draw)
+            before, _ = missing(step, own, [x[rest] for x in found], some, side[rest])
+            gap, apart = missing(step, own, tried, some, side[rest])
+            closer = gap < before
+            for field, one in zip(found, tried, strict=True):
+                field[rest[closer]] = one[closer]
+            there[rest] = closer & (apart < 0)
     return found
 
 
@@ -91,7 +97,7 @@ def close(step: Step, own: int, bases: Bases, others: Arrays) -> Arrays:
         ]
 
     def below(share: np.ndarray) -> np.ndarray:
-        x, limit = above(step, own, between(share), bases)
+        x, limit, _ = above(step, own, between(share), bases)
         with np.errstate(invalid="ignore"):
             return np.asarray(x < goal * limit)
 

@@ -9,9 +9,11 @@ import numpy as np
 from tuner.code.by_compiler import Compiled
 from tuner.code.by_numpy import InNumPy
 from tuner.code.calculator import calculator
+from tuner.code.decided import Decided
 from tuner.code.evaluation import Evaluation, Given, Values
 from tuner.code.graph import Graph
 from tuner.code.mutants import CHANGE, Mutant, limits_of, mutants_of
+from tuner.code.needed import Ways
 from tuner.code.operations import COMPARE, STEPPED
 from tuner.code.program import Program
 
@@ -91,6 +93,16 @@ class Step:
         """Those of the latter that a number is compared with themselves."""
         nodes = self.graph.nodes
         return {one for one in self.limits if one.limit or nodes[one.node].op in STEPPED}
+
+    @cached_property
+    def ways(self) -> Ways:
+        """From constants to the results."""
+        return Ways(self.graph, self.order, self.roots)
+
+    @cached_property
+    def needed(self) -> dict[int, Decided]:
+        """What has to be decided for each operation to matter."""
+        return self.ways.for_each(self.order)
 
     def all_values(self, given: Given) -> Values:
         """All nodes of the step, ``(B,)`` or ``(1,)`` each."""

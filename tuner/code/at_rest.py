@@ -14,6 +14,8 @@ _TURNS, _KEPT = 6, (SAMPLES // 4, SAMPLES - 1)
 """How often so many samples follow one another, and the states that are kept each time."""
 _MOST = 8
 """Most fields of a sample that are zero in a record of their own."""
+_SMALL = 1 / 16
+"""Share of a field in another one: what rests may be small, and not zero."""
 
 
 def whereabouts(
@@ -51,7 +53,7 @@ def at_rest(own: ReferenceFilter, samples: Any) -> tuple[Arrays, Arrays]:
     Args:
         own: the filter.
         samples: a record, time first, whose middle sample is repeated; in further records one of
-            its fields is zero.
+            its fields is zero, or much smaller.
     """
     leaves, tree = jax.tree.flatten(samples)
     states: list[Arrays] = []
@@ -71,12 +73,13 @@ def at_rest(own: ReferenceFilter, samples: Any) -> tuple[Arrays, Arrays]:
 
 
 def _standing(leaves: Arrays) -> Iterator[Arrays]:
-    """A sample of median values, then the same with a field of zeros."""
+    """A sample of median values, then the same with a field of zeros, or of much smaller values."""
     middle = [_even(_middle(x)) for x in leaves]
     yield middle
     real = [k for k, x in enumerate(middle) if x.dtype.kind == "f"]
-    for zero in real[:_MOST]:
-        yield [0 * np.nan_to_num(x) if k == zero else x for k, x in enumerate(middle)]
+    for share in (0.0, _SMALL):
+        for one in real[:_MOST]:
+            yield [share * np.nan_to_num(x) if k == one else x for k, x in enumerate(middle)]
 
 
 def _middle(leaf: np.ndarray) -> np.ndarray:

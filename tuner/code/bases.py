@@ -1,20 +1,17 @@
 """Steps that are to be brought to a limit, and how far they are from it."""
 
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 
 from tuner.code.array_step import Step
-from tuner.code.compared import ComparedNumbers
+from tuner.code.compared import Compared, ComparedNumbers
 from tuner.code.states import Arrays, by_node
 
 _BEYOND = 1e-3
 """Distance from a limit, over it, from which a step is well beyond."""
 _PASSED = 1e-30
 """Share of a distance that counts behind the limit."""
-Compared: TypeAlias = tuple[int, int, int | float]
-"""A comparison, the number that is compared, and its limit: a node, or a half for rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,9 +28,16 @@ class Bases:
     steps: Arrays
     numbers: ComparedNumbers
 
+    def of(self, which: np.ndarray) -> "Bases":
+        """Some of them."""
+        compared = [self.compared[k] for k in which]
+        return Bases(compared, [x[which] for x in self.steps], self.numbers)
+
 
 def above(step: Step, own: int, steps: Arrays, bases: Bases) -> np.ndarray:
-    """The number that is compared, and its limit, ``(2, count)``: in as many steps for each base.
+    """The number that is compared, its limit, and whether its outcome may matter, ``(3, count)``.
+
+    In as many steps for each base.
 
     Args:
         step: the filter's.
@@ -42,16 +46,17 @@ def above(step: Step, own: int, steps: Arrays, bases: Bases) -> np.ndarray:
         bases: what is compared.
     """
     given = by_node(step.program, steps[:own], steps[own:])
-    return bases.numbers.in_own_steps(given, [one[1:] for one in bases.compared])
+    return bases.numbers.in_own_steps(given, bases.compared)
 
 
 def missing(
     step: Step, own: int, steps: Arrays, bases: Bases, side: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """How much is missing to be well beyond the limit, and the distance from it.
+    """How much is missing to be well beyond the limit, and how far a step is before it.
 
-    Before the limit this is the distance, so that a step comes closer to what it cannot pass;
-    behind it, less than that of any step before it.
+    Before the limit the former is the distance, so that a step comes closer to what it cannot pass;
+    behind it, less than that of any step before it. It has no end where the outcome does not matter
+    any more, since something else is decided otherwise.
 
     Args:
         step: the filter's.
@@ -60,9 +65,9 @@ def missing(
         bases: what is compared.
         side: 1 for steps that begin above the limit, -1 for the others.
     """
-    x, limit = above(step, own, steps, bases)
+    x, limit, matters = above(step, own, steps, bases)
     with np.errstate(all="ignore"):
         apart = side * (x - limit)
         rest = _PASSED * np.maximum(apart + _BEYOND * np.abs(limit), 0)
     gap = np.where(apart > 0, apart, np.where(apart < 0, rest, _PASSED))
-    return np.where(np.isfinite(gap), gap, np.inf), np.abs(apart)
+    return np.where(np.isfinite(gap) & (matters > 0), gap, np.inf), apart

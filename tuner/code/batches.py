@@ -10,10 +10,13 @@ from tuner.code.array_step import Step
 from tuner.code.expected import LONG
 from tuner.code.hidden import Hidden
 from tuner.code.limits import beside_limits
+from tuner.code.preferred import Preferred, needs_of
 from tuner.code.states import Around, Arrays
 
 _BATCH, _ROUNDS, _FEW = 64, 12, 4
 """States looked at together, and how often: at most, and in the longest steps."""
+_POOL = 512
+"""States of which in long steps those are taken in which constants reach results that rarely do."""
 _LEAST = 4
 """Rounds at least, before only steps beside limits are looked at."""
 _OPERATIONS = 72_000
@@ -33,8 +36,15 @@ def batches(
     """
     near, long = replace(around, wide=0.0), len(step.order) > LONG
     rounds = max(_FEW, min(_ROUNDS, _OPERATIONS // len(step.order)))
+    own, preferred = len(around.states), None
     for turn in range(rounds):
-        yield near.drawn(draw, _BATCH), False
+        drawn = near.drawn(draw, _POOL if long and turn else _BATCH)
+        if long and turn:
+            needs = needs_of(step, hidden.mutants)
+            preferred = preferred or Preferred(step, needs)
+            both = preferred.of([*drawn[0], *drawn[1]], needs, _BATCH)
+            drawn = both[:own], both[own:]
+        yield drawn, False
         if not long and turn + 1 >= _LEAST and hidden.only_at_limits:
             break
     if not long:

@@ -6,7 +6,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from tuner.code.array_step import Step
-from tuner.code.bases import Bases, Compared, above, missing
+from tuner.code.bases import Bases, above, missing
+from tuner.code.compared import Compared
 from tuner.code.fields import Field
 from tuner.code.states import Arrays
 
@@ -30,32 +31,31 @@ def by_one_entry(step: Step, own: int, bases: Bases, side: np.ndarray) -> tuple[
         bases: steps and their limits.
         side: 1 for steps that begin above the limit, -1 for the others.
     """
-    x, limit = above(step, own, bases.steps, bases)
+    x, limit, _ = above(step, own, bases.steps, bases)
     moved = [np.repeat(x, _LANES, axis=0) for x in bases.steps]
-    places = _places(step)
-    entries_of = {one: _entries(step, one, places) for one in dict.fromkeys(bases.compared)}
+    places = places_of(step)
+    entries_of = {one: entries(step, one, places) for one in dict.fromkeys(bases.compared)}
     for at, one in enumerate(bases.compared):
-        entries = entries_of[one]
-        for k, (field, index) in enumerate(entries):
-            rows = np.arange(at * _LANES + k, (at + 1) * _LANES, len(entries))
+        for k, (field, index) in enumerate(entries_of[one]):
+            rows = np.arange(at * _LANES + k, (at + 1) * _LANES, len(entries_of[one]))
             by = _moves(len(rows), bases.steps[field][at][index], limit[at], x[at] - limit[at])
             place: Any = (rows, *index)
             moved[field][place] += by
     short, apart = missing(step, own, moved, bases, np.repeat(side, _LANES))
-    apart = np.where(short > 0, np.inf, apart).reshape(len(side), _LANES)
+    apart = np.where(short > 0, np.inf, np.abs(apart)).reshape(len(side), _LANES)
     there = np.asarray(np.isfinite(apart).any(axis=1))
     rows = np.arange(len(side)) * _LANES + apart.argmin(axis=1)
     pairs = zip(bases.steps, moved, strict=True)
     return [np.where(_along(there, x), y[rows], x) for x, y in pairs], there
 
 
-_Place: TypeAlias = tuple[int, tuple[int, ...]]
+Place: TypeAlias = tuple[int, tuple[int, ...]]
 """An entry of a state or sample: its field, and where it stands there."""
 
 
-def _places(step: Step) -> dict[int, _Place]:
+def places_of(step: Step) -> dict[int, Place]:
     """The real entries by their nodes; of covariances only variances, which leave it one."""
-    program, found = step.program, dict[int, _Place]()
+    program, found = step.program, dict[int, Place]()
     fields: list[Field] = [*program.state, *program.inputs]
     nodes = [*program.known["state"], *program.known["in"]]
     for at, (field, known) in enumerate(zip(fields, nodes, strict=True)):
@@ -65,10 +65,10 @@ def _places(step: Step) -> dict[int, _Place]:
     return found
 
 
-def _entries(step: Step, one: Compared, places: Mapping[int, _Place]) -> list[_Place]:
+def entries(step: Step, one: Compared, places: Mapping[int, Place]) -> list[Place]:
     """The entries that a decision depends on by the fewest operations."""
-    found = list[_Place]()
-    level = seen = {k for k in one[1:] if isinstance(k, int)}
+    found = list[Place]()
+    level = seen = {k for k in (one.x, one.limit) if isinstance(k, int)}
     while level and len(found) < _MOST:
         found += [places[k] for k in sorted(level) if k in places]
         level = {part for k in level for part in step.graph.nodes[k].args} - seen

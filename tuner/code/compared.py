@@ -3,21 +3,36 @@
 A comparison depends on a part of a step, often a small one: only that is worked out in its steps.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from functools import cached_property, reduce
 from operator import or_
-from typing import TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
 from tuner.code.array_step import Step
+from tuner.code.decided import NOTHING, Decided
 from tuner.code.evaluation import Evaluation, Given, Values
 from tuner.code.graph import Graph
 
-Pair: TypeAlias = tuple[int, int | float]
-"""A node, and the one that it is compared with, or a number."""
 _OVERHEAD, _EACH = 300, 24
 """Steps in which to work out a node takes twice as long as in one, and the steps of a pair."""
+
+
+class Compared(NamedTuple):
+    """A comparison.
+
+    Attributes:
+        decision: its node.
+        x: the number that is compared.
+        limit: that with which it is: a node, or a number, as a half for rounding.
+        needed: what else has to be decided, and how, for its outcome to matter.
+    """
+
+    decision: int
+    x: int
+    limit: int | float
+    needed: Decided = NOTHING
 
 
 class ComparedNumbers:
@@ -28,7 +43,7 @@ class ComparedNumbers:
         pairs: that are asked for, some of them often.
     """
 
-    def __init__(self, step: Step, pairs: Sequence[Pair]) -> None:
+    def __init__(self, step: Step, pairs: Sequence[Compared]) -> None:
         before = reaches(step.graph, step.order, {k for one in pairs for k in _nodes(one)})
         bits = [reduce(or_, (before[k] for k in _nodes(one))) for one in pairs]
         groups = _grouped(bits)
@@ -36,21 +51,26 @@ class ComparedNumbers:
         which = {one: at for at, group in enumerate(groups) for one in bits if one | group == group}
         self._part_of = {pair: which[one] for pair, one in zip(pairs, bits, strict=True)}
 
-    def in_own_steps(self, given: Given, pairs: Sequence[Pair]) -> np.ndarray:
-        """Both numbers of each pair, ``(2, B)``: of each in as many steps, one after another."""
+    def in_own_steps(self, given: Given, pairs: Sequence[Compared]) -> np.ndarray:
+        """Both numbers of each pair, and whether all that it needs is decided so, ``(3, B)``.
+
+        Of each pair in as many steps, one after another.
+        """
         count = max(map(len, given.values()), default=1)
         each, own = count // len(pairs), dict[int, list[int]]()
         for at, pair in enumerate(pairs):
             own.setdefault(self._part_of[pair], []).append(at)
-        found = np.empty((2, len(pairs), each))
+        found = np.ones((3, len(pairs), each))
         for part, where in own.items():
             rows = (np.array(where)[:, None] * each + np.arange(each)).ravel()
             values = self._parts[part].values(given, rows)
             for k, at in enumerate(where):
-                for side, one in enumerate(pairs[at]):
-                    row = values[one] if isinstance(one, int) else np.array([one])
-                    found[side, at] = row if len(row) == 1 else row[k * each : (k + 1) * each]
-        return found.reshape(2, count)
+                pair, own_rows = pairs[at], slice(k * each, (k + 1) * each)
+                for side, one in enumerate((pair.x, pair.limit)):
+                    found[side, at] = _some(values[one], own_rows) if isinstance(one, int) else one
+                for one, truth in pair.needed:
+                    found[2, at] *= _some(values[one], own_rows) == truth
+        return found.reshape(3, count)
 
 
 class _Part:
@@ -117,5 +137,12 @@ def set_bits(number: int) -> list[int]:
     return places
 
 
-def _nodes(pair: Iterable[int | float]) -> Iterator[int]:
-    return (k for k in pair if isinstance(k, int))
+def _some(row: np.ndarray, which: slice) -> np.ndarray:
+    return row if len(row) == 1 else row[which]
+
+
+def _nodes(pair: Compared) -> Iterator[int]:
+    yield pair.x
+    if isinstance(pair.limit, int):
+        yield pair.limit
+    yield from (k for k, _ in pair.needed)

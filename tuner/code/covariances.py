@@ -4,6 +4,16 @@ import numpy as np
 
 _HUGE, _BEYOND = 1 / 2, (1.0, 4.0)
 """Share of covariances that are huge, and by how many powers of ten more than the precision has."""
+_UNEVEN = 1e-5
+"""Difference of mirrored entries, over the largest, that rounding may make."""
+
+
+def symmetric(near: np.ndarray) -> bool:
+    """Whether all are symmetric matrices but for rounding, and not other numbers in a square."""
+    if near.ndim != 3 or near.shape[1] != near.shape[2]:
+        return False
+    apart = np.abs(np.nan_to_num(near - near.transpose(0, 2, 1))).max(axis=(1, 2), initial=0)
+    return bool((apart <= _UNEVEN * largest(near)).all())
 
 
 def largest(near: np.ndarray) -> np.ndarray:

@@ -3,7 +3,10 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
 
+import numpy as np
+
 from tuner.code.graph import Graph
+from tuner.code.nodes import Node
 from tuner.code.operations import COMPARE, in_numpy
 
 Decided: TypeAlias = frozenset[tuple[int, bool]]
@@ -40,6 +43,8 @@ class Facts:
         node = self._graph.nodes[k]
         if node.op == "constant":
             return NOTHING if bool(node.value) == value else None
+        if node.op in ("eq", "ne") and value == (node.op == "eq") and self._one_is_infinite(node):
+            return None
         found: Decided | None = frozenset({(k, value)})
         for part, truth in self._implied(k, value):
             found = self.joined(found or NOTHING, part, truth)
@@ -51,6 +56,24 @@ class Facts:
             if found is None:
                 break
         return found
+
+    def _one_is_infinite(self, compared: Node) -> bool:
+        """Whether a number that is finite, or missing, is compared with an infinite one."""
+        pairs = zip(compared.args, compared.args[::-1], strict=True)
+        ends = (np.inf, -np.inf)
+        return any(
+            self._is_given(x) and any(self._graph.is_constant(y, end) for end in ends)
+            for x, y in pairs
+        )
+
+    def _is_given(self, k: int) -> bool:
+        """Whether a number is one of the state or of a sample, which are finite, or missing."""
+        node = self._graph.nodes[k]
+        if node.op == "choose":
+            return all(self._is_given(part) for part in node.args[1:])
+        if node.op == "constant":
+            return node.kind == "real" and not np.isinf(node.value)
+        return node.op == "input"
 
     def _implied(self, k: int, value: bool) -> Iterator[tuple[int, bool]]:
         """Truth values that follow from the outcome of a comparison."""

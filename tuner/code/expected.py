@@ -22,6 +22,9 @@ _REPEATS = 6
 _MARGIN, SAFE = 8.0, 16.0
 """Distance of two numbers that are compared, over the largest effect of rounding on it, from which
 other rounding errors decide alike; and in a search of short steps, which are judged once more."""
+WELL_WITHIN, SAFELY = 4.0, 6.0
+"""The tolerance over what another implementation may use up of it in a long step; and in a search,
+whose steps are judged once more, with other errors."""
 _LARGEST = {"double": 1e60, "float": 1e12}
 
 
@@ -116,7 +119,9 @@ def allowed(step: Step, right: Expected) -> np.ndarray:
     return np.asarray(strays * right.strays + SHARE * size)
 
 
-def with_others(step: Step, right: Expected, found: Sequence[np.ndarray]) -> Expected:
+def with_others(
+    step: Step, right: Expected, found: Sequence[np.ndarray], within: float = WELL_WITHIN
+) -> Expected:
     """The same, with results of another implementation, which count as another rounding.
 
     Where one has a number and the other none, a step is not steady; nor is a long one in which it
@@ -126,6 +131,7 @@ def with_others(step: Step, right: Expected, found: Sequence[np.ndarray]) -> Exp
         step: the filter's.
         right: its results.
         found: those of the other implementation, ``(roots, B)``, by each half of symmetric ones.
+        within: the tolerance over what a long step may use up of it.
     """
     steady, strays = right.steady, right.strays
     for other in found:
@@ -133,7 +139,7 @@ def with_others(step: Step, right: Expected, found: Sequence[np.ndarray]) -> Exp
             apart = np.nan_to_num(np.abs(other - right.exact), posinf=0, neginf=0)
         steady = steady & (np.isnan(other) == np.isnan(right.exact)).all(axis=0)
         if len(step.order) > LONG:
-            steady &= (apart <= allowed(step, right) / 4).all(axis=0)
+            steady &= (within * apart <= allowed(step, right)).all(axis=0)
         strays = np.maximum(strays, apart)
     return replace(right, strays=strays, steady=steady)
 

@@ -1,4 +1,4 @@
-"""Constants of a long step that move results hardly further than is allowed."""
+"""Constants that move results hardly further than is allowed."""
 
 from collections.abc import Iterable, Mapping
 

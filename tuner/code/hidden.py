@@ -2,14 +2,13 @@
 
 from collections import Counter
 from collections.abc import Mapping
-from functools import cached_property
 
 import numpy as np
 
 from tuner.code.array_step import Step
 from tuner.code.expected import LONG
 from tuner.code.mutants import Mutant, uses_of
-from tuner.code.needed import Way, Ways
+from tuner.code.needed import Way
 
 _MET = 16
 """Steps in which all is decided as a constant needs it, from which one without any effect is given
@@ -52,7 +51,7 @@ class Hidden:
 
     def _way(self, one: Mutant) -> Way | None:
         if one not in self._known:
-            self._known[one] = self._ways.way(one)
+            self._known[one] = self._step.ways.way(one)
         return self._known[one]
 
     def count(self, values: Mapping[int, np.ndarray], good: np.ndarray) -> None:
@@ -109,7 +108,3 @@ class Hidden:
             if one.limit or self._step.graph.nodes[one.node].op in ("max", "min", "add"):
                 found.add(one.node)
         return found
-
-    @cached_property
-    def _ways(self) -> Ways:
-        return Ways(self._step.graph, self._step.order, self._step.roots)

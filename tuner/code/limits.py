@@ -12,8 +12,9 @@ import numpy as np
 
 from tuner.code.approach import beyond, close
 from tuner.code.array_step import Step
-from tuner.code.bases import Bases, Compared
-from tuner.code.compared import ComparedNumbers, reaches
+from tuner.code.bases import Bases
+from tuner.code.compared import Compared, ComparedNumbers, reaches
+from tuner.code.decided import NOTHING
 from tuner.code.detection import detected
 from tuner.code.evaluation import Given
 from tuner.code.expected import LONG, plain
@@ -35,6 +36,7 @@ def beside_limits(
     wanted: Collection[int] | None = None,
     *,
     by_one: bool = True,
+    late: bool = False,
 ) -> Iterator[tuple[Arrays, Arrays]]:
     """States and samples, a field each, in batches.
 
@@ -44,9 +46,10 @@ def beside_limits(
         draw: a generator.
         wanted: the operations that compare; None: all.
         by_one: whether one entry alone is moved first, which leaves more as it is, and takes time.
+        late: whether what depends on most of a long step is compared as well, which takes longer.
     """
     own = len(around.states)
-    bases = _bases(step, around, _compared(step, wanted), draw)
+    bases = _bases(step, around, _compared(step, wanted, late=late), draw)
     if not bases.compared:
         return
     others = beyond(step, own, bases, draw, by_one=by_one)
@@ -57,11 +60,11 @@ def beside_limits(
         yield part[:own], part[own:]
 
 
-def _compared(step: Step, wanted: Collection[int] | None) -> list[Compared]:
+def _compared(step: Step, wanted: Collection[int] | None, *, late: bool) -> list[Compared]:
     """Real numbers that are compared, the second no zero and not infinite, and rounded ones.
 
     So are what a constant is added to and the constant, which shows where neither is much larger.
-    In a long step only early ones: the others take too long.
+    In a long step only early ones, unless late ones are asked for, which take long.
     """
     nodes, found = step.graph.nodes, list[Compared]()
     decisions = (k for k in step.order if nodes[k].op != "add")
@@ -73,13 +76,18 @@ def _compared(step: Step, wanted: Collection[int] | None) -> list[Compared]:
             real = nodes[x].kind == nodes[limit].kind == "real"
             real = real and (nodes[k].op != "add" or nodes[limit].op == "constant")
             if real and not any(step.graph.is_constant(limit, one) for one in (0.0, np.inf)):
-                found.append((k, x, limit))
+                found.append(Compared(k, x, limit))
         elif nodes[k].op == "round":
-            found += [(k, nodes[k].args[0], half) for half in (-0.5, 0.5)]
-    if len(step.order) <= LONG:
-        return found
-    before = reaches(step.graph, step.order, {x for _, x, _ in found})
-    return [one for one in found if before[one[1]].bit_count() <= _EARLY]
+            found += [Compared(k, nodes[k].args[0], half) for half in (-0.5, 0.5)]
+    needed = {one.decision: step.needed.get(one.decision, NOTHING) for one in found}
+    ends = {one.x for one in found} | {k for one in needed.values() for k, _ in one}
+    before = reaches(step.graph, step.order, ends)
+    early = {k for k in ends if late or before[k].bit_count() <= _EARLY}
+    return [
+        one._replace(needed=frozenset(two for two in needed[one.decision] if two[0] in early))
+        for one in found
+        if len(step.order) <= LONG or one.x in early
+    ]
 
 
 def _bases(
@@ -97,7 +105,7 @@ def _bases(
         states, samples = around.drawn(draw, count)
         pool = [*states, *samples]
         given = by_node(step.program, states, samples)
-        matters = _matters(step, given, [one[0] for one in missing])
+        matters = _matters(step, given, [one.decision for one in missing])
         apart = _distances(step, given, missing, count)
         for one, row, distance in zip(missing, matters, apart, strict=True):
             at = draw.permutation(np.flatnonzero(row))
@@ -105,10 +113,12 @@ def _bases(
             at = np.unique(np.concatenate([nearest, at[: most - len(nearest)]]))
             if not len(at) and turn + 1 == _POOLS and not long:
                 at = draw.integers(count, size=1)
-            if len(at):
+                chosen.append(one._replace(needed=NOTHING))
+                steps.append([x[at] for x in pool])
+            elif len(at):
                 chosen += [one] * len(at)
                 steps.append([x[at] for x in pool])
-    numbers = ComparedNumbers(step, [one[1:] for one in chosen])
+    numbers = ComparedNumbers(step, chosen)
     return Bases(chosen, [np.concatenate(column) for column in zip(*steps, strict=True)], numbers)
 
 
@@ -130,9 +140,9 @@ def _distances(
     step: Step, given: Given, compared: list[Compared], count: int
 ) -> Iterator[np.ndarray]:
     """How far each number is above its limit, in each step; what is no number last."""
-    ends = {k for one in compared for k in one[1:] if isinstance(k, int)}
+    ends = {k for one in compared for k in (one.x, one.limit) if isinstance(k, int)}
     values = step.part(step.graph.reached(ends), ends).values(given)
-    for _, x, limit in compared:
+    for _, x, limit, _ in compared:
         with np.errstate(all="ignore"):
             apart = values[x] - (values[limit] if isinstance(limit, int) else limit)
         yield np.broadcast_to(np.nan_to_num(apart, nan=np.inf), count)

@@ -1,6 +1,6 @@
 """What has to be decided, and how, for a change of a constant to reach a result."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from tuner.code.decided import NOTHING, Decided, Facts
@@ -62,6 +62,29 @@ class Ways:
         smooth = any(root in moving for root in self._roots)
         return Way(needed, frozenset(() if smooth else turned))
 
+    def for_each(self, order: Sequence[int]) -> dict[int, Decided]:
+        """What has to be decided for each operation to matter, but for what it decides itself.
+
+        Args:
+            order: the nodes of the step.
+        """
+        found = dict.fromkeys(self._roots, NOTHING)
+        for k in reversed(order):
+            if k not in found:
+                users = self._users[k]
+                way = _common(way for user in users for way in self._on(found, k, user))
+                if way is not None:
+                    found[k] = way
+        return found
+
+    def _on(self, found: Mapping[int, Decided], k: int, user: int) -> Iterator[Decided]:
+        """What is needed for each way of a node by one of the operations that use it."""
+        for at, part in enumerate(self._graph.nodes[user].args):
+            if part == k and user in found:
+                way = self._through(found[user], user, at, {k: NOTHING})
+                if way is not None:
+                    yield way
+
     def _scales_its_own_limit(self, one: Mutant) -> bool:
         """Whether a number is only compared with a share of itself: its sign decides."""
         nodes = self._graph.nodes
@@ -95,7 +118,9 @@ class Ways:
                 if way is not None:
                     yield way
 
-    def _through(self, way: Decided, k: int, at: int, found: dict[int, Decided]) -> Decided | None:
+    def _through(
+        self, way: Decided, k: int, at: int, found: Mapping[int, Decided]
+    ) -> Decided | None:
         """The way on by an operand of an operation; None: it ends there."""
         node = self._graph.nodes[k]
         if node.op == "choose" and at > 0:
@@ -123,6 +148,17 @@ class Ways:
                 return None
             found = more
         return found
+
+
+def _common(ways: Iterator[Decided]) -> Decided | None:
+    """What all of several ways need; None: there is none."""
+    found = next(ways, None)
+    while found:
+        way = next(ways, None)
+        if way is None:
+            break
+        found &= way
+    return found
 
 
 def users_of(graph: Graph, order: Sequence[int]) -> dict[int, list[int]]:

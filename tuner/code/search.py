@@ -9,14 +9,19 @@ import numpy as np
 from tuner.code.array_step import Step
 from tuner.code.batches import batches
 from tuner.code.chosen import Chosen
-from tuner.code.expected import LONG, comparable, expected, with_others
+from tuner.code.detection import largest_moves
+from tuner.code.expected import LONG, SAFE, SAFELY, comparable, expected, with_others
 from tuner.code.faint import Faint
 from tuner.code.hidden import Hidden
 from tuner.code.mutants import Mutant
 from tuner.code.shown import Shown, by_changes, by_derivatives
 from tuner.code.states import Around, Arrays, by_node, rounded
 from tuner.code.together import Inverses, Together
+from tuner.code.variations import varied
 
+_ROUNDS, _CHILDREN, _TIMES = 24, 16, 3
+"""How often the steps of constants that hardly show are varied, the number from each, and how often
+their rounding is measured."""
 Results: TypeAlias = Callable[[Arrays, Arrays], Sequence[np.ndarray]]
 """The roots of steps from states and samples, ``(roots, B)``, by each half of symmetric ones."""
 
@@ -60,7 +65,8 @@ def search(step: Step, around: Around, by_jax: Results) -> Found:
         given = by_node(program, states, samples)
         tried += len(next(iter(given.values()), ()))
         if len(step.order) > LONG:
-            right = with_others(step, expected(step, given, draw), by_jax(states, samples))
+            right = expected(step, given, draw)
+            right = with_others(step, right, by_jax(states, samples), SAFELY)
             good = comparable(step, right)
             if not good.any():
                 continue
@@ -68,15 +74,18 @@ def search(step: Step, around: Around, by_jax: Results) -> Found:
             states, samples = ([x[good] for x in part] for part in (states, samples))
             shown = by_derivatives(step, right, hidden, draw, together, beside)
             together.take([*states, *samples], shown.also)
-            faint.look(shown.moved, [*states, *samples])
             if beside:
                 inverses.look(right, [*states, *samples], shown.also)
         else:
             shown = by_changes(step, given, hidden, draw)
+        faint.look(shown.moved, [*states, *samples])
         _take(chosen, hidden, shown, [*states, *samples])
         if len(step.order) <= LONG:
             hidden.leave_proven()
 
+    if len(step.order) <= LONG:
+        faint.leave(hidden.mutants)
+        faint = _improved(step, faint, draw)
     for one, more in inverses.steps():
         chosen.take(one, more)
     for one, more, groups in together.steps():
@@ -87,6 +96,26 @@ def search(step: Step, around: Around, by_jax: Results) -> Found:
     whole, fields = _by_fields(step, chosen.steps), len(program.state)
     parts = whole[:fields], whole[fields:]
     return Found(*parts, chosen, tried, len(hidden.idle), faint.mutants)
+
+
+def _improved(step: Step, faint: Faint, draw: np.random.Generator) -> Faint:
+    """The same constants in steps that were varied; what counts is the least of several moves.
+
+    The tolerance follows from random errors: the best of many steps would be one in which they
+    happened to be small.
+    """
+    program, own, found = step.program, len(step.program.state), Faint()
+    steps = _by_fields(step, faint.steps)
+    for turn in range(_ROUNDS if faint.mutants else 0):
+        if turn and found.mutants:
+            parents = _by_fields(step, found.steps)
+            steps = varied(draw, [np.repeat(x, _CHILDREN, axis=0) for x in parents])
+        steps = rounded(steps, program.precision)
+        given = by_node(program, steps[:own], steps[own:])
+        rights = [expected(step, given, draw, SAFE) for _ in range(_TIMES)]
+        sizes = np.min([largest_moves(step, faint.mutants, right) for right in rights], axis=0)
+        found.look(dict(zip(faint.mutants, sizes, strict=True)), steps)
+    return found
 
 
 def _take(chosen: Chosen, hidden: Hidden, shown: Shown, steps: Arrays) -> None:

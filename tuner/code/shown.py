@@ -43,7 +43,7 @@ def by_changes(step: Step, given: Given, hidden: Hidden, draw: np.random.Generat
     """What steps show by a change of each constant."""
     mutants, idle = hidden.mutants, sorted(hidden.idle.intersection(hidden.mutants))
     count = max(map(len, given.values()), default=1)
-    whole = np.zeros((len(mutants), count), bool)
+    sizes = np.zeros((len(mutants), count))
     # Rounding is measured where a change shows at all, which is in few of the later steps.
     exact = plain(step, given)
     hidden.count(exact.values, comparable(step, exact))
@@ -54,10 +54,10 @@ def by_changes(step: Step, given: Given, hidden: Hidden, draw: np.random.Generat
     if some.any():
         part = {k: x[some] for k, x in given.items()}
         right = expected(step, part, draw, SAFE)
-        whole[:, some] = detected(step, mutants, right, _SURE)
+        sizes[:, some] = largest_moves(step, mutants, right)
         doubled = np.atleast_1d(detected(step, idle, right, 1.0, change=1.0).any(axis=1))
         hidden.idle -= {one for one, shows in zip(idle, doubled, strict=True) if shows}
-    return Shown(whole, _nothing, {}, {})
+    return Shown(sizes > _SURE, _nothing, {}, dict(zip(mutants, sizes, strict=True)))
 
 
 def by_derivatives(

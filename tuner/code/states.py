@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from tuner.code.covariances import definite, largest, some_huge
+from tuner.code.covariances import definite, largest, some_huge, symmetric
 from tuner.code.fields import Field
 from tuner.code.literal import Precision
 from tuner.code.program import Program
@@ -103,7 +103,7 @@ def _drawn(
         other = draw.integers(0, 2 * np.abs(near).max(initial=1) + 2, near.shape)
         return np.where(far[axes] > _FAR, other, near)
     whole = (10 ** (far * draw.uniform(-1, 1, count)) * (draw.random(count) > _NOTHING))[axes]
-    if len(field.shape) == 2 and field.shape[0] == field.shape[1]:
+    if symmetric(near):
         return definite(draw, near, far) * whole
     each = 10 ** (
         (draw.choice([0.0, 0.5, 1.0], count) * far)[axes] * draw.uniform(-1, 1, near.shape)

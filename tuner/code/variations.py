@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from tuner.code.covariances import symmetric
 from tuner.code.states import Arrays
 
 _SMALLEST, _LARGEST = -7.0, 0.5
@@ -28,7 +29,7 @@ def varied(draw: np.random.Generator, steps: Arrays) -> Arrays:
 def _moved(draw: np.random.Generator, x: np.ndarray) -> np.ndarray:
     count, axes = len(x), (slice(None), *[None] * (x.ndim - 1))
     by = 10 ** draw.uniform(_SMALLEST, _LARGEST, count) * (draw.random(count) < 1 / 2)
-    if x.ndim == 3 and x.shape[1] == x.shape[2]:  # which stays symmetric
+    if symmetric(x):  # which stays so
         return np.asarray(x * (1 + by)[axes])
     size = np.abs(np.nan_to_num(x)).max(axis=tuple(range(1, x.ndim)), initial=0)
     begun = np.where(draw.random(count) < _BEGUN, 1.0, 0.0)

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from tuner.code.array_step import Step
-from tuner.code.compared import ComparedNumbers, reaches
+from tuner.code.compared import Compared, ComparedNumbers, reaches
 from tuner.code.graph import Graph
 
 COUNT = 6
@@ -31,7 +31,12 @@ def several_chains():
 
 def test_each_pair_is_worked_out_in_its_own_steps():
     step, inputs, ends = several_chains()
-    pairs = [(ends[2], ends[0]), (ends[3], 0.5), (ends[0], ends[1]), (ends[2], ends[0])]
+    pairs = [
+        Compared(0, ends[2], ends[0]),
+        Compared(1, ends[3], 0.5),
+        Compared(2, ends[0], ends[1]),
+    ]
+    pairs.append(pairs[0])
     draw = np.random.default_rng(0)
     for asked in (pairs, pairs[1:], pairs[::-1], pairs[:1]):
         given = {int(k): draw.normal(size=COUNT * len(asked)) for k in inputs}
@@ -39,7 +44,7 @@ def test_each_pair_is_worked_out_in_its_own_steps():
         whole = step.all_values(given)
         for at, pair in enumerate(asked):
             rows = slice(at * COUNT, (at + 1) * COUNT)
-            for side, one in enumerate(pair):
+            for side, one in enumerate((pair.x, pair.limit)):
                 right = whole[one][rows] if isinstance(one, int) else np.full(COUNT, one)
                 assert found[side, rows].tolist() == right.tolist()
 
@@ -58,9 +63,8 @@ def test_pairs_that_share_little_are_worked_out_apart(monkeypatch):
     made = step.part
     step.__dict__["part"] = lambda order, ends: asked.append(len(order)) or made(order, ends)
     given = {int(k): np.ones(2 * COUNT) for k in inputs}
-    ComparedNumbers(step, [(ends[0], 1.0), (ends[3], 1.0)]).in_own_steps(
-        given, [(ends[0], 1.0), (ends[3], 1.0)]
-    )
+    pairs = [Compared(k, ends[k], 1.0) for k in (0, 3)]
+    ComparedNumbers(step, pairs).in_own_steps(given, pairs)
     assert asked == [len(step.graph.reached([end])) for end in (ends[0], ends[3])]
 
 

@@ -173,3 +173,42 @@ def test_a_share_of_a_number_that_it_is_compared_with_decides_nothing():
     assert way(graph, graph.choose(graph.apply("gt", y, share), y, x), 0.25) is not None
     large = graph.apply("mul", x, graph.constant(0.9995))
     assert way(graph, graph.choose(graph.apply("gt", x, large), y, x), 0.9995) is not None
+
+
+def test_what_each_operation_needs_is_what_its_constants_need():
+    graph = Graph()
+    x, y = graph.input("x"), graph.input("y")
+    first, second = graph.apply("lt", x, y), graph.apply("gt", x, graph.constant(9.0))
+    moved = graph.apply("mul", x, graph.constant(3.5))
+    part = graph.choose(first, y, graph.choose(second, y, moved))
+    root = graph.apply("add", part, graph.choose(first, x, graph.apply("sin", moved)))
+    order = graph.reached([root])
+    found = Ways(graph, order, [root]).for_each(order)
+    assert found[moved] == {(first, True)}
+    assert found[second] == {(first, True)}
+    assert found[first] == found[x] == found[root] == frozenset()
+
+
+def test_of_several_conditions_the_others_are_needed():
+    graph = Graph()
+    x, y = graph.input("x"), graph.input("y")
+    three = [graph.apply("lt", x, graph.constant(float(k))) for k in (1, 2)]
+    three.append(graph.apply("lt", y, graph.constant(3.0)))
+    both = graph.apply("and", graph.apply("and", three[0], three[1]), three[2])
+    root = graph.choose(both, x, graph.apply("sin", y))
+    order = graph.reached([root])
+    found = Ways(graph, order, [root]).for_each(order)
+    assert {(three[1], True), (three[2], True)} <= found[three[0]]
+    assert {(three[0], True), (three[1], True)} <= found[three[2]]
+    assert found[both] == frozenset()
+
+
+def test_a_measured_number_is_not_infinite_and_a_sum_may_be():
+    for computed in (False, True):
+        graph = Graph()
+        x, y = graph.input("x"), graph.input("y")
+        z = graph.choose(graph.apply("isnan", x), x, graph.constant(0.0))
+        z = graph.apply("add", z, y) if computed else z
+        endless = graph.apply("eq", z, graph.constant(np.inf))
+        root = graph.choose(endless, z, graph.constant(3.5))
+        assert (way(graph, root, 3.5) is not None) == computed
