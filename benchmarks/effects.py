@@ -9,12 +9,12 @@ from typing import Literal
 import numpy as np
 
 from benchmarks.numbers_in_c import NUMBER, Changed, Moved
+from benchmarks.specialised import Specialised, Told
 from benchmarks.unsteady import Unsteady
 from tuner.code.array_step import Step
 from tuner.code.expected import LONG, allowed, comparable, expected
 from tuner.code.limits import beside_limits
 from tuner.code.mutants import CHANGE, Mutant
-from tuner.code.needed import Ways
 from tuner.code.selftest_tables import stored
 from tuner.code.states import Around, Arrays, by_field, by_node, rounded
 
@@ -35,7 +35,7 @@ _TWICE, _LARGE = 1.0, (-0.999, 1e3, 1e6)
 """Changes over the number, and those that turn most of the decisions that it takes part in."""
 _SAME = 1e-10
 """Difference of two numbers over them, up to which they are one."""
-_ALIKE = 100
+_ALIKE = 200
 """Most constants of one size that are looked at for a proof."""
 _BATCH, _DRAWN, _FREE = 128, 6, 400
 """States looked at together; how often; and with decisions taken at random."""
@@ -76,8 +76,8 @@ class _Proofs:
         self._sizes = {
             one: abs(float(nodes[nodes[one.node].args[one.at]].value)) for one in undetected
         }
-        self._ways = Ways(step.graph, step.order, step.roots)
-        self._unsteady = Unsteady(step)
+        self._unsteady, self._specialised = Unsteady(step), Specialised(step)
+        self._known = dict[Mutant, Told | None]()
 
     def kind(self, line: str, value: float, moved: np.ndarray) -> Kind | None:
         """What is proven of a number; None: nothing.
@@ -99,12 +99,20 @@ class _Proofs:
         ]
         if not 0 < len(same) <= _ALIKE:
             return None
-        ways = [(one, self._ways.way(one)) for one in same]
-        if all(way is None for _, way in ways):
-            return "proven"
-        if moved.any() and all(way is None or self._unsteady.always(one, way) for one, way in ways):
-            return "by rounding"
-        return None
+        told = {self._told(one) for one in same}
+        if None in told:
+            return None
+        return "proven" if told == {"same"} else "by rounding"
+
+    def _told(self, one: Mutant) -> Told | None:
+        """What is proven of a constant; None: nothing."""
+        if one not in self._known:
+            way = self._step.ways.way(one)
+            told = self._specialised.tells(one, way) if way is not None else "same"
+            if told is None and way is not None and self._unsteady.always(one, way):
+                told = "but for rounding"
+            self._known[one] = told
+        return self._known[one]
 
     def _is(self, one: Mutant, size: float, value: float) -> bool:
         """Whether a number may be this constant, or a divisor where it is a factor."""
@@ -161,7 +169,7 @@ def effects(
     looked = list(_looked(step, around, undetected, plain, draw)) if hidden else []
     proofs = _Proofs(step, undetected, plain)
     for number, line in hidden.items():
-        multiple = max((_multiple(plain, number, one) for one in looked), default=0.0)
+        multiple = max((_multiple(plain, wide, number, one) for one in looked), default=0.0)
         kind: Kind = "missed"
         if multiple < 1:
             some = looked[:1] + looked[_DRAWN // 2 :] if len(step.order) > LONG else looked
@@ -192,7 +200,8 @@ def _looked(
     few, many = (4, _DRAWN // 2) if long else (16, _DRAWN)
     batches = [around.drawn(draw, _BATCH) for _ in range(many)]
     wanted = {one.node for one in undetected if one in step.limits} if long else None
-    for batch in [*batches, *islice(beside_limits(step, around, draw, wanted), few)]:
+    beside = beside_limits(step, around, draw, wanted, late=True)
+    for batch in [*batches, *islice(beside, few)]:
         states, samples = (rounded(part, program.precision) for part in batch)
         given = by_node(program, states, samples)
         right = expected(step, given, draw)
@@ -217,10 +226,24 @@ def _in_c(step: Step, plain: Changed, roots: np.ndarray) -> np.ndarray:
     return np.hstack([*stored(plain.code.state, state), *stored(plain.code.outputs, outputs)])
 
 
-def _multiple(plain: Changed, number: int, looked: _Looked) -> float:
-    apart = plain.moved(number, CHANGE, looked.states, looked.samples).apart
+def _multiple(plain: Changed, wide: Changed, number: int, looked: _Looked) -> float:
+    """The largest move of a result over what is allowed; a large one with 113 bits as well.
+
+    Otherwise it is rounding that moved it.
+    """
+    found = _over(plain, number, looked)
+    large = (found >= 1).any(axis=1)
+    if large.any():
+        part = ([x[large] for x in both] for both in (looked.states, looked.samples))
+        some = _Looked(*part, looked.allowed[large])
+        found[large] = np.minimum(found[large], _over(wide, number, some))
+    return float(found.max(initial=0))
+
+
+def _over(by: Changed, number: int, looked: _Looked) -> np.ndarray:
+    apart = by.moved(number, CHANGE, looked.states, looked.samples).apart
     with np.errstate(all="ignore"):
-        return float(np.nan_to_num(np.abs(apart) / looked.allowed, posinf=np.inf).max(initial=0))
+        return np.asarray(np.nan_to_num(np.abs(apart) / looked.allowed, posinf=np.inf))
 
 
 def _acts(plain: Changed, wide: Changed, number: int, looked: _Looked, change: float) -> bool:

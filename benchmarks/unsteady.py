@@ -119,6 +119,6 @@ class Unsteady:
             return None
         for at, op in ((1, node.op), (0, _TURNED.get(node.op, node.op))):
             limit = self._nodes[node.args[at]]
-            if limit.op == "constant" and limit.kind == "real":
+            if limit.op == "constant" and limit.kind == "real" and np.isfinite(limit.value):
                 return op, node.args[1 - at], float(limit.value)
         return None
