@@ -47,6 +47,7 @@ class Backwards:
         operations: number of them for a sample.
         work: the same, where memory counts by its time.
         returns: that it goes back.
+        settles: that it takes every sample.
 
     Raises:
         NoCounterpartError: names the operation that has no counterpart among scalars.
@@ -54,6 +55,7 @@ class Backwards:
     """
 
     returns: Literal[True] = True
+    settles: Literal[False] = False
 
     def __init__(
         self,

@@ -21,11 +21,12 @@ from tuner.native.iteration import Iteration, iteration
 from tuner.native.kept_texts import UNKEPT, KeptTexts
 from tuner.native.loop import loop
 from tuner.native.loop_score import LoopScore, Weights, weights_of
+from tuner.native.loop_text import varying
 from tuner.native.phases import Phases, phases
 from tuner.native.row_function import RowFunction
 from tuner.native.runner import Runner, columns, runner_of
 from tuner.native.scaled import scaled
-from tuner.native.text import source, varying
+from tuner.native.text import source
 from tuner.processors import side_by_side
 
 LANES = 8
@@ -41,11 +42,12 @@ class _Ends(NamedTuple):
 
 
 class _Costs(NamedTuple):
-    """Vectors of directions in a loop, its operations, and its work: of one pass."""
+    """Vectors of directions in a loop, its operations, and its work, of one pass; if it settles."""
 
     vectors: int
     operations: int
     work: float
+    settles: bool
 
 
 class Native:
@@ -62,6 +64,7 @@ class Native:
         data: a record, or its shapes and types.
         folder: for compiled code.
         texts: its C, kept between runs: what has been written is not traced again.
+        settle: whether it may go on with constant gains where they have settled.
 
     Attributes:
         returns: whether it goes back through the record, which it does not.
@@ -82,8 +85,11 @@ class Native:
         data: Data,
         folder: Path,
         texts: KeptTexts = UNKEPT,
+        *,
+        settle: bool = True,
     ) -> None:
         self.build, self.size, self.folder, self._texts = build, size, folder, texts
+        self._settle = settle
         self._filter, self._objective, self._data = filter, objective, data
         self._ends = _Ends(*texts.of("ends", self._counted))
         self._slopes = RowFunction(self._number_and_slopes, size, folder, texts("slopes"))
@@ -230,6 +236,11 @@ class Native:
         return self._blocks * self._costs.work
 
     @property
+    def settles(self) -> bool:
+        """Whether its loop goes on with constant gains where they have settled."""
+        return self._costs.settles
+
+    @property
     def _vectors(self) -> int:
         """Number of vectors of directions in the loop."""
         return self._costs.vectors
@@ -248,7 +259,8 @@ class Native:
         wide = len(varying(loop, {"dp"}).intersection(loop.needed))
         once = loop.operations + wide * (max(1.0, self._lanes / 4) - 1)
         kept = len(loop.kept) * (1 + loop.directions * self._lanes)
-        return _Costs(loop.directions, loop.operations, once + MEMORY * kept)
+        settles = self._loop.settled is not None
+        return _Costs(loop.directions, loop.operations, once + MEMORY * kept, settles)
 
     @cached_property
     def _loop(self) -> Phases:
@@ -258,7 +270,7 @@ class Native:
             whole = loop(self._iteration, every * -(-self.size // self._lanes))
         except TooLargeError:
             whole = loop(self._iteration, every)
-        return phases(whole)
+        return phases(whole, settle=self._settle)
 
     @cached_property
     def _directions(self) -> Any:
@@ -267,14 +279,15 @@ class Native:
     @cached_property
     def _plain(self) -> Any:
         def written() -> str:
-            return source(phases(loop(self._iteration, [])), LANES, points=False)
+            values = phases(loop(self._iteration, []), settle=self._settle)
+            return source(values, LANES, points=False)
 
         return self._loaded("values", written)
 
     @cached_property
     def _points(self) -> Any:
         def written() -> str:
-            by_point = phases(loop(self._iteration, list(self._moves.T)))
+            by_point = phases(loop(self._iteration, list(self._moves.T)), settle=self._settle)
             return source(by_point, LANES, points=True)
 
         return self._loaded("points", written)
