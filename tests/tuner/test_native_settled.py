@@ -71,6 +71,7 @@ def scores(native, data, z=AT):
         (slice(300, 340), slice(345, 350), slice(N - 1, N)),
         ((slice(300, 800), 1),),
         ((slice(0, N, 40), 0),),
+        (slice(0, N, 9),),
         (slice(0, N),),
     ],
 )
@@ -81,6 +82,15 @@ def test_equal_to_the_recursion_of_every_sample(missing, native):
     found = scores(native, data)
     assert found[:2] == pytest.approx([float(value)] * 2, rel=1e-12, nan_ok=True)
     np.testing.assert_allclose(found[2:], gradient, rtol=1e-10, atol=1e-12)
+
+
+def test_share_of_the_samples_with_constant_gains(native, every_sample):
+    rows = native.rows(record())
+    assert 0.5 < native.settled(AT, rows) < 0.95
+    assert native.settled(AT, rows[:20]) == 0
+    assert 0.1 < native.settled(AT, rows, (450,)) < native.settled(AT, rows) - 0.1
+    assert native.settled(AT, native.rows(record((slice(0, N, 9),)))) == 0
+    assert every_sample.settled(AT, rows) == 0
 
 
 @pytest.mark.parametrize("count", [1, 15, 16, 17, 24, 400])
@@ -125,6 +135,21 @@ def test_many_points_settle_together(missing, native):
         _, value, *gradient = scores(native, data, z)
         assert values[k] == pytest.approx(value, rel=1e-12, nan_ok=True)
         np.testing.assert_allclose(gradients[k], gradient, rtol=1e-10, atol=1e-12)
+
+
+def turning(z):
+    """A state that turns by a quarter a sample, of which almost nothing is measured."""
+    step = Transition(jnp.array([[0.0, 1.0], [-1.0, 0.0]]), jnp.eye(2), jnp.zeros((2, 2)))
+    R = 1e30 * jnp.exp(z[:1])
+    return LinearModel(step, jnp.eye(2)[:1], R, jnp.diag(jnp.array([1.0, 4.0])), jnp.ones(2))
+
+
+def test_a_covariance_that_turns_in_circles_is_not_constant(tmp_path):
+    needed("cc")
+    data = Data(Sample(record().inputs.z[:, :1]), np.zeros(N))
+    native = Native(LinearKalman(), InnovationLikelihood(), turning, 1, data, tmp_path)
+    assert native.settles
+    assert native.settled(np.zeros(1), native.rows(data)) == 0
 
 
 def settles(filter, data, folder):

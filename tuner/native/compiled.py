@@ -172,19 +172,30 @@ class Native:
 
     def value(self, z: np.ndarray, rows: np.ndarray, data: Data, at: Sequence[int] = ()) -> float:
         """The objective alone; arguments as of :meth:`value_and_gradient`."""
+        end, kept, _ = self._over(z, rows, at)
+        if self._ends.sums:
+            return weights_of(self._of_ends, end, kept).value
+        return self._score.value(end, kept, data)
+
+    def settled(self, z: np.ndarray, rows: np.ndarray, at: Sequence[int] = ()) -> float:
+        """Share of a record that it takes with constant gains; arguments as before."""
+        return self._over(z, rows, at)[2] / len(rows)
+
+    def _over(
+        self, z: np.ndarray, rows: np.ndarray, at: Sequence[int]
+    ) -> tuple[np.ndarray, np.ndarray, int]:
+        """The numbers at the end, the kept values, and how many samples had constant gains."""
         (numbers,) = self._numbers(z[None])
         ends = np.empty((1 + len(at), self._ends.total))
         kept = np.empty((len(rows), self._ends.kept))
 
-        def go(part: tuple[np.ndarray, np.ndarray]) -> None:
+        def go(part: tuple[np.ndarray, np.ndarray]) -> int:
             rows, end = part
-            self._plain(*rows.shape, *map(address, (numbers, numbers, rows, end, kept)))
+            given = map(address, (numbers, numbers, rows, end, kept))
+            return int(self._plain(*rows.shape, *given))
 
-        side_by_side(go, list(zip(np.split(rows, at), ends, strict=True)))
-        end = ends.sum(axis=0)
-        if self._ends.sums:
-            return weights_of(self._of_ends, end, kept).value
-        return self._score.value(end, kept, data)
+        settled = side_by_side(go, list(zip(np.split(rows, at), ends, strict=True)))
+        return ends.sum(axis=0), kept, sum(settled)
 
     def _weights(self, end: np.ndarray, kept: np.ndarray, data: Data) -> Weights:
         if self._ends.sums:
@@ -295,7 +306,7 @@ class Native:
     def _loaded(self, name: str, written: Callable[[], str]) -> Any:
         function = library(self._texts.of(name, written), self.folder).run
         function.argtypes = [ctypes.c_size_t, ctypes.c_size_t, *[ctypes.c_void_p] * 5]
-        function.restype = None
+        function.restype = ctypes.c_size_t
         return function
 
     def _of_end(self, end: Array) -> Array:

@@ -11,6 +11,8 @@ import numpy as np
 
 from objectives import Data, is_fold
 from tuner.cached import code_folder
+from tuner.code.graph import TooLargeError
+from tuner.code.refused import NoCounterpartError
 from tuner.compiler import NoCodeError, compiler, use
 from tuner.native.wanted import Shapes, Static, Wanted, forwards, operations, shapes_of, shortest
 from tuner.stored_programs import in_use, key_of
@@ -31,7 +33,9 @@ _EVEN, _EVEN_BACK = 6, 3
 C that goes forwards, and of a pass with one back."""
 _MOST_SETTLED = 8
 """Parameters up to which C with constant gains, one pass of derivatives, beats XLA's."""
-_SETTLED = "its constant gains take less than C does"
+LEAST = 0.5
+"""Share of a record with constant gains from which C that has them is taken."""
+_STEADY = "its constant gains take less than C does"
 _MOST = 4000
 """Most operations of a step in C."""
 _FAILURES = (ValueError, TypeError, LookupError, AttributeError, OSError, MemoryError, NoCodeError)
@@ -62,6 +66,7 @@ class Route:
         at: samples where the loop begins anew, and another thread takes over.
         settle: whether C may go on with constant gains where they have settled.
         choice: the choice in words; "" before it is made.
+        settled: share of the record that C takes with constant gains at the first point.
         values_by: that values without a gradient go by C; "" where they do not.
     """
 
@@ -75,6 +80,7 @@ class Route:
     settle: bool = True
     choice: str = ""
     values_by: str = ""
+    settled: float = 0.0
     _single: "Native | Backwards | None" = None
     _valued: "Native | Backwards | bool" = True
     _many: bool | None = None
@@ -99,14 +105,14 @@ class Route:
     def _decided(self, z: np.ndarray) -> Both | None:
         """Both at z by C where that is possible and pays; otherwise the reason is kept."""
         try:
-            native = self._shortest()
+            native = self._shortest(z)
             found = native.value_and_gradient(z, self._rows, self.data, self.at)
             if not self._agrees(found, z):
                 return None
         except _FAILURES as error:
             self.choice = f"XLA: {error}"
             return None
-        gains = ", constant gains once they settle" if native.settles else ""
+        gains = f", constant gains for {self.settled:.1%}" if native.settles else ""
         self._single, self.choice = native, f"C, compiled by {compiler().name}{gains}"
         return found
 
@@ -122,7 +128,7 @@ class Route:
 
     def _decided_value(self, z: np.ndarray) -> "Native | Backwards | bool":
         try:
-            native = self._shortest()
+            native = self._shortest(z)
             found, right = native.value(z, self._rows, self.data, self.at), self.exact_value(z)
         except _FAILURES:
             return False
@@ -158,30 +164,43 @@ class Route:
         shapes = self._possible(points)
         with _making:
             native = forwards(self._wanted(shapes))
-        if not self._rows.size:
-            self._rows = native.rows(self.data)
+        self._begin(native)
         return native
 
-    def _shortest(self) -> "Native | Backwards":
-        """The same with one point."""
+    def _shortest(self, z: np.ndarray) -> "Native | Backwards":
+        """The same with one point, z ``(n,)`` at first."""
         shapes = self._possible(1)
         with _making:
-            native = self._chosen(shapes)
+            native = self._settling(shapes, z)
+            if native is not None:
+                return native
+            found = shortest(self._wanted(shapes))
         if use() == "auto":
-            if self._settled and not native.settles:
-                raise NoCodeError(_SETTLED)
-            if not self._settled and self._slower_than_backward(native, shapes):
+            if self._steady:
+                raise NoCodeError(_STEADY)
+            if self._slower_than_backward(found, shapes):
                 raise NoCodeError("its way back through the loop is shorter than C's")
+        self._begin(found)
+        return found
+
+    def _settling(self, shapes: Shapes, z: np.ndarray) -> "Native | None":
+        """C that goes forwards, where it takes half of the record with constant gains, or more."""
+        if self.size > _MOST_SETTLED:
+            return None
+        try:
+            native = forwards(self._wanted(shapes))
+            if not native.settles:
+                return None
+        except (NoCounterpartError, TooLargeError):
+            return None
+        self._begin(native)
+        self.settled = native.settled(z, self._rows, self.at)
+        return native if self.settled >= LEAST else None
+
+    def _begin(self, native: "Native | Backwards") -> None:
+        """Lay out the record as C reads it."""
         if not self._rows.size:
             self._rows = native.rows(self.data)
-        return native
-
-    def _chosen(self, shapes: Shapes) -> "Native | Backwards":
-        """C that goes forwards for few parameters or constant gains, or back where that is less."""
-        wanted = self._wanted(shapes)
-        if self._settled and self.size <= _MOST_SETTLED and forwards(wanted).settles:
-            return forwards(wanted)
-        return shortest(wanted)
 
     def _wanted(self, shapes: Shapes) -> Wanted:
         return Wanted(self.static, self.size, shapes, code_folder(), self.settle)
@@ -196,8 +215,8 @@ class Route:
         shapes = shapes_of(self.data, folds=is_fold(self.static.objective))
         if wish == "auto" and not self._pays(shapes, points):
             raise NoCodeError("the record is too short for compiling C to pay")
-        if wish == "auto" and points == 1 and self._settled and self.size > _MOST_SETTLED:
-            raise NoCodeError(_SETTLED)
+        if wish == "auto" and points == 1 and self._steady and self.size > _MOST_SETTLED:
+            raise NoCodeError(_STEADY)
         compiler()
         return shapes
 
@@ -206,8 +225,8 @@ class Route:
         return self.price()
 
     @property
-    def _settled(self) -> bool:
-        """Whether a good part of the record is taken with constant gains."""
+    def _steady(self) -> bool:
+        """Whether XLA takes a good part of the record with constant gains."""
         return self._priced[1] > 0
 
     def _pays(self, shapes: Shapes, points: int) -> bool:

@@ -17,10 +17,11 @@ that it may grow to if it goes on in the same way up to the end of the record.""
 def settling(outer: LoopText, short: Settled) -> tuple[list[str], list[LoopText]]:
     """The text of a loop to the end of the record, and of its results; and its parts.
 
-    It is run for some samples, and then half as many as since the start, and so on. Where
-    what follows from itself alone is the same as before the last of these spells, it is constant,
-    also for good: by then an error would have shrunk by as much again. The settled loop takes
-    over, up to a sample in which something is missing.
+    It is run for some samples, then for half as many as since the start, and so on. Where what
+    follows from itself alone is the same as before the last of these spells, and a sample later
+    still, it is constant for good: by then an error would have shrunk by as much again, and what
+    turns in circles is not the same a sample later. The settled loop takes over, up to a sample in
+    which something is missing; nothing was in the spell either.
 
     Args:
         outer: the loop, which declares its carried numbers.
@@ -31,19 +32,28 @@ def settling(outer: LoopText, short: Settled) -> tuple[list[str], list[LoopText]
     lines = [
         *outer.before(starts_only=True),
         f"    size_t since = i, at = i, next = i + {_FIRST};",
+        "    bool once = false;",
         *(f"    {kind} R{k} = S{k};" for k, kind in cells),
         "    while (i < n) {",
         "        const size_t stop = next < n ? next : n;",
         *_run(every, "stop"),
         "        if (i >= n) break;",
         *_compared(outer, short.still),
-        "        at = i;",
-        "        next = i + (i - since) / 2;",
-        "        if (same) {",
-        *(f"    {line}" for line in _run(last, "n", _unusual(short.usual))),
-        "            since = at = i;",
-        f"            next = i + {_FIRST};",
+        *_scanned(short.usual),
+        "        if (same && !once) {",
+        "            once = true;",
+        "            next = i + 1;",
+        "            continue;",
         "        }",
+        "        once = false;",
+        "        if (same) {",
+        "            settled -= i;",
+        *(f"    {line}" for line in _run(last, "n", _until_unusual(short.usual))),
+        "            settled += i;",
+        "            since = i;",
+        "        }",
+        "        at = i;",
+        f"        next = i + (i - since < {2 * _FIRST} ? {_FIRST} : (i - since) / 2);",
         *(f"        R{k} = S{k};" for k in short.still),
         "    }",
         *outer.after(),
@@ -65,10 +75,30 @@ def _run(part: LoopText, end: str, first: Sequence[str] = ()) -> list[str]:
     return ["        {", *(f"        {line}" for line in lines), "        }"]
 
 
-def _unusual(usual: Usual) -> list[str]:
+def _unusual(usual: Usual, row: str) -> str:
+    """The condition that a row is not as usual."""
+    found = [f"{row}[{k}] != {row}[{k}]" for k in usual.present]
+    return " || ".join([*found, *(f"{row}[{k}] != 0.0" for k in usual.zero)])
+
+
+def _until_unusual(usual: Usual) -> list[str]:
     """The loop ends at a sample that is not as usual."""
-    found = [f"u[{k}] != u[{k}]" for k in usual.present] + [f"u[{k}] != 0.0" for k in usual.zero]
-    return [f"    if ({' || '.join(found)}) break;"] if found else []
+    found = _unusual(usual, "u")
+    return [f"    if ({found}) break;"] if found else []
+
+
+def _scanned(usual: Usual) -> list[str]:
+    """The count begins anew after the last sample that was not as usual."""
+    found = _unusual(usual, "row")
+    lines = [
+        "const double *row = u - width * (i - at);",
+        "for (size_t k = at; k < i; k++, row += width)",
+        f"    if ({found}) {{",
+        "        same = false;",
+        "        since = k + 1;",
+        "    }",
+    ]
+    return [f"        {line}" for line in lines] if found else []
 
 
 def _compared(outer: LoopText, still: Sequence[int]) -> list[str]:

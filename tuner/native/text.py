@@ -12,8 +12,9 @@ def source(both: Phases, lanes: int, *, points: bool) -> str:
 
     It takes the number of samples and of columns, the varying parameters and their derivatives,
     the record, rows of numbers, and memory for the results at the end and the values kept of
-    each sample. A value is followed by its derivatives. Where lanes are points, the
-    lanes of each number lie side by side, else those of each derivative.
+    each sample; it returns the number of samples that were taken with constant gains. A value is
+    followed by its derivatives. Where lanes are points, the lanes of each number lie side by side,
+    else those of each derivative.
 
     Args:
         both: the loop, in one direction that stands for all lanes, or in each of several; with the
@@ -36,13 +37,14 @@ def source(both: Phases, lanes: int, *, points: bool) -> str:
         loops = [*before.until(both.zero), "    {", *loops, "    }"]
     functions = {name: takes for part in parts for name, takes in part.lanes.functions.items()}
     main = [
-        "void run(size_t n, size_t width, const double *p, const double *dp, const double *u,",
-        "         double *end, double *kept)",
+        "size_t run(size_t n, size_t width, const double *p, const double *dp, const double *u,",
+        "           double *end, double *kept)",
         "{",
         "    const lanes zero = {0};",
         "    const masks none = {0};",
-        "    size_t i = 0;",
+        "    size_t i = 0, settled = 0;",
         *loops,
+        "    return settled;",
         "}",
     ]
     turned = [sines()] if any(part.scalars.turns for part in parts) else []
