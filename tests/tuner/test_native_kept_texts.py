@@ -13,6 +13,7 @@ from tuner import Problem, Space
 from tuner.code.refused import NoCounterpartError
 from tuner.native import compiled, route, wanted
 from tuner.native.kept_texts import KeptTexts
+from tuner.native.loop_score import Judge
 from tuner.problem import surface
 from tuner.problem.surface import values
 
@@ -124,8 +125,8 @@ def test_a_longer_record_takes_the_same_c(not_traced):
 def test_c_that_differs_from_xla_is_not_used_though_it_is_kept(monkeypatch):
     both(posed())
     new_process()
-    weights = compiled.weights_of
-    monkeypatch.setattr(compiled, "weights_of", lambda *given: weights(*given)._replace(value=1.0))
+    weights = Judge.weights
+    monkeypatch.setattr(Judge, "weights", lambda *given: weights(*given)._replace(value=1.0))
     wrong = posed()
     z = wrong.space.start()
     value, gradient = wrong.value_and_gradient(z)

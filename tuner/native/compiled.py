@@ -20,7 +20,7 @@ from tuner.native.filled import MEMORY, address
 from tuner.native.iteration import Iteration, iteration
 from tuner.native.kept_texts import UNKEPT, KeptTexts
 from tuner.native.loop import loop
-from tuner.native.loop_score import LoopScore, Weights, weights_of
+from tuner.native.loop_score import Judge, LoopScore
 from tuner.native.loop_text import varying
 from tuner.native.phases import Phases, phases
 from tuner.native.row_function import RowFunction
@@ -94,7 +94,8 @@ class Native:
         self._ends = _Ends(*texts.of("ends", self._counted))
         self._slopes = RowFunction(self._number_and_slopes, size, folder, texts("slopes"))
         self._numbers = RowFunction(self._number, size, folder, texts("numbers"))
-        self._of_ends = RowFunction(self._of_end, self._ends.total, folder, texts("of ends"))
+        total, _, sums = self._ends
+        self._judge = Judge(lambda: self._score, total, sums, folder, texts("of ends"))
 
     def _counted(self) -> "_Ends":
         own = self._iteration
@@ -162,7 +163,7 @@ class Native:
         side_by_side(go, list(np.ndindex(*ends.shape[:2])))
         end, width = ends.sum(axis=0), blocks * wide
         slopes = end[..., 1:].transpose(1, 0, 2).reshape(end.shape[1], width)
-        weights = self._weights(end[0, :, 0], kept[0, ..., 0], data)
+        weights = self._judge.weights(end[0, :, 0], kept[0, ..., 0], data)
         gradient = weights.by_end @ slopes
         if count:
             real = kept if self._score.real.all() else kept[:, :, self._score.real]
@@ -173,9 +174,7 @@ class Native:
     def value(self, z: np.ndarray, rows: np.ndarray, data: Data, at: Sequence[int] = ()) -> float:
         """The objective alone; arguments as of :meth:`value_and_gradient`."""
         end, kept, _ = self._over(z, rows, at)
-        if self._ends.sums:
-            return weights_of(self._of_ends, end, kept).value
-        return self._score.value(end, kept, data)
+        return self._judge.value(end, kept, data)
 
     def settled(self, z: np.ndarray, rows: np.ndarray, at: Sequence[int] = ()) -> float:
         """Share of a record that it takes with constant gains; arguments as before."""
@@ -196,11 +195,6 @@ class Native:
 
         settled = side_by_side(go, list(zip(np.split(rows, at), ends, strict=True)))
         return ends.sum(axis=0), kept, sum(settled)
-
-    def _weights(self, end: np.ndarray, kept: np.ndarray, data: Data) -> Weights:
-        if self._ends.sums:
-            return weights_of(self._of_ends, end, kept)
-        return self._score.weights(end, kept, data)
 
     def values_and_gradients(
         self, Z: np.ndarray, rows: np.ndarray, data: Data
@@ -228,7 +222,7 @@ class Native:
 
         side_by_side(group, range(count))
         by_point = ends.transpose(0, 3, 1, 2).reshape(len(padded), *ends.shape[1:3])[: len(Z)]
-        found = self._of_ends(by_point[..., 0])
+        found = self._judge.of_ends(by_point[..., 0])
         values, by_end = found[:, 0], found[:, 1:]
         return values, np.einsum("bt,btn->bn", by_end, by_point[..., 1:])
 
@@ -308,9 +302,6 @@ class Native:
         function.argtypes = [ctypes.c_size_t, ctypes.c_size_t, *[ctypes.c_void_p] * 5]
         function.restype = ctypes.c_size_t
         return function
-
-    def _of_end(self, end: Array) -> Array:
-        return self._score.weights_of_end(end)
 
     def _number(self, z: Array) -> Array:
         """The numbers of the parameters that depend on a point."""
