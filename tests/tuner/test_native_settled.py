@@ -137,6 +137,24 @@ def test_many_points_settle_together(missing, native):
         np.testing.assert_allclose(gradients[k], gradient, rtol=1e-10, atol=1e-12)
 
 
+def rough(outputs, truth):
+    """An objective of all samples together, for which outputs are kept."""
+    return jnp.mean(jnp.diff(outputs.x[:, 0]) ** 2) + jnp.log(outputs.P[-1, 0, 0])
+
+
+@pytest.mark.parametrize("missing", [(), (slice(700, 720), slice(725, 726))])
+def test_what_is_kept_of_each_sample(missing, tmp_path):
+    needed("cc")
+    data = record(missing)
+    native = Native(LinearKalman(), rough, tracker, 3, data, tmp_path)
+    rows = native.rows(data)
+    assert native.settled(AT, rows) > 0.2
+    value, gradient = score_and_gradient(LinearKalman(), rough, tracker, AT, data)
+    found = scores(native, data)
+    assert found[:2] == pytest.approx([float(value)] * 2, rel=1e-12)
+    np.testing.assert_allclose(found[2:], gradient, rtol=1e-10, atol=1e-12)
+
+
 def turning(z):
     """A state that turns by a quarter a sample, of which almost nothing is measured."""
     step = Transition(jnp.array([[0.0, 1.0], [-1.0, 0.0]]), jnp.eye(2), jnp.zeros((2, 2)))
