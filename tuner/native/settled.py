@@ -33,15 +33,15 @@ class Usual(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Settled:
-    """A loop that some of its numbers follow from themselves, and the same once they are constant.
+    """A loop of which some numbers follow from themselves alone, also once these are constant.
 
     Both begin with inputs ``("before", k)``: the k-th number that the loop carries.
 
     Attributes:
-        every: the loop.
-        loop: the same once they are constant.
-        still: those that repeat.
-        usual: what it takes for granted of a sample.
+        every: the loop of every sample.
+        loop: the same once these numbers are constant.
+        still: their places among those that the loop carries.
+        usual: what the second one takes for granted of a sample.
     """
 
     every: Loop
