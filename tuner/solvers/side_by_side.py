@@ -20,7 +20,7 @@ T = TypeVar("T")
 ALONE = 0.02
 """A descent that takes longer, s, gets others beside it. Shorter ones gain nothing by it: much of
 their time goes to Python, which one thread runs at a time."""
-LONG = 4e-4
+LONG = 2.5e-4
 """An evaluation that takes longer, s, is one of a long descent."""
 _FIRST = 3
 """Long evaluations after which the others begin; a single one may be long for other reasons."""
