@@ -1,8 +1,10 @@
 """Likelihoods of long records: with constant gains where they have settled, against every step."""
 
+import tempfile
 import time
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import jax
@@ -12,7 +14,7 @@ from jax import Array
 
 from benchmarks.gradients import oscillators
 from benchmarks.table import Row, duration
-from benchmarks.timing import Call, interleave
+from benchmarks.timing import Call, Times, interleave
 from filters import (
     AnyFilter,
     LevelSample,
@@ -25,6 +27,7 @@ from filters import (
     Transition,
 )
 from objectives import Data, InnovationLikelihood, Way, score, score_and_gradient
+from tuner.native.compiled import Native
 
 PART = "Long records with constant gains"
 LENGTHS = (100_000, 1_000_000, 10_000_000)
@@ -35,12 +38,51 @@ Made = tuple[AnyFilter, Callable[[Array], Any], Any, int, Way]
 
 
 def rows() -> list[Row]:
-    """A local level up to 10^7 samples, and two larger filters up to 10^6."""
+    """A local level up to 10^7 samples, and two larger filters up to 10^6; by XLA and by C."""
     found = [row for length in LENGTHS for row in _rows("local level", *_level(length), length)]
     for n, m in ((4, 2), (9, 3)):
         for length in LENGTHS[: 2 if n == 4 else 1]:
             found += _rows(f"{n} states", *_oscillating(n, m, length), length)
+    for length in LENGTHS[:2]:
+        found += _in_c("local level", *_level(length)[:4], length)
+        found += _in_c("4 states", *_oscillating(4, 2, length)[:4], length)
     return found
+
+
+def _in_c(
+    name: str, filter: AnyFilter, build: Any, inputs: Any, free: int, length: int
+) -> list[Row]:
+    """C with constant gains against C that takes every step."""
+    data, at = Data(inputs, np.zeros(length)), np.zeros(free)
+    given = filter, InnovationLikelihood(), build, free, data
+    with tempfile.TemporaryDirectory() as folder:
+        short, full = (Native(*given, Path(folder), settle=settle) for settle in (True, False))
+        record = short.rows(data)
+        found = []
+        for what in ("value", "value_and_gradient"):
+            calls = {
+                key: partial(getattr(native, what), at, record, data)
+                for key, native in (("short", short), ("full", full))
+            }
+            one, other = (jax.tree.leaves(call()) for call in calls.values())
+            _agree(one, other)
+            times = interleave(calls, ROUNDS, clock=time.process_time)
+            words = f"10^{np.log10(length):.0f} samples, {what.removeprefix('value_and_')} by C"
+            found.append(_row(f"{name}, {words}", times, length))
+    return found
+
+
+def _row(what: str, times: Times, length: int) -> Row:
+    ratio = times.ratio("full", "short")
+    return Row(
+        part=PART,
+        what=what,
+        ours=f"{duration(times.median('short') / length)} a sample",
+        against=f"every step: {duration(times.median('full') / length)}",
+        figure=ratio.median,
+        best=ratio.best,
+        sense="least",
+    )
 
 
 def _level(length: int) -> Made:
@@ -99,18 +141,7 @@ def _rows(
     for short, full, what in pairs:
         _agree(short(), full())
         times = interleave({"short": short, "full": full}, ROUNDS, clock=time.process_time)
-        ratio = times.ratio("full", "short")
-        found.append(
-            Row(
-                part=PART,
-                what=f"{name}, 10^{np.log10(length):.0f} samples, {what}",
-                ours=f"{duration(times.median('short') / length)} a sample",
-                against=f"every step: {duration(times.median('full') / length)}",
-                figure=ratio.median,
-                best=ratio.best,
-                sense="least",
-            )
-        )
+        found.append(_row(f"{name}, 10^{np.log10(length):.0f} samples, {what}", times, length))
     return found
 
 

@@ -205,7 +205,7 @@ def test_a_shorter_way_back_is_xla_s(monkeypatch):
     needed("cc")
     monkeypatch.setenv("TUNER_NATIVE", "auto")
     monkeypatch.setattr(route, "PAYS", -np.inf)
-    monkeypatch.setattr(route, "_operations", lambda *_: 10)
+    monkeypatch.setattr(route, "operations", lambda *_: 10)
     problem = posed()
     exact = problem.by_xla, problem.value_by_xla
     price = route.PRICES["backwards"], 0.0
@@ -214,16 +214,36 @@ def test_a_shorter_way_back_is_xla_s(monkeypatch):
     assert back.choice == "XLA: its way back through the loop is shorter than C's"
 
 
-def test_constant_gains_go_first(monkeypatch):
+def with_constant_gains(monkeypatch, *, settle=True):
     needed("cc")
     monkeypatch.setenv("TUNER_NATIVE", "auto")
     monkeypatch.setattr(route, "PAYS", -np.inf)
     problem = posed()
     exact = problem.by_xla, problem.value_by_xla
-    long = route.Route(problem.static, problem.data, 3, *exact, lambda: (0, 0.9))
+    given = problem.static, problem.data, 3, *exact, lambda: (3, 0.9)
+    return route.Route(*given, settle=settle)
+
+
+def test_constant_gains_are_c_s(monkeypatch):
+    monkeypatch.setattr(route, "LEAST", 0.0)
+    long = with_constant_gains(monkeypatch)
+    assert long.value_and_gradient(np.zeros(3)) is not None
+    assert long.choice.startswith("C, compiled by ")
+    assert long.choice.endswith(f", constant gains for {long.settled:.1%}")
+
+
+def test_where_c_has_none_those_of_xla_go_first(monkeypatch):
+    long = with_constant_gains(monkeypatch, settle=False)
     assert long.value_and_gradient(np.zeros(3)) is None
     assert long.value(np.zeros(3)) is None
-    assert long.choice == "XLA: constant gains take less than C does"
+    assert long.choice == "XLA: its constant gains take less than C does"
+
+
+def test_of_many_parameters_constant_gains_are_xla_s(monkeypatch):
+    monkeypatch.setattr(route, "_MOST_SETTLED", 2)
+    long = with_constant_gains(monkeypatch)
+    assert long.value_and_gradient(np.zeros(3)) is None
+    assert long.choice == "XLA: its constant gains take less than C does"
 
 
 def test_without_a_compiler_nothing_changes(monkeypatch):

@@ -11,8 +11,9 @@ from tests.tuner.helpers import OwnLevel
 from tests.tuner.model.documents import SHORT, made
 from tuner import Problem, Space
 from tuner.code.refused import NoCounterpartError
-from tuner.native import compiled, route
+from tuner.native import compiled, route, wanted
 from tuner.native.kept_texts import KeptTexts
+from tuner.native.loop_score import Judge
 from tuner.problem import surface
 from tuner.problem.surface import values
 
@@ -29,7 +30,7 @@ def forced(stored, monkeypatch):
 
 
 def new_process():
-    for known in (route._made, route._back, route._operations):
+    for known in (wanted.forwards, wanted._back, wanted.operations):
         known.cache_clear()
 
 
@@ -44,7 +45,7 @@ def not_traced(monkeypatch):
         for name in ("runner_of", "iteration", "loop"):
             monkeypatch.setattr(compiled, name, refused)
         monkeypatch.setattr("tuner.native.row_function._source", refused)
-        monkeypatch.setattr(route, "_counted", refused)
+        monkeypatch.setattr(wanted, "_counted", refused)
         monkeypatch.setattr("tuner.native.backwards.shortest", refused)
         monkeypatch.setattr("tuner.native.backwards.runner_of", refused)
 
@@ -87,8 +88,8 @@ def test_another_process_traces_nothing(name, not_traced):
 
 @pytest.mark.usefixtures("forced")
 def test_a_pass_back_is_not_traced_again_either(not_traced, monkeypatch):
-    monkeypatch.setattr(route, "_FEW", 0)
-    monkeypatch.setattr(route, "_back_is_less", lambda *_: True)
+    monkeypatch.setattr(wanted, "_FEW", 0)
+    monkeypatch.setattr(wanted, "_back_is_less", lambda *_: True)
     first = posed()
     z = first.space.start() + 0.1
     value, gradient = first.value_and_gradient(z)
@@ -124,8 +125,8 @@ def test_a_longer_record_takes_the_same_c(not_traced):
 def test_c_that_differs_from_xla_is_not_used_though_it_is_kept(monkeypatch):
     both(posed())
     new_process()
-    weights = compiled.weights_of
-    monkeypatch.setattr(compiled, "weights_of", lambda *given: weights(*given)._replace(value=1.0))
+    weights = Judge.weights
+    monkeypatch.setattr(Judge, "weights", lambda *given: weights(*given)._replace(value=1.0))
     wrong = posed()
     z = wrong.space.start()
     value, gradient = wrong.value_and_gradient(z)

@@ -57,7 +57,7 @@ def test_long_descents_run_at_the_same_time(monkeypatch):
 
 def test_others_begin_after_a_few_long_evaluations(monkeypatch):
     monkeypatch.setattr(side_by_side, "ALONE", 2 * PATIENCE)
-    monkeypatch.setattr(side_by_side, "EVALUATIONS", 10**9)
+    monkeypatch.setattr(side_by_side, "LONG", 0.0)
     together = threading.Barrier(2)
 
     def descend(problem, z):
@@ -68,6 +68,24 @@ def test_others_begin_after_a_few_long_evaluations(monkeypatch):
 
     ends = descents(problem(bowl), descend, np.arange(8.0), 4, threads=2)
     assert [found.z.item() for found in islice(ends, 4)] == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize("alone", [0.0, PATIENCE], ids=["at once", "one after another"])
+def test_random_starts_are_begun_first(alone, monkeypatch):
+    monkeypatch.setattr(side_by_side, "ALONE", alone)
+    made, lock = [], threading.Lock()
+
+    def descend(problem, z):
+        with lock:
+            made.append(int(z))
+        return end(z, np.inf if z == 2 else z)
+
+    ends = descents(problem(bowl), descend, np.arange(20.0), 4, threads=2)
+    assert [found.z.item() for found in islice(ends, 5)] == [0, 1, 2, 3, 4]
+    assert made[0] == 1
+    assert sorted(made) == [0, 1, 2, 3, 4]
+    few = descents(problem(bowl), descend, np.arange(3.0), 4, threads=2)
+    assert [found.z.item() for found in few] == [0, 1, 2]
 
 
 def test_short_descents_run_one_after_another(monkeypatch):

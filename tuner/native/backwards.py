@@ -17,7 +17,7 @@ from objectives import Data, Objective, is_fold
 from tuner.compiler import library
 from tuner.native.filled import MEMORY, address
 from tuner.native.kept_texts import UNKEPT, KeptTexts
-from tuner.native.loop_score import LoopScore, Weights, weights_of
+from tuner.native.loop_score import Judge, LoopScore
 from tuner.native.passes_choice import shortest
 from tuner.native.passes_frame import Code
 from tuner.native.reversal import Before
@@ -47,6 +47,7 @@ class Backwards:
         operations: number of them for a sample.
         work: the same, where memory counts by its time.
         returns: that it goes back.
+        settles: that it takes every sample.
 
     Raises:
         NoCounterpartError: names the operation that has no counterpart among scalars.
@@ -54,6 +55,7 @@ class Backwards:
     """
 
     returns: Literal[True] = True
+    settles: Literal[False] = False
 
     def __init__(
         self,
@@ -67,13 +69,14 @@ class Backwards:
     ) -> None:
         self._filter, self._objective, self._build, self._data = filter, objective, build, data
         self._folder, self._size = folder, size
-        self._count, self._sums, *code = texts.of("passes", self._written)
+        self._count, sums, *code = texts.of("passes", self._written)
         self._code = Code(*code)
         self.operations = self._code.operations
         self.work = self.operations + MEMORY * (self._code.stored + self._code.kept)
         self._numbers = RowFunction(self._number, size, folder, texts("numbers of passes"))
         self._pull = RowFunction(self._pulled, size + self._count, folder, texts("pulled back"))
-        self._of_ends = RowFunction(self._of_end, self._code.total, folder, texts("of their ends"))
+        given = self._code.total, sums, folder, texts("of their ends")
+        self._judge = Judge(lambda: self._score, *given)
         self._spare: list[np.ndarray] = []
 
     def _written(self) -> tuple[Any, ...]:
@@ -103,9 +106,6 @@ class Backwards:
         (slope,) = jax.vjp(self._number, z)[1](by)
         return jnp.asarray(slope)
 
-    def _of_end(self, end: Array) -> Array:
-        return self._score.weights_of_end(end)
-
     def rows(self, data: Data) -> np.ndarray:
         """A record in the loop's layout, ``(N, k)``."""
         return columns(data if is_fold(self._objective) else data.inputs)
@@ -121,7 +121,7 @@ class Backwards:
         runs, spare = self._runs(z, rows, at), self._spare
         for run in runs:
             run.store = _memory(run.part * max(1, self._code.stored), spare)
-        value, by_end, by_kept = self._weights(*self._over(runs), data)
+        value, by_end, by_kept = self._judge.weights(*self._over(runs), data)
         weights = by_end, by_kept
         by_numbers = sum(side_by_side(lambda run: run.backwards(*weights, self._count), runs))
         spare += [run.store for run in runs if run.store is not None]
@@ -131,14 +131,7 @@ class Backwards:
     def value(self, z: np.ndarray, rows: np.ndarray, data: Data, at: Sequence[int] = ()) -> float:
         """The objective alone; arguments as of :meth:`value_and_gradient`."""
         end, kept = self._over(self._runs(z, rows, at))
-        if self._sums:
-            return weights_of(self._of_ends, end, kept).value
-        return self._score.value(end, kept, data)
-
-    def _weights(self, end: np.ndarray, kept: np.ndarray, data: Data) -> Weights:
-        if self._sums:
-            return weights_of(self._of_ends, end, kept)
-        return self._score.weights(end, kept, data)
+        return self._judge.value(end, kept, data)
 
     def _runs(self, z: np.ndarray, rows: np.ndarray, at: Sequence[int]) -> "list[_Run]":
         (numbers,), edges = self._numbers(z[None]), pairwise((0, *at, len(rows)))

@@ -20,12 +20,13 @@ from tuner.native.filled import MEMORY, address
 from tuner.native.iteration import Iteration, iteration
 from tuner.native.kept_texts import UNKEPT, KeptTexts
 from tuner.native.loop import loop
-from tuner.native.loop_score import LoopScore, Weights, weights_of
+from tuner.native.loop_score import Judge, LoopScore
+from tuner.native.loop_text import varying
 from tuner.native.phases import Phases, phases
 from tuner.native.row_function import RowFunction
 from tuner.native.runner import Runner, columns, runner_of
 from tuner.native.scaled import scaled
-from tuner.native.text import source, varying
+from tuner.native.text import source
 from tuner.processors import side_by_side
 
 LANES = 8
@@ -41,11 +42,12 @@ class _Ends(NamedTuple):
 
 
 class _Costs(NamedTuple):
-    """Vectors of directions in a loop, its operations, and its work: of one pass."""
+    """Vectors of directions in a loop, its operations, and its work, of one pass; if it settles."""
 
     vectors: int
     operations: int
     work: float
+    settles: bool
 
 
 class Native:
@@ -62,6 +64,7 @@ class Native:
         data: a record, or its shapes and types.
         folder: for compiled code.
         texts: its C, kept between runs: what has been written is not traced again.
+        settle: whether it may go on with constant gains where they have settled.
 
     Attributes:
         returns: whether it goes back through the record, which it does not.
@@ -82,13 +85,17 @@ class Native:
         data: Data,
         folder: Path,
         texts: KeptTexts = UNKEPT,
+        *,
+        settle: bool = True,
     ) -> None:
         self.build, self.size, self.folder, self._texts = build, size, folder, texts
+        self._settle = settle
         self._filter, self._objective, self._data = filter, objective, data
         self._ends = _Ends(*texts.of("ends", self._counted))
         self._slopes = RowFunction(self._number_and_slopes, size, folder, texts("slopes"))
         self._numbers = RowFunction(self._number, size, folder, texts("numbers"))
-        self._of_ends = RowFunction(self._of_end, self._ends.total, folder, texts("of ends"))
+        total, _, sums = self._ends
+        self._judge = Judge(lambda: self._score, total, sums, folder, texts("of ends"))
 
     def _counted(self) -> "_Ends":
         own = self._iteration
@@ -156,7 +163,7 @@ class Native:
         side_by_side(go, list(np.ndindex(*ends.shape[:2])))
         end, width = ends.sum(axis=0), blocks * wide
         slopes = end[..., 1:].transpose(1, 0, 2).reshape(end.shape[1], width)
-        weights = self._weights(end[0, :, 0], kept[0, ..., 0], data)
+        weights = self._judge.weights(end[0, :, 0], kept[0, ..., 0], data)
         gradient = weights.by_end @ slopes
         if count:
             real = kept if self._score.real.all() else kept[:, :, self._score.real]
@@ -166,24 +173,28 @@ class Native:
 
     def value(self, z: np.ndarray, rows: np.ndarray, data: Data, at: Sequence[int] = ()) -> float:
         """The objective alone; arguments as of :meth:`value_and_gradient`."""
+        end, kept, _ = self._over(z, rows, at)
+        return self._judge.value(end, kept, data)
+
+    def settled(self, z: np.ndarray, rows: np.ndarray, at: Sequence[int] = ()) -> float:
+        """Share of a record that it takes with constant gains; arguments as before."""
+        return self._over(z, rows, at)[2] / len(rows)
+
+    def _over(
+        self, z: np.ndarray, rows: np.ndarray, at: Sequence[int]
+    ) -> tuple[np.ndarray, np.ndarray, int]:
+        """The numbers at the end, the kept values, and how many samples had constant gains."""
         (numbers,) = self._numbers(z[None])
         ends = np.empty((1 + len(at), self._ends.total))
         kept = np.empty((len(rows), self._ends.kept))
 
-        def go(part: tuple[np.ndarray, np.ndarray]) -> None:
+        def go(part: tuple[np.ndarray, np.ndarray]) -> int:
             rows, end = part
-            self._plain(*rows.shape, *map(address, (numbers, numbers, rows, end, kept)))
+            given = map(address, (numbers, numbers, rows, end, kept))
+            return int(self._plain(*rows.shape, *given))
 
-        side_by_side(go, list(zip(np.split(rows, at), ends, strict=True)))
-        end = ends.sum(axis=0)
-        if self._ends.sums:
-            return weights_of(self._of_ends, end, kept).value
-        return self._score.value(end, kept, data)
-
-    def _weights(self, end: np.ndarray, kept: np.ndarray, data: Data) -> Weights:
-        if self._ends.sums:
-            return weights_of(self._of_ends, end, kept)
-        return self._score.weights(end, kept, data)
+        settled = side_by_side(go, list(zip(np.split(rows, at), ends, strict=True)))
+        return ends.sum(axis=0), kept, sum(settled)
 
     def values_and_gradients(
         self, Z: np.ndarray, rows: np.ndarray, data: Data
@@ -211,7 +222,7 @@ class Native:
 
         side_by_side(group, range(count))
         by_point = ends.transpose(0, 3, 1, 2).reshape(len(padded), *ends.shape[1:3])[: len(Z)]
-        found = self._of_ends(by_point[..., 0])
+        found = self._judge.of_ends(by_point[..., 0])
         values, by_end = found[:, 0], found[:, 1:]
         return values, np.einsum("bt,btn->bn", by_end, by_point[..., 1:])
 
@@ -228,6 +239,11 @@ class Native:
     def work(self) -> float:
         """The same, where one on lanes counts by its vectors of 256 bits; memory by its time."""
         return self._blocks * self._costs.work
+
+    @property
+    def settles(self) -> bool:
+        """Whether its loop goes on with constant gains where they have settled."""
+        return self._costs.settles
 
     @property
     def _vectors(self) -> int:
@@ -248,7 +264,8 @@ class Native:
         wide = len(varying(loop, {"dp"}).intersection(loop.needed))
         once = loop.operations + wide * (max(1.0, self._lanes / 4) - 1)
         kept = len(loop.kept) * (1 + loop.directions * self._lanes)
-        return _Costs(loop.directions, loop.operations, once + MEMORY * kept)
+        settles = self._loop.settled is not None
+        return _Costs(loop.directions, loop.operations, once + MEMORY * kept, settles)
 
     @cached_property
     def _loop(self) -> Phases:
@@ -258,7 +275,7 @@ class Native:
             whole = loop(self._iteration, every * -(-self.size // self._lanes))
         except TooLargeError:
             whole = loop(self._iteration, every)
-        return phases(whole)
+        return phases(whole, settle=self._settle)
 
     @cached_property
     def _directions(self) -> Any:
@@ -267,14 +284,15 @@ class Native:
     @cached_property
     def _plain(self) -> Any:
         def written() -> str:
-            return source(phases(loop(self._iteration, [])), LANES, points=False)
+            values = phases(loop(self._iteration, []), settle=self._settle)
+            return source(values, LANES, points=False)
 
         return self._loaded("values", written)
 
     @cached_property
     def _points(self) -> Any:
         def written() -> str:
-            by_point = phases(loop(self._iteration, list(self._moves.T)))
+            by_point = phases(loop(self._iteration, list(self._moves.T)), settle=self._settle)
             return source(by_point, LANES, points=True)
 
         return self._loaded("points", written)
@@ -282,11 +300,8 @@ class Native:
     def _loaded(self, name: str, written: Callable[[], str]) -> Any:
         function = library(self._texts.of(name, written), self.folder).run
         function.argtypes = [ctypes.c_size_t, ctypes.c_size_t, *[ctypes.c_void_p] * 5]
-        function.restype = None
+        function.restype = ctypes.c_size_t
         return function
-
-    def _of_end(self, end: Array) -> Array:
-        return self._score.weights_of_end(end)
 
     def _number(self, z: Array) -> Array:
         """The numbers of the parameters that depend on a point."""

@@ -1,6 +1,6 @@
 """A time loop with derivatives in several directions, without constant entries."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
@@ -171,5 +171,14 @@ def tangent_nodes(graph: Graph) -> set[int]:
     for k, node in enumerate(graph.nodes):
         own = node.op == "input" and node.value[0] in ("dp", "ds")
         if own or not found.isdisjoint(node.args):
+            found.add(k)
+    return found
+
+
+def depends_only_on(graph: Graph, groups: Collection[str]) -> set[int]:
+    """Nodes that depend on inputs of these groups alone."""
+    found: set[int] = set()
+    for k, node in enumerate(graph.nodes):
+        if (node.op != "input" or node.value[0] in groups) and found.issuperset(node.args):
             found.add(k)
     return found

@@ -1,5 +1,7 @@
 """The objective from the results of a loop in C: the numbers at its end and the kept values."""
 
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import jax
@@ -10,6 +12,7 @@ from jax import Array
 from filters import AnyFilter
 from objectives import Data, Objective, is_fold, weighed
 from tuner.native.filled import filled, kept_of
+from tuner.native.kept_texts import Kept
 from tuner.native.row_function import RowFunction
 from tuner.native.runner import is_real
 
@@ -88,10 +91,42 @@ class LoopScore:
         return value, jnp.hstack([jnp.zeros(0), *ends]), jnp.hstack([kept[:, :0], *parts])
 
 
-def weights_of(of_ends: RowFunction, end: np.ndarray, kept: np.ndarray) -> Weights:
-    """The same of an objective that follows from the numbers at the end alone."""
-    (found,) = of_ends(end[None])
-    return Weights(float(found[0]), found[1:], kept)
+class Judge:
+    """An objective of a loop's results; in C where it follows from the numbers at the end alone.
+
+    Args:
+        score: makes the objective; where C is kept between runs, it is not asked.
+        total: number of the numbers at the end.
+        sums: whether it follows from these alone.
+        folder: for compiled code.
+        kept: gives its C, made or kept.
+
+    Attributes:
+        sums: as given.
+        of_ends: the objective and its derivatives of each row of numbers at the end, if it sums.
+    """
+
+    def __init__(
+        self, score: Callable[[], LoopScore], total: int, sums: bool, folder: Path, kept: Kept
+    ) -> None:
+        self._score, self.sums = score, sums
+        self.of_ends = RowFunction(self._of_end, total, folder, kept)
+
+    def value(self, end: np.ndarray, kept: np.ndarray, data: Data) -> float:
+        """The objective alone; arguments as of :meth:`LoopScore.weights`."""
+        if self.sums:
+            return self.weights(end, kept, data).value
+        return self._score().value(end, kept, data)
+
+    def weights(self, end: np.ndarray, kept: np.ndarray, data: Data) -> Weights:
+        """The objective and its derivatives."""
+        if not self.sums:
+            return self._score().weights(end, kept, data)
+        (found,) = self.of_ends(end[None])
+        return Weights(float(found[0]), found[1:], kept)
+
+    def _of_end(self, end: Array) -> Array:
+        return self._score().weights_of_end(end)
 
 
 def _slope(by: Any) -> Array:

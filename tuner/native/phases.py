@@ -11,10 +11,11 @@ import numpy as np
 from tuner.code.by_numpy import InNumPy
 from tuner.code.graph import Graph
 from tuner.code.operations import Kind
+from tuner.native.begun import begun, written
 from tuner.native.fused import fused
-from tuner.native.loop import Carried, Loop
+from tuner.native.loop import Loop
 from tuner.native.pipelining import pipelined
-from tuner.native.rewriting import Rewriter
+from tuner.native.settled import Settled, settled
 
 _SAMPLES = 16
 """After so many it is looked which numbers are zero."""
@@ -31,14 +32,16 @@ class Phases:
             k-th number that the first one carries.
         first: the loop before; None: there is none.
         zero: which of the numbers that it carries are zero once it is over.
+        settled: what comes after the main loop; None: it goes on to the end.
     """
 
     main: Loop
     first: Loop | None = None
     zero: tuple[int, ...] = ()
+    settled: Settled | None = None
 
 
-def phases(loop: Loop) -> Phases:
+def phases(loop: Loop, *, settle: bool = True) -> Phases:
     """A loop in one phase, or in two where that is worth it.
 
     >>> graph = Graph()
@@ -52,17 +55,27 @@ def phases(loop: Loop) -> Phases:
     ((1,), 6, 0)
     """
     zero = _zeros(loop)
-    main = _settled(loop, zero) if zero else loop
-    if not zero or main.operations > _WORTH * loop.operations:
-        return Phases(pipelined(fused(loop)))
-    return Phases(pipelined(fused(main)), fused(loop), tuple(sorted(zero)))
+    main = begun(loop, graph := Graph(), _nothing(loop, zero, graph)) if zero else loop
+    two = bool(zero) and main.operations <= _WORTH * loop.operations
+    main = main if two else loop
+    last = settled(main) if settle else None
+    main = fused(main) if last is not None else pipelined(fused(main))
+    if not two:
+        return Phases(main, settled=last)
+    return Phases(main, fused(loop), tuple(sorted(zero)), last)
+
+
+def _nothing(loop: Loop, zero: set[int], graph: Graph) -> dict[int, int]:
+    """Zeros of a graph in place of some carried numbers, by nodes of the loop."""
+    return {loop.carried[k].input: graph.constant(0.0) for k in zero}
 
 
 def _zeros(loop: Loop) -> set[int]:
     """The most numbers that stay zero once they are, of those that come to be so."""
     zero = _become_zero(loop)
     while zero:
-        known, graph = _written(loop, zero)
+        known = _nothing(loop, zero, graph := Graph())
+        written(loop, graph, known)
         still = {k for k in zero if graph.is_constant(known[loop.carried[k].after], 0.0)}
         if still == zero:
             break
@@ -100,35 +113,3 @@ def _any(draw: np.random.Generator, kind: Kind) -> np.ndarray:
     if kind == "real":
         return draw.uniform(0.5, 1.5, 1)
     return np.ones(1, bool if kind == "truth" else int)
-
-
-def _written(loop: Loop, zero: set[int]) -> tuple[dict[int, int], Graph]:
-    """The nodes of a sample where some numbers are zero, by those of the loop, and their graph."""
-    new = Graph()
-    writer = Rewriter(loop.graph, new)
-    known = {loop.carried[k].input: new.constant(0.0) for k in zero}
-    inputs = [cell.input for cell in loop.carried]
-    afters = [cell.after for cell in loop.carried]
-    rows = [k for row in (*loop.kept, *loop.total) for k in row]
-    for k in loop.graph.reached([*inputs, *afters, *rows]):
-        writer.write(k, known)
-    return known, new
-
-
-def _settled(loop: Loop, zero: set[int]) -> Loop:
-    """The loop from where these numbers are zero."""
-    known, graph = _written(loop, zero)
-    cells = {}
-    for k, cell in enumerate(loop.carried):
-        if k not in zero:
-            start = graph.input(("before", k), loop.graph.nodes[cell.input].kind)
-            cells[known[cell.input]] = Carried(known[cell.input], start, known[cell.after])
-    kept, total = ([[known[k] for k in row] for row in rows] for rows in (loop.kept, loop.total))
-    seen: dict[int, Carried] = {}
-    ahead = [k for row in (*kept, *total) for k in row]
-    while ahead:
-        new = [cells[k] for k in graph.reached(ahead) if k in cells and k not in seen]
-        seen |= {cell.input: cell for cell in new}
-        ahead = [cell.after for cell in new]
-    carried = [cell for _, cell in sorted(seen.items())]
-    return Loop(graph, carried, total, kept, loop.directions)

@@ -1,24 +1,21 @@
 """The choice between compiled C and XLA for a problem's gradient, with its reason."""
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache, partial
-from pathlib import Path
+from functools import cached_property
 from threading import Lock, RLock
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, cast
+from typing import TYPE_CHECKING, TypeAlias
 
 import jax
 import numpy as np
-from jax import Array
 
-from filters import AnyFilter
-from objectives import Data, Objective, is_fold
+from objectives import Data, is_fold
 from tuner.cached import code_folder
 from tuner.code.graph import TooLargeError
 from tuner.code.refused import NoCounterpartError
 from tuner.compiler import NoCodeError, compiler, use
-from tuner.native.kept_texts import KeptTexts
-from tuner.stored_programs import in_use, key_of, stored_text
+from tuner.native.wanted import Shapes, Static, Wanted, forwards, operations, shapes_of, shortest
+from tuner.stored_programs import in_use, key_of
 
 if TYPE_CHECKING:
     from tuner.native.backwards import Backwards
@@ -34,8 +31,11 @@ PRICES = {"forwards": 0, "backwards": 3, "backwards in parts": 5}
 _EVEN, _EVEN_BACK = 6, 3
 """Operations of XLA, those of a step times its passes, over those of C, where both take as long: of
 C that goes forwards, and of a pass with one back."""
-_FEW = 4
-"""Parameters whose derivatives always go forwards in C."""
+_MOST_SETTLED = 8
+"""Parameters up to which C with constant gains, one pass of derivatives, beats XLA's."""
+LEAST = 0.5
+"""Share of a record with constant gains from which C that has them is taken."""
+_STEADY = "its constant gains take less than C does"
 _MOST = 4000
 """Most operations of a step in C."""
 _FAILURES = (ValueError, TypeError, LookupError, AttributeError, OSError, MemoryError, NoCodeError)
@@ -44,21 +44,6 @@ _FAILURES = (ValueError, TypeError, LookupError, AttributeError, OSError, Memory
 
 _making = RLock()
 """Held by the thread that writes C: another one that wants the same waits for it."""
-
-
-class Static(Hashable, Protocol):
-    """The static part of a compilation; equal ones share one."""
-
-    @property
-    def filter(self) -> AnyFilter | None:
-        """The filter; None where nothing is run."""
-
-    @property
-    def objective(self) -> Objective:
-        """The objective."""
-
-    def built(self, z: Array) -> Any:
-        """The filter's parameters at a point."""
 
 
 Both: TypeAlias = tuple[float, np.ndarray]
@@ -79,7 +64,9 @@ class Route:
             it goes forwards; and the share of the samples that it takes with constant gains. Both
             are worked out where C is possible.
         at: samples where the loop begins anew, and another thread takes over.
+        settle: whether C may go on with constant gains where they have settled.
         choice: the choice in words; "" before it is made.
+        settled: share of the record that C takes with constant gains at the first point.
         values_by: that values without a gradient go by C; "" where they do not.
     """
 
@@ -90,8 +77,10 @@ class Route:
     exact_value: Callable[[np.ndarray], float]
     price: Callable[[], tuple[int, float]] = lambda: (0, 0.0)
     at: tuple[int, ...] = ()
+    settle: bool = True
     choice: str = ""
     values_by: str = ""
+    settled: float = 0.0
     _single: "Native | Backwards | None" = None
     _valued: "Native | Backwards | bool" = True
     _many: bool | None = None
@@ -116,14 +105,15 @@ class Route:
     def _decided(self, z: np.ndarray) -> Both | None:
         """Both at z by C where that is possible and pays; otherwise the reason is kept."""
         try:
-            native = self._shortest()
+            native = self._shortest(z)
             found = native.value_and_gradient(z, self._rows, self.data, self.at)
             if not self._agrees(found, z):
                 return None
         except _FAILURES as error:
             self.choice = f"XLA: {error}"
             return None
-        self._single, self.choice = native, f"C, compiled by {compiler().name}"
+        gains = f", constant gains for {self.settled:.1%}" if native.settles else ""
+        self._single, self.choice = native, f"C, compiled by {compiler().name}{gains}"
         return found
 
     def value(self, z: np.ndarray) -> float | None:
@@ -138,7 +128,7 @@ class Route:
 
     def _decided_value(self, z: np.ndarray) -> "Native | Backwards | bool":
         try:
-            native = self._shortest()
+            native = self._shortest(z)
             found, right = native.value(z, self._rows, self.data, self.at), self.exact_value(z)
         except _FAILURES:
             return False
@@ -173,34 +163,60 @@ class Route:
         """
         shapes = self._possible(points)
         with _making:
-            native = _made(self.static, self.size, *shapes, code_folder())
-        if not self._rows.size:
-            self._rows = native.rows(self.data)
+            native = forwards(self._wanted(shapes))
+        self._begin(native)
         return native
 
-    def _shortest(self) -> "Native | Backwards":
-        """The same with one point."""
+    def _shortest(self, z: np.ndarray) -> "Native | Backwards":
+        """The same with one point, z ``(n,)`` at first."""
         shapes = self._possible(1)
         with _making:
-            native = _shortest(self.static, self.size, *shapes, code_folder())
-        if use() == "auto" and self._slower_than_backward(native, shapes):
-            raise NoCodeError("its way back through the loop is shorter than C's")
+            native = self._settling(shapes, z)
+            if native is not None:
+                return native
+            found = shortest(self._wanted(shapes))
+        if use() == "auto":
+            if self._steady:
+                raise NoCodeError(_STEADY)
+            if self._slower_than_backward(found, shapes):
+                raise NoCodeError("its way back through the loop is shorter than C's")
+        self._begin(found)
+        return found
+
+    def _settling(self, shapes: Shapes, z: np.ndarray) -> "Native | None":
+        """C that goes forwards, where it takes half of the record with constant gains, or more."""
+        if self.size > _MOST_SETTLED:
+            return None
+        try:
+            native = forwards(self._wanted(shapes))
+            if not native.settles:
+                return None
+        except (NoCounterpartError, TooLargeError):
+            return None
+        self._begin(native)
+        self.settled = native.settled(z, self._rows, self.at)
+        return native if self.settled >= LEAST else None
+
+    def _begin(self, native: "Native | Backwards") -> None:
+        """Lay out the record as C reads it."""
         if not self._rows.size:
             self._rows = native.rows(self.data)
-        return native
 
-    def _possible(self, points: int) -> tuple[tuple[Any, ...], Any]:
+    def _wanted(self, shapes: Shapes) -> Wanted:
+        return Wanted(self.static, self.size, shapes, code_folder(), self.settle)
+
+    def _possible(self, points: int) -> Shapes:
         """Shapes and types of the record, where C may pay."""
         wish = use()
         if wish == "off":
             raise NoCodeError("TUNER_NATIVE is off")
         if self.static.filter is None or self.size == 0:
             raise NoCodeError("no loop over time is differentiated")
-        shapes = _shapes(self.data, is_fold(self.static.objective))
+        shapes = shapes_of(self.data, folds=is_fold(self.static.objective))
         if wish == "auto" and not self._pays(shapes, points):
             raise NoCodeError("the record is too short for compiling C to pay")
-        if wish == "auto" and points == 1 and self._priced[1]:
-            raise NoCodeError("constant gains take less than C does")
+        if wish == "auto" and points == 1 and self._steady and self.size > _MOST_SETTLED:
+            raise NoCodeError(_STEADY)
         compiler()
         return shapes
 
@@ -208,7 +224,12 @@ class Route:
     def _priced(self) -> tuple[int, float]:
         return self.price()
 
-    def _pays(self, shapes: Any, points: int) -> bool:
+    @property
+    def _steady(self) -> bool:
+        """Whether XLA takes a good part of the record with constant gains."""
+        return self._priced[1] > 0
+
+    def _pays(self, shapes: Shapes, points: int) -> bool:
         samples = len(jax.tree.leaves(self.data.inputs)[0])
         least = KEPT_PAYS if in_use() and key_of(self.static) is not None else PAYS
         if (samples * points * max(1 + self.size, *PRICES.values()) - COMPILED) * _MOST < least:
@@ -216,14 +237,14 @@ class Route:
         backwards, _ = self._priced
         passes = backwards if backwards and points == 1 else 1 + self.size
         turns = samples * passes * points - COMPILED
-        return bool(turns * _operations(self.static, self.size, *shapes) >= least)
+        return bool(turns * operations(self.static, self.size, shapes) >= least)
 
-    def _slower_than_backward(self, native: "Native | Backwards", shapes: Any) -> bool:
+    def _slower_than_backward(self, native: "Native | Backwards", shapes: Shapes) -> bool:
         """Whether derivatives in C cost more than XLA's way back, as through dense matrices."""
         backwards, _ = self._priced
         if not backwards:
             return False
-        most = backwards * _operations(self.static, self.size, *shapes)
+        most = backwards * operations(self.static, self.size, shapes)
         even = _EVEN_BACK if native.returns else _EVEN
         return bool(even * native.operations > most)
 
@@ -241,87 +262,3 @@ class Route:
         if not apart <= AGREED * np.abs(right).max():
             raise NoCodeError(f"compiled C differs from it by {apart:.1g} at the first point")
         return True
-
-
-def _shapes(data: Data, folds: bool) -> tuple[tuple[Any, ...], Any]:
-    """Shapes and types of a record; of any length where the loop sums everything up."""
-    leaves, tree = jax.tree.flatten(data)
-    arrays = [np.asarray(leaf) for leaf in leaves]
-    return tuple(((1, *x.shape[1:]) if folds else x.shape, x.dtype) for x in arrays), tree
-
-
-def _data(leaves: tuple[Any, ...], tree: Any) -> Data:
-    return cast("Data", jax.tree.unflatten(tree, [jax.ShapeDtypeStruct(*leaf) for leaf in leaves]))
-
-
-@lru_cache(maxsize=32)
-def _made(static: Static, size: int, leaves: tuple[Any, ...], tree: Any, folder: Path) -> "Native":
-    from tuner.native.compiled import Native
-
-    filter, data = cast("AnyFilter", static.filter), _data(leaves, tree)
-    texts = KeptTexts((static, size, _plain(leaves, tree)))
-    return Native(filter, static.objective, static.built, size, data, folder, texts)
-
-
-@lru_cache(maxsize=32)
-def _back(
-    static: Static, size: int, leaves: tuple[Any, ...], tree: Any, folder: Path
-) -> "Backwards":
-    from tuner.native.backwards import Backwards
-
-    filter, data = cast("AnyFilter", static.filter), _data(leaves, tree)
-    texts = KeptTexts((static, size, _plain(leaves, tree)))
-    return Backwards(filter, static.objective, static.built, size, data, folder, texts)
-
-
-def _shortest(
-    static: Static, size: int, leaves: tuple[Any, ...], tree: Any, folder: Path
-) -> "Native | Backwards":
-    """C that goes forwards for few parameters, and back for more where that is less work."""
-    given = static, size, leaves, tree, folder
-    texts = KeptTexts((static, size, _plain(leaves, tree)))
-    if size <= _FEW or not texts.of("goes back", partial(_back_is_less, *given)):
-        return _made(*given)
-    return _back(*given)
-
-
-def _back_is_less(static: Static, size: int, *given: Any) -> bool:
-    from tuner.native.compiled import LANES
-
-    try:
-        back = _back(static, size, *given).work
-    except (NoCounterpartError, TooLargeError):
-        return False
-    try:
-        one = _made(static, size, *given).work if size <= LANES else None
-    except (NoCounterpartError, TooLargeError):
-        one = None
-    return one is None or back < one
-
-
-def _plain(leaves: tuple[Any, ...], tree: Any) -> Any:
-    """Shapes and types as plain data."""
-    return jax.tree.unflatten(tree, [(shape, dtype.str) for shape, dtype in leaves])
-
-
-@lru_cache(maxsize=128)
-def _operations(static: Static, size: int, leaves: tuple[Any, ...], tree: Any) -> int:
-    """Approximate number of operations of a step."""
-    plain = _plain(tuple((shape[1:], dtype) for shape, dtype in leaves), tree)
-
-    def counted() -> str:
-        return str(_counted(static, size, leaves, tree))
-
-    return int(stored_text(counted, "operations of a step", static, size, plain))
-
-
-def _counted(static: Static, size: int, leaves: tuple[Any, ...], tree: Any) -> int:
-    from tuner.code.straight_line import Slot, straight_line, work
-
-    filter, data = cast("AnyFilter", static.filter), _data(leaves, tree)
-    one = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(leaf.shape[1:], leaf.dtype), data.inputs)
-    params = jax.eval_shape(static.built, jax.ShapeDtypeStruct((size,), float))
-    given = params, jax.eval_shape(filter.init, params), one
-    closed = jax.make_jaxpr(filter.step)(*given)
-    slots = [Slot(leaf.shape, np.dtype(leaf.dtype)) for leaf in jax.tree.leaves(given)]
-    return work(straight_line(closed, slots).operations)

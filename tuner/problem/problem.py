@@ -158,8 +158,8 @@ class Problem:
         if not self._routes:
             lines, whole = self.in_lines, OneRecord(self.static, self.data)
             static, data, at = whole if lines is None else lines.end_to_end()
-            exact = self.by_xla, self.value_by_xla
-            self._routes.append(Route(static, data, self.space.size, *exact, self._price, at))
+            given = static, data, self.space.size, self.by_xla, self.value_by_xla, self._price
+            self._routes.append(Route(*given, at, settle=self.steady is not False))
         return self._routes[0]
 
     def _price(self) -> tuple[int, float]:

@@ -11,6 +11,7 @@ from tuner.names import unknown
 from tuner.problem.problem import Problem
 from tuner.solvers.minimum import Minimum
 from tuner.solvers.multistart import from_several, refuse
+from tuner.solvers.rounding import OnlyRoundingError, UntilRounding
 from tuner.solvers.starts import SharedStarts
 
 
@@ -127,21 +128,26 @@ def _once(
 ) -> Minimum:
     from scipy.optimize import Bounds, minimize
 
-    def value_and_gradient(point: np.ndarray) -> tuple[float, np.ndarray]:
-        value, gradient = problem.value_and_gradient(point)
-        return value / scale, gradient / scale
-
     second = method == "trust-constr"
     low, high = box
-    ended = minimize(
-        value_and_gradient,
-        np.clip(z, low, high),
-        jac=True,
-        hess=(lambda point: problem.hessian(point) / scale) if second else None,
-        method=method,
-        bounds=Bounds(low, high),
-        options=limits | _TOLERANCE[method],
-    )
+    evaluate = problem.value_and_gradient if second else UntilRounding(problem, box)
+
+    def value_and_gradient(point: np.ndarray) -> tuple[float, np.ndarray]:
+        value, gradient = evaluate(point)
+        return value / scale, gradient / scale
+
+    try:
+        ended = minimize(
+            value_and_gradient,
+            np.clip(z, low, high),
+            jac=True,
+            hess=(lambda point: problem.hessian(point) / scale) if second else None,
+            method=method,
+            bounds=Bounds(low, high),
+            options=limits | _TOLERANCE[method],
+        )
+    except OnlyRoundingError as error:
+        return error.end
     # Every Hessian costs two gradients per coordinate.
     extra = 2 * len(z) * ended.nhev if second else 0
     finished = ended.status in (1, 2) if second else ended.status != 1

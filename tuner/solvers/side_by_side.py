@@ -20,8 +20,8 @@ T = TypeVar("T")
 ALONE = 0.02
 """A descent that takes longer, s, gets others beside it. Shorter ones gain nothing by it: much of
 their time goes to Python, which one thread runs at a time."""
-EVALUATIONS = 20
-"""A descent takes as many, and more: where each takes long, so does the descent."""
+LONG = 2.5e-4
+"""An evaluation that takes longer, s, is one of a long descent."""
 _FIRST = 3
 """Long evaluations after which the others begin; a single one may be long for other reasons."""
 
@@ -32,7 +32,9 @@ def descents(
     """The ends of descents, in the order of their starts, until so many of them are finite.
 
     The threads compute without the interpreter's lock, and none of them changes what another
-    computes: the ends are the same for any number of threads, to the last bit.
+    computes: the ends are the same for any number of threads, to the last bit. Random starts are
+    begun before the initial values and the known ones: descents from these are mostly the shortest,
+    and short ones at the end let the processors end together.
 
     Args:
         problem: what is minimised.
@@ -44,19 +46,21 @@ def descents(
     if threads < 2 or count < 2:
         yield from (descend(problem, z) for z in points)
         return
-    begun: list[Future[Minimum]] = []
+    first, likely = min(count, len(points)), 1 + len(problem.known_starts)
+    order = [*range(likely, first), *range(min(likely, first)), *range(first, len(points))]
+    begun: dict[int, Future[Minimum]] = {}
     wanted, short = count, True
     news = Event()
     with _pool(problem, descend, threads, news) as begin:
         for at in range(len(points)):
-            begun += map(begin, points[len(begun) : at + 1 if short else wanted])
-            if short:
-                begun[at].add_done_callback(lambda _: news.set())
-                news.wait(ALONE)
-                short = begun[at].done()
-                news.clear()
-            if not short:
-                begun += map(begin, points[len(begun) : wanted])
+            while at not in begun or (not short and len(begun) < min(wanted, len(points))):
+                k = order[len(begun)]
+                begun[k] = begin(points[k])
+                if short:
+                    begun[k].add_done_callback(lambda _: news.set())
+                    news.wait(ALONE)
+                    short = begun[k].done()
+                    news.clear()
             end = begun[at].result()
             wanted += not np.isfinite(end.value)
             yield end
@@ -110,7 +114,7 @@ class _Watched:
             raise CancelledError("the search was given up")
         start = time.perf_counter()
         found = evaluate(z)
-        if len(self._slow) < _FIRST and (took := time.perf_counter() - start) > ALONE / EVALUATIONS:
+        if len(self._slow) < _FIRST and (took := time.perf_counter() - start) > LONG:
             self._slow.append(took)
             if len(self._slow) >= _FIRST:
                 self.long.set()
