@@ -31,7 +31,7 @@ class Curved:
 
     def step(self, params, state, inputs):
         x = state + params * (inputs - state)
-        return x, jnp.cos(x) + 1.5 + 1.2e-11 * jnp.sin(x)
+        return x, jnp.cos(x) + 1.5 + 1e-11 * jnp.sin(x)
 
 
 def test_errors_are_small_and_of_their_own():
