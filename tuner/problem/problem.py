@@ -17,6 +17,7 @@ from tuner.certificate.solution import Solution
 from tuner.data.source import Source
 from tuner.export.tuned import Quantity
 from tuner.native.route import PRICES, Route
+from tuner.problem.aligned import aligned
 from tuner.problem.constant_gains import share_of_constant_gains
 from tuner.problem.constraint import Constraint
 from tuner.problem.derived import derived_numbers
@@ -97,6 +98,7 @@ class Problem:
 
     def __post_init__(self) -> None:
         check_data(self.name, self.data)
+        object.__setattr__(self, "data", aligned(self.data))
         if self.filter is not None:
             build = self.static.build
             check_shapes(self.name, self.filter, build, self.space, self.objective, self.data)
