@@ -44,6 +44,7 @@ class Phases:
 def phases(loop: Loop, *, settle: bool = True) -> Phases:
     """A loop in one phase, or in two where that is worth it.
 
+    >>> from tuner.native.loop import Carried
     >>> graph = Graph()
     >>> x, w, z = (graph.input(key) for key in (("s", 0), ("s", 1), ("u", 0)))
     >>> one, zero = graph.constant(1.0), graph.constant(0.0)

@@ -53,6 +53,7 @@ class Settled:
 def settled(loop: Loop) -> Settled | None:
     """The loop once what follows from itself alone has settled; None where that saves little.
 
+    >>> from tuner.native.loop import Carried
     >>> graph = Graph()
     >>> P, x, z = (graph.input(key) for key in (("s", 0), ("s", 1), ("u", 0)))
     >>> one = graph.constant(1.0)
@@ -61,7 +62,7 @@ def settled(loop: Loop) -> Settled | None:
     >>> carried = [Carried(P, one, graph.apply("sin", graph.apply("exp", K))), Carried(x, z, after)]
     >>> found = settled(Loop(graph, carried, [[x]], [], 0))
     >>> found.still, moving_operations(found.loop)
-    ((0,), 2)
+    ((0,), 3)
     """
     known, usual = _as_usual(loop, graph := Graph())
     written(loop, graph, known)
