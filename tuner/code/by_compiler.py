@@ -28,10 +28,15 @@ class _Rows(Values):
 
     def __init__(self, array: np.ndarray, places: Mapping[int, int], kinds: Sequence[str]) -> None:
         self.array, self._places, self._kinds = array, places, kinds
+        self._converted = dict[int, np.ndarray]()
 
     def __getitem__(self, k: int) -> np.ndarray:
         kind, row = self._kinds[self._places[k]], np.asarray(self.array[self._places[k]])
-        return row if kind == "real" else row.astype(bool if kind == "truth" else int)
+        if kind == "real":
+            return row
+        if k not in self._converted:
+            self._converted[k] = row.astype(bool if kind == "truth" else int)
+        return self._converted[k]
 
     def __iter__(self) -> Iterator[int]:
         return iter(self._places)
