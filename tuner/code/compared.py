@@ -64,12 +64,17 @@ class ComparedNumbers:
         for part, where in own.items():
             rows = (np.array(where)[:, None] * each + np.arange(each)).ravel()
             values = self._parts[part].values(given, rows)
+            needing = dict[Decided, list[int]]()
             for k, at in enumerate(where):
                 pair, own_rows = pairs[at], slice(k * each, (k + 1) * each)
                 for side, one in enumerate((pair.x, pair.limit)):
                     found[side, at] = _some(values[one], own_rows) if isinstance(one, int) else one
-                for one, truth in pair.needed:
-                    found[2, at] *= _some(values[one], own_rows) == truth
+                needing.setdefault(pair.needed, []).append(k)
+            for needed, which in needing.items():
+                met = np.ones((len(which), each), bool)
+                for one, truth in needed:
+                    met &= np.broadcast_to(values[one], len(rows)).reshape(-1, each)[which] == truth
+                found[2, np.array(where)[which]] = met
         return found.reshape(3, count)
 
 
