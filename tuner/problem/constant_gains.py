@@ -1,35 +1,20 @@
 """Whether a long record is worth the short way of filters whose gains settle."""
 
-from collections.abc import Hashable
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 import jax
 import numpy as np
 from jax import Array
 
-from filters import AnyFilter, LinearKalman, Settling, bare, summed
-from objectives import Data, InnovationLikelihood, Objective
+from filters import LinearKalman, Settling, bare, summed
+from objectives import Data, InnovationLikelihood
+from tuner.native.wanted import Static
 
 WORTH = 2e6
 """Samples times (2 + n) squared, for n states, from which compiling it takes less than it saves."""
 LEAST = 0.5
 """Share of the samples that have to be taken the short way at the start of a search."""
-
-
-class Static(Hashable, Protocol):
-    """The static part of a compilation."""
-
-    @property
-    def filter(self) -> AnyFilter | None:
-        """The filter; None where nothing is run."""
-
-    @property
-    def objective(self) -> Objective:
-        """The objective."""
-
-    def built(self, z: Array) -> Any:
-        """The filter's parameters at a point."""
 
 
 def share_of_constant_gains(
