@@ -10,7 +10,7 @@ from tuner.code.array_step import Step
 from tuner.code.expected import LONG
 from tuner.code.hidden import Hidden
 from tuner.code.limits import beside_limits
-from tuner.code.preferred import Preferred, needs_of
+from tuner.code.preferred import Preferred
 from tuner.code.states import Around, Arrays
 
 _BATCH, _ROUNDS, _FEW = 64, 12, 4
@@ -40,9 +40,8 @@ def batches(
     for turn in range(rounds):
         drawn = near.drawn(draw, _POOL if long and turn else _BATCH)
         if long and turn:
-            needs = needs_of(step, hidden.mutants)
-            preferred = preferred or Preferred(step, needs)
-            both = preferred.of([*drawn[0], *drawn[1]], needs, _BATCH)
+            preferred = preferred or Preferred(step, hidden.mutants)
+            both = preferred.of([*drawn[0], *drawn[1]], hidden.mutants, _BATCH)
             drawn = both[:own], both[own:]
         yield drawn, False
         if not long and turn + 1 >= _LEAST and hidden.only_at_limits:

@@ -64,17 +64,11 @@ class ComparedNumbers:
         for part, where in own.items():
             rows = (np.array(where)[:, None] * each + np.arange(each)).ravel()
             values = self._parts[part].values(given, rows)
-            needing = dict[Decided, list[int]]()
             for k, at in enumerate(where):
                 pair, own_rows = pairs[at], slice(k * each, (k + 1) * each)
                 for side, one in enumerate((pair.x, pair.limit)):
                     found[side, at] = _some(values[one], own_rows) if isinstance(one, int) else one
-                needing.setdefault(pair.needed, []).append(k)
-            for needed, which in needing.items():
-                met = np.ones((len(which), each), bool)
-                for one, truth in needed:
-                    met &= np.broadcast_to(values[one], len(rows)).reshape(-1, each)[which] == truth
-                found[2, np.array(where)[which]] = met
+            found[2, where] = _met(values, [pairs[at].needed for at in where], each)
         return found.reshape(3, count)
 
 
@@ -140,6 +134,19 @@ def set_bits(number: int) -> list[int]:
     digits = np.frombuffer(number.to_bytes(number.bit_length() // 8 + 1, "little"), np.uint8)
     places: list[int] = np.flatnonzero(np.unpackbits(digits, bitorder="little")).tolist()
     return places
+
+
+def _met(values: Values, needs: Sequence[Decided], each: int) -> np.ndarray:
+    """Whether all is decided as each of some needs it, ``(needs, each)``, in its own steps."""
+    needing = dict[tuple[int, bool], list[int]]()
+    for k, needed in enumerate(needs):
+        for one in needed:
+            needing.setdefault(one, []).append(k)
+    found = np.ones((len(needs), each), bool)
+    for (node, truth), which in needing.items():
+        row = np.broadcast_to(values[node], found.size).reshape(found.shape)
+        found[which] &= row[which] == truth
+    return found
 
 
 def _some(row: np.ndarray, which: slice) -> np.ndarray:

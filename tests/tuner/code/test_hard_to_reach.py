@@ -21,7 +21,7 @@ from tuner.code.fields import Field
 from tuner.code.form import form
 from tuner.code.graph import Graph
 from tuner.code.mutants import CHANGE, Mutant, limits_of
-from tuner.code.preferred import Preferred, needs_of
+from tuner.code.preferred import Preferred
 from tuner.code.program import as_graph
 from tuner.code.states import by_node
 from tuner.code.together import Inverses, Together
@@ -237,12 +237,11 @@ def test_states_are_preferred_in_which_what_constants_need_is_so():
     assert counted
     inputs = np.where(np.arange(100) % 20 == 19, 50.0, 0.1)
     drawn = [np.zeros(100), np.zeros(100), inputs]
-    needs = needs_of(step, counted)
-    preferred = Preferred(step, needs)
-    found = preferred.of(drawn, needs, 10)
+    preferred = Preferred(step, counted)
+    found = preferred.of(drawn, counted, 10)
     assert [len(x) for x in found] == [10, 10, 10]
     assert (found[2] > 1).sum() == 5
-    assert (preferred.of(drawn, needs_of(step, []), 10)[2] > 1).sum() == 0
+    assert (preferred.of(drawn, [], 10)[2] > 1).sum() == 0
 
 
 def test_what_cannot_pass_a_limit_counts_as_closer_the_closer_it_is():
