@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field
 from functools import cache
+from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -146,25 +147,47 @@ class StoredProgram:
             function, static_argnums=tuple(range(statics)), compiler_options=options or None
         )
         self._entries: dict[Any, _Entry] = {}
+        self._digests: dict[Any, str] = {}
 
     def __call__(self, *arguments: Any) -> Any:
         """The function of its arguments."""
         if not in_use():
             return self.traced(*arguments)
-        static, given = arguments[: self._statics], arguments[self._statics :]
-        leaves, tree = jax.tree.flatten(given)
-        shapes = [_shape(leaf) for leaf in leaves]
+        static, leaves, tree, shapes = self._split(arguments)
         if None in shapes:  # inside another program
             return self.traced(*arguments)
-        call = self._program(static, leaves, tree, tuple(shapes))
+        call = self._program(static, leaves, tree, shapes)
         try:
             return self.traced(*arguments) if call is None else call(*leaves)
         except jax.errors.JaxRuntimeError:  # a stored program that this machine cannot run
             return self.traced(*arguments)
 
+    def digest(self, *arguments: Any) -> str:
+        """The SHA-256 of the program's text with all its constants, for arrays of these shapes.
+
+        It is traced for that only where it was not yet.
+        """
+        static, leaves, tree, shapes = self._split(arguments)
+        place = static, tree, shapes
+
+        def traced() -> str:
+            if place not in self._digests:
+                self._lowered(static, leaves, tree)
+            return self._digests[place]
+
+        name = f"digest of {self.__name__}"
+        return stored_text(traced, name, static, jax.tree.unflatten(tree, shapes))
+
+    def _split(self, arguments: tuple[Any, ...]) -> tuple[Any, list[Any], Any, Any]:
+        """The static arguments, the leaves of the others, their structure and their shapes."""
+        static, given = arguments[: self._statics], arguments[self._statics :]
+        leaves, tree = jax.tree.flatten(given)
+        return static, leaves, tree, _shapes(leaves)
+
     def clear_cache(self) -> None:
         """Let go of all programs, as JAX's own functions do."""
         self._entries.clear()
+        self._digests.clear()
         self.traced.clear_cache()
 
     def _cache_size(self) -> int:
@@ -201,6 +224,15 @@ class StoredProgram:
         self, static: Any, leaves: list[Any], tree: Any
     ) -> tuple[str, PyTreeDef, Call]:
         """The key of a program by its text, the structure of its result, and itself."""
+        lowered, text, end = self._lowered(static, leaves, tree)
+        key = _hashed(text, repr(self._options))
+        with suppress(Exception):  # none yet, or damaged: compiled anew
+            return key, end, _loaded(key, end, len(leaves))
+        program = Program(key, len(leaves), end.num_leaves)
+        return key, end, _calling(_compiled(lowered, program), end)
+
+    def _lowered(self, static: Any, leaves: list[Any], tree: Any) -> tuple[Any, str, PyTreeDef]:
+        """What XLA compiles, its text, and the structure of the result."""
         ends: list[PyTreeDef] = []
 
         def flat(*leaves: Any) -> list[Any]:
@@ -210,15 +242,17 @@ class StoredProgram:
 
         flat.__name__ = flat.__qualname__ = f"stored_{self.__name__}"
         lowered = jax.jit(flat, compiler_options=self._options or None).lower(*leaves)
-        key = _hashed(lowered.as_text(), repr(self._options))
-        with suppress(Exception):  # none yet, or damaged: compiled anew
-            return key, ends[0], _loaded(key, ends[0], len(leaves))
-        program = Program(key, len(leaves), ends[0].num_leaves)
-        return key, ends[0], _calling(_compiled(lowered, program), ends[0])
+        text = lowered.as_text()
+        self._digests[static, tree, _shapes(leaves)] = sha256(text.encode()).hexdigest()
+        return lowered, text, ends[0]
+
+
+def _shapes(leaves: list[Any]) -> tuple[tuple[tuple[int, ...], str, bool] | None, ...]:
+    """Shape and type of each array; None of anything else."""
+    return tuple(_shape(leaf) for leaf in leaves)
 
 
 def _shape(leaf: Any) -> tuple[tuple[int, ...], str, bool] | None:
-    """Shape and type of an array; None of anything else."""
     if isinstance(leaf, jax.core.Tracer) or not isinstance(
         leaf, np.ndarray | np.generic | jax.Array
     ):

@@ -31,7 +31,6 @@ from tuner.problem.programs import (
     Assemble,
     Build,
     Static,
-    digest_of,
     excesses_of,
     finite,
     kept_bytes_of,
@@ -116,9 +115,9 @@ class Problem:
         It does not depend on names, solvers or their starts.
         """
         at = self.static, *self._at(self.space.start())[1:]
-        programs = [digest_of(value_of, *at)]
+        programs = [value_of.digest(*at)]
         if self.constraints:
-            programs.append(digest_of(excesses_of, self.static, self.space.start(), self.data))
+            programs.append(excesses_of.digest(self.static, self.space.start(), self.data))
         return identity_of(programs, self.space, self.data)
 
     def value(self, z: np.ndarray) -> float:

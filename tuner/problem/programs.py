@@ -1,9 +1,7 @@
 """The compiled programs of problems: functions of a static part, shared by equal problems."""
 
-import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, NamedTuple, TypeAlias, cast
 
 import jax
@@ -25,7 +23,7 @@ from objectives import (
 )
 from tuner.problem.constraint import Constraint
 from tuner.problem.space import Space
-from tuner.stored_programs import QUICKLY, StoredProgram, stored_jit, stored_text
+from tuner.stored_programs import QUICKLY, stored_jit, stored_text
 
 Build: TypeAlias = Callable[[dict[str, Array]], Any]
 """Makes the filter's parameters from values by name."""
@@ -80,24 +78,6 @@ class Static(NamedTuple):
         params = self.built(z)
         found = [c.excess(score(self.filter, c.measure, params, data)) for c in self.constraints]
         return jnp.stack(found) if found else jnp.zeros(0)
-
-
-def digest_of(program: StoredProgram, static: Static, *arguments: Any) -> str:
-    """The SHA-256 of a program's text with all its constants, for arrays of these shapes."""
-    leaves, tree = jax.tree.flatten(arguments)
-    shapes = tuple((np.shape(x), np.asarray(x).dtype) for x in leaves)
-    return _digest(program, static, shapes, tree)
-
-
-@lru_cache(maxsize=64)
-def _digest(program: StoredProgram, static: Static, shapes: tuple[Any, ...], tree: Any) -> str:
-    def lowered() -> str:
-        leaves = [jax.ShapeDtypeStruct(*shape) for shape in shapes]
-        text: str = program.traced.lower(static, *jax.tree.unflatten(tree, leaves)).as_text()
-        return hashlib.sha256(text.encode()).hexdigest()
-
-    plain = [(shape, dtype.str) for shape, dtype in shapes]
-    return stored_text(lowered, program.__name__, static, jax.tree.unflatten(tree, plain))
 
 
 def kept_bytes_of(static: Static, z: np.ndarray, data: Data) -> int:
