@@ -91,7 +91,8 @@ from filters.extended import (  # noqa: E402
     ExtendedSample,
     linearised,
 )
-from filters.fuzzy_regression import line, regression  # noqa: E402
+from filters.fuzzy_line import line  # noqa: E402
+from filters.fuzzy_regression import regression  # noqa: E402
 from filters.gated import Gated  # noqa: E402
 from filters.gps_aided import GpsAidedKalman, GpsAidedNoise, GpsAidedSample  # noqa: E402
 from filters.imu import ImuSample, SixAxes  # noqa: E402

@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
-from filters.fuzzy_regression import newest_line
+from filters.fuzzy_line import newest_line
 
 Law = Literal["constant", "fuzzy", "random"]
 

@@ -11,7 +11,8 @@ import pytest
 from jax.test_util import check_grads
 
 import tests.oracles_tanaka as oracle
-from filters.fuzzy_regression import line, newest_line, regression
+from filters.fuzzy_line import line, newest_line
+from filters.fuzzy_regression import regression
 from tuner.certificate.solution import Status
 from tuner.convex import solve
 from tuner.regression import (
@@ -324,7 +325,7 @@ def test_derivatives_of_a_regression_are_those_of_the_solution():
     check_grads(fitted, tuple(jnp.asarray(a) for a in given), order=1, atol=1e-6, rtol=1e-6)
 
 
-@pytest.mark.parametrize("m", [2, 4, 6, 10])
+@pytest.mark.parametrize("m", [2, 4, 6, 8, 10, 12])
 def test_a_line_inside_the_time_loop(m):
     rng = np.random.default_rng(m)
     window = rng.normal(size=(m, 5))
@@ -345,6 +346,49 @@ def test_its_derivative_is_that_of_the_solution():
     for j, step in enumerate(1e-6 * np.eye(6)):
         ahead, behind = (tanaka(np.arange(6), window[:, 0] + s).center[1] for s in (step, -step))
         np.testing.assert_allclose(gradient[j], (ahead - behind) / 2e-6, atol=1e-8)
+
+
+FUSED = {"xla_cpu_use_fusion_emitters": True, "xla_backend_optimization_level": 3}
+
+
+@pytest.mark.parametrize("m", [6, 8, 12])
+def test_a_line_that_ties_with_others_holds_all_samples(m):
+    window = np.random.default_rng(m).integers(-3, 4, (m, 2000)).astype(float)
+    found = jax.jit(lambda x: line(x, 1.0), compiler_options=FUSED)(jnp.asarray(window))
+    t = np.arange(m)[:, None]
+    (p0, p1), (c0, c1) = np.asarray(found.center).T, np.asarray(found.spread).T
+    assert (np.abs(window - p0 - t * p1) <= c0 + t * c1 + 1e-12).all()
+    assert min(c0.min(), c1.min()) >= -1e-12
+
+
+@pytest.mark.parametrize("m", [6, 8, 12])
+def test_a_line_of_samples_that_lie_on_one_is_that_one(m):
+    """All bends are rounding then: whatever decides has to be the same for height and slope.
+
+    XLA works out some numbers twice, rounded otherwise, where it puts operations together.
+    """
+    rng = np.random.default_rng(m)
+    right = rng.integers(-9, 9, (2, 200)).astype(float)
+    window = jnp.asarray(right[0] + np.arange(m)[:, None] * right[1])
+    found = jax.jit(lambda x: line(x, 1.0), compiler_options=FUSED)(window)
+    np.testing.assert_allclose(found.center, right.T, atol=1e-12)
+    np.testing.assert_allclose(found.spread, 0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize("m", [4, 8])
+def test_where_lines_tie_derivatives_are_of_the_line_that_is_given(m):
+    """Whole numbers tie often; compared one after another or at once, the first one counts."""
+    window = jnp.asarray(np.random.default_rng(m).integers(-3, 4, (m, 300)), float)
+
+    def summed(x):
+        found = newest_line(x, jnp.array(9.0), 0.5, 0.25)
+        return found.center.sum() + found.spread.sum(), found
+
+    alone = jax.jit(newest_line, static_argnums=2)(window, jnp.array(9.0), 0.5, 0.25)
+    (_, beside), gradient = jax.jit(jax.value_and_grad(summed, has_aux=True))(window)
+    assert np.isfinite(gradient).all()
+    for one, other in zip(alone, beside, strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-13)
 
 
 def test_the_line_of_the_newest_samples_is_that_of_their_window():
