@@ -1,8 +1,10 @@
 """Pictures of another process are those of this one, and none is lost where it fails."""
 
 import pickle
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from io import BytesIO
+from threading import Barrier
 
 import numpy as np
 import pytest
@@ -34,8 +36,8 @@ def laid_out(rough, monkeypatch):
 def begun(stored, monkeypatch):
     monkeypatch.setattr("os.cpu_count", lambda: 2)
     found = Painter()
-    found.begin()
-    assert found._process is not None
+    found.begin(1)
+    assert found.processes == 1
     yield found
     found.end()
 
@@ -50,7 +52,7 @@ def not_here(monkeypatch):
 
 def test_a_picture_of_another_process_is_the_same(begun, not_here):
     assert begun.picture(CHART) == begun.picture(CHART) == picture(CHART)
-    process = begun._process
+    (process,) = begun._begun
     begun.end()
     assert process.returncode == 0
 
@@ -62,18 +64,40 @@ def test_what_fails_there_fails_here_with_its_reason(begun):
 
 
 def test_a_process_that_has_died_is_done_without(begun):
-    begun._process.kill()
-    begun._process.wait()
-    assert begun.picture(CHART) == picture(CHART)
+    (process,) = begun._begun
+    process.kill()
+    process.wait()
+    assert begun.picture(CHART) == begun.picture(CHART) == picture(CHART)
 
 
 @pytest.mark.usefixtures("stored")
 def test_without_another_processor_it_is_drawn_here(monkeypatch):
     monkeypatch.setattr("os.cpu_count", lambda: 1)
     alone = Painter()
-    alone.begin()
-    assert alone._process is None
+    alone.begin(2)
+    assert not alone.processes
     assert alone.picture(CHART) == picture(CHART)
+
+
+@pytest.mark.usefixtures("stored")
+def test_several_processes_draw_side_by_side(monkeypatch, not_here):
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    found, together = Painter(), Barrier(2, timeout=60)
+    found.begin(3)
+    assert found.processes == 2
+    asked = []
+
+    def reading(stream):
+        asked.append(stream)
+        together.wait()  # both were asked before one has answered
+        return read(stream)
+
+    monkeypatch.setattr(painter, "read", reading)
+    with ThreadPoolExecutor(2) as pool:
+        one, other = pool.map(found.picture, [CHART, CHART])
+    found.end()
+    assert one == other
+    assert len(set(map(id, asked))) == 2
 
 
 def test_the_other_end_answers_each_figure_in_its_turn():

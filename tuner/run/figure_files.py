@@ -1,13 +1,15 @@
 """The files of a run's figures: a picture and a table each."""
 
 from collections.abc import Callable, Iterable
+from concurrent.futures import Future
 from dataclasses import dataclass, field
 
-from tuner.atomic import WriteError
-from tuner.run.drawing import picture, table
+from tuner.run.drawing import table
 from tuner.run.figure import Figure
 from tuner.run.folder import RunFolder
+from tuner.run.painter import Painter
 from tuner.run.progress import Progress
+from tuner.run.threads import at_once
 
 
 @dataclass(frozen=True)
@@ -29,36 +31,45 @@ def draw_figures(
     folder: RunFolder,
     figures: Callable[[], Iterable[Figure]],
     progress: Progress,
-    picture: Callable[[Figure], bytes] = picture,
+    painter: Painter,
 ) -> FigureFiles:
     """Draw figures and write them; one that fails ends no run.
+
+    Each is drawn while the next one is made, or as many as there are processes that draw.
 
     Args:
         folder: of the run.
         figures: makes them, one after another.
         progress: told of every figure.
-        picture: a figure as a PNG.
+        painter: draws them.
 
     Raises:
         WriteError: where a file cannot be written.
     """
-    written = FigureFiles()
-    try:
-        for figure in figures():
-            progress(f"drawing {figure.name}", 1, 4)
+    written, begun = FigureFiles(), list[tuple[Figure, Future[dict[str, bytes]]]]()
+    broken = list[str]()
+    with at_once(max(painter.processes, 1)) as pool:
+        try:
+            for figure in figures():
+                progress(f"drawing {figure.name}", 1, 4)
+                begun.append((figure, pool.submit(_files, figure, painter)))
+        except Exception as error:
+            broken.append(f"a figure could not be drawn: {_in_words(error)}")
+        for figure, drawing in begun:
             try:
-                made = {"csv": table(figure), "png": picture(figure)}
+                made = drawing.result()
             except Exception as error:
                 written.failed.append(f"{figure.name} could not be drawn: {_in_words(error)}")
                 continue
-            stem = f"figures/{figure.name}"
-            written.files.extend(folder.write_all({f"{stem}.{end}": made[end] for end in made}))
+            written.files.extend(folder.write_all(made))
             written.figures.append(figure)
-    except WriteError:
-        raise
-    except Exception as error:
-        written.failed.append(f"a figure could not be drawn: {_in_words(error)}")
+    written.failed.extend(broken)
     return written
+
+
+def _files(figure: Figure, painter: Painter) -> dict[str, bytes]:
+    stem = f"figures/{figure.name}"
+    return {f"{stem}.csv": table(figure), f"{stem}.png": painter.picture(figure)}
 
 
 def _in_words(error: Exception) -> str:

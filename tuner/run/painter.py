@@ -1,4 +1,4 @@
-"""Pictures that are drawn by a process of their own.
+"""Pictures that are drawn by processes of their own.
 
 Importing what draws, and drawing, hold the interpreter's lock for half a second, which a search and
 the exports beside them would wait for.
@@ -9,6 +9,8 @@ import pickle
 import subprocess
 import sys
 from contextlib import suppress
+from queue import Empty, SimpleQueue
+from threading import Lock
 
 from tuner.run.drawing import picture
 from tuner.run.figure import Figure
@@ -23,44 +25,62 @@ os._exit(0)"""
 
 
 class Painter:
-    """Draws figures: in another process, where the command line has begun one, or in this one.
+    """Draws figures: in other processes, where the command line has begun some, or in this one.
 
     What fails there is drawn here again, and fails here with its reason.
     """
 
     def __init__(self) -> None:
-        self._process: subprocess.Popen[bytes] | None = None
+        self._begun: list[subprocess.Popen[bytes]] = []
+        self._free: SimpleQueue[subprocess.Popen[bytes]] = SimpleQueue()
+        self._here = Lock()  # Matplotlib draws in one thread at a time
 
-    def begin(self) -> None:
-        """Import what draws: in another process of the command line, where a processor is free."""
-        if not in_use() or (os.cpu_count() or 1) < 2:
+    @property
+    def processes(self) -> int:
+        """The number of the others."""
+        return len(self._begun)
+
+    def begin(self, count: int) -> None:
+        """Import what draws: in so many processes of the command line, where processors are free.
+
+        Args:
+            count: the most that are begun.
+        """
+        processors = os.cpu_count() or 1
+        if not in_use() or processors < 2:
             import_drawing()
             return
         search = os.pathsep.join(os.path.abspath(entry) for entry in sys.path)
-        with suppress(OSError):
-            self._process = subprocess.Popen(
-                [sys.executable, "-P", "-c", _START, search],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
-                env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
-                start_new_session=True,
-            )
+        for _ in range(min(count, processors)):
+            with suppress(OSError):
+                process = subprocess.Popen(
+                    [sys.executable, "-P", "-c", _START, search],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    stderr=subprocess.DEVNULL,
+                    env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
+                    start_new_session=True,
+                )
+                self._begun.append(process)
+                self._free.put(process)
 
     def picture(self, figure: Figure) -> bytes:
-        """The figure as a PNG."""
-        process = self._process
-        if process is not None and process.stdin is not None and process.stdout is not None:
-            with suppress(OSError, EOFError, pickle.PicklingError):
-                write(process.stdin, pickle.dumps(figure))
-                found = read(process.stdout)
-                if found:
-                    return found
-        return picture(figure)
+        """The figure as a PNG; several threads may ask."""
+        with suppress(Empty):
+            process = self._free.get_nowait()
+            if process.stdin is not None and process.stdout is not None:
+                with suppress(OSError, EOFError, pickle.PicklingError):
+                    write(process.stdin, pickle.dumps(figure))
+                    found = read(process.stdout)
+                    self._free.put(process)
+                    if found:
+                        return found
+        with self._here:
+            return picture(figure)
 
     def end(self) -> None:
-        """Let the other process end."""
-        if self._process is not None:
+        """Let the other processes end."""
+        for process in self._begun:
             with suppress(OSError):
-                self._process.communicate()
-            self._process = None
+                process.communicate()
+        self._begun.clear()

@@ -149,7 +149,7 @@ class Run:
 
     def _prepare(self) -> None:
         """Import and compile what the end of the run takes."""
-        self.painter.begin()
+        self.painter.begin(2 if self.plan.report is None else 1)  # a fit draws few
         import_report_packages()
         if self.plan.report is None:  # a fit has compiled its own as it was planned
             problems = exported(self.plan)
@@ -202,7 +202,7 @@ class Run:
             if self.plan.report is not None:
                 outputs = [write_outputs(self.folder, *each) for each in found]
             figures = partial(self.plan.figures, self.plan.case, solutions)
-            drawn = draw_figures(self.folder, figures, self.progress, self.painter.picture)
+            drawn = draw_figures(self.folder, figures, self.progress, self.painter)
             self.painter.end()
             told = self._told(solutions, drawn.figures)
             exports = write_exports(self.folder, pending, formats, self.progress)
