@@ -29,6 +29,8 @@ from tuner.native.compiled import Native
 
 PART = "Gradients by compiled C"
 SAMPLES, ROUNDS, POINTS = 20_000, 9, 256
+IN_A_TURN = 4
+"""Calls in a turn: a search evaluates one point after another, with the record at hand."""
 PENDULUMS = (5, 9, 15)
 """States of extended filters."""
 AGREED = 1e-11
@@ -195,7 +197,7 @@ def _over_a_value(n: int) -> list[Row]:
         "XLA": lambda: problem.value_by_xla(z),
         "C": lambda: problem.value(z),
     }
-    times = interleave(calls, ROUNDS)
+    times = interleave(calls, ROUNDS, dict.fromkeys(calls, IN_A_TURN))
     found = []
     for name in ("XLA", "C"):
         ratio = times.ratio("gradient", name)
@@ -243,7 +245,7 @@ def _row(
     note: str,
     way: str = "",
 ) -> Row:
-    times = interleave(calls, ROUNDS)
+    times = interleave(calls, ROUNDS, dict.fromkeys(calls, IN_A_TURN))
     ratio = times.ratio("XLA", "C")
     return Row(
         part=PART,
