@@ -18,7 +18,7 @@ import numpy as np
 from jax import Array
 
 _Some = TypeVar("_Some", bound=tuple[Any, ...])
-Pairs: TypeAlias = Mapping[tuple[int, int], Array]
+_Pairs: TypeAlias = Mapping[tuple[int, int], Array]
 """A number of each two samples, ``(s,)``."""
 COMPARED = 10
 """Samples up to which lines are compared one after another; more take too long to compile."""
@@ -151,9 +151,9 @@ def _drawn(
 
 @partial(jax.custom_jvp, nondiff_argnums=(2,))
 def _band(window: Array, count: Array, counts: tuple[int, ...]) -> _Band:
-    """Lines one after another: a quarter of the time of argmax and gather in a time loop.
+    """The band, of lines that are compared one after another.
 
-    Derivatives take argmax, beside which the comparisons would be long to compile.
+    In a time loop that takes a quarter of the time of argmax and gather. Derivatives take argmax, beside which the comparisons would be long to compile.
     """
     m = len(window)
     if m > COMPARED:
@@ -188,7 +188,7 @@ def _by_samples(
 
 
 def _bent(
-    strip: tuple[Array, _Chord], first: int, window: Array, rises: Pairs, slopes: Pairs
+    strip: tuple[Array, _Chord], first: int, window: Array, rises: _Pairs, slopes: _Pairs
 ) -> tuple[Array, _Chord]:
     """The size of a bend and its chord, or of one from an earlier sample where that is larger."""
     m = len(window)
