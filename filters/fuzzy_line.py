@@ -153,7 +153,8 @@ def _drawn(
 def _band(window: Array, count: Array, counts: tuple[int, ...]) -> _Band:
     """The band, of lines that are compared one after another.
 
-    In a time loop that takes a quarter of the time of argmax and gather. Derivatives take argmax, beside which the comparisons would be long to compile.
+    In a time loop that takes a quarter of the time of argmax and gather. Derivatives take argmax,
+    beside which the comparisons would be long to compile.
     """
     m = len(window)
     if m > COMPARED:
