@@ -96,7 +96,7 @@ def test_several_processes_draw_side_by_side(monkeypatch, not_here):
     with ThreadPoolExecutor(2) as pool:
         one, other = pool.map(found.picture, [CHART, CHART])
     found.end()
-    assert one == other
+    assert one == other == picture(CHART)
     assert len(set(map(id, asked))) == 2
 
 
