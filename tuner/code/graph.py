@@ -67,6 +67,11 @@ class Graph:
         found = simpler(self, op, entries)
         return self.make(op, *entries) if found is None else found
 
+    def found(self, op: str, *entries: int) -> int | None:
+        """The node of a real operation that is there already; None: it is not."""
+        args = tuple(sorted(entries)) if op in COMMUTE else entries
+        return self._known.get((op, args, None, "real"))
+
     def make(self, op: str, *entries: int) -> int:
         """One operation without simplification."""
         kinds = [self.nodes[k].kind for k in entries]

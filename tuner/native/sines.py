@@ -15,17 +15,25 @@ _TEXT = """
 static inline __attribute__((always_inline)) pair circular(double x)
 {{
 #if defined __FMA__ || defined __ARM_FEATURE_FMA
-    if (!(fabs(x) < {largest})) {{
-        return by_library(x);
+    double r = x;
+    int q = 0;
+    if (!(fabs(x) < {eighth})) {{
+        if (!(fabs(x) < {largest})) {{
+            return by_library(x);
+        }}
+        const double k = __builtin_rint(x * {turns});
+        r = __builtin_fma(-k, {low}, __builtin_fma(-k, {high}, x));
+        q = (int)k;
     }}
-    const double k = __builtin_rint(x * {turns});
-    const double r = __builtin_fma(-k, {low}, __builtin_fma(-k, {high}, x));
     const double z = r * r, w = z * z;
     const double s = r + r * z * ({sine});
     const double c = 1.0 - (0.5 * z - w * ({cosine}));
-    const int q = (int)k;
-    const double one = (q & 1) ? c : s, other = (q & 1) ? s : c;
-    const pair both = {{(q & 2) ? -one : one, ((q + 1) & 2) ? -other : other}};
+    pair both = {{s, c}};
+    if (__builtin_expect(q != 0, 0)) {{
+        const double one = (q & 1) ? c : s, other = (q & 1) ? s : c;
+        both.sine = (q & 2) ? -one : one;
+        both.cosine = ((q + 1) & 2) ? -other : other;
+    }}
     return both;
 #else
     return by_library(x);
@@ -49,6 +57,7 @@ def sines() -> str:
     cosine = [-s / math.factorial(2 * k + 2) for k, s in enumerate(signs, 1)]
     return HEAD + _TEXT.format(
         largest=_LARGEST,
+        eighth=repr(math.pi / 4),
         turns=repr(2 / math.pi),
         high=repr(math.pi / 2),
         low=_LOW,
