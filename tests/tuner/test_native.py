@@ -2,7 +2,7 @@
 
 import os
 import stat
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import jax
@@ -172,6 +172,28 @@ def test_what_is_not_a_number_is_none(forced):
     assert problem.route.choice == problem.route.values_by == ""
     assert np.isfinite(problem.value(np.zeros(3)))
     assert problem.route.values_by
+
+
+@dataclass(frozen=True)
+class Chaotic:
+    """A number that the last digits of all estimates decide."""
+
+    def init(self):
+        return jnp.zeros(())
+
+    def update(self, total, output, truth):
+        return total + jnp.log1p(output.x**2).sum(), None
+
+    def value(self, total, kept):
+        return jnp.sin(2.0**50 * total)
+
+
+def test_a_point_where_rounding_decides_judges_nothing(forced, monkeypatch):
+    monkeypatch.setattr(route, "AGREED", -1.0)
+    problem, z = replace(posed(), objective=Chaotic()), np.array([0.3, -0.2, 0.1])
+    problem.value_and_gradient(z)
+    problem.value(z)
+    assert problem.route.choice == problem.route.values_by == ""
 
 
 # Which way.
