@@ -1,5 +1,7 @@
 """Statuses are tried on neighbours: saddles, kinks, steps, plateaus, starts that differ."""
 
+from dataclasses import replace
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -97,6 +99,24 @@ def test_a_perfect_fit_has_converged(solver):
     solution = solver(posed(perfect, LOGS))
     assert solution.status is Status.CONVERGED
     assert solution.certificate.starts.agreeing == 4
+
+
+def walled(p, _):
+    """A wide basin of 1 at x = -2; before a wall that ends at x = 2.4 a hole of 0 at x = 2.1."""
+    x, y = p["x"], p["y"]
+    hole = jnp.where(jnp.abs(x - 2.1) < 0.05, 100 * (x - 2.1) ** 2, 60.0)
+    behind = jnp.where(x > 2.4, 2 + 20 * (x - 2.4), hole)
+    return jnp.where(x < 0, 1 + (x + 2) ** 2 + (y + 2) ** 2, behind + (y - 1) ** 2)
+
+
+@pytest.mark.parametrize("moved", [0.0, 1e-9, -1e-6, 1e-3])
+def test_an_end_that_a_jump_keeps_from_the_best_one_goes_on(moved):
+    box = {"x": Limited(-1.0, -4.0, 4.0), "y": Limited(-1.0, -4.0, 4.0)}
+    beyond = AROUND.unconstrain({"x": 3.5 + moved, "y": 1.3})
+    problem = replace(posed(walled, Space.of(**box)), known_starts=(beyond,))
+    solution = Gradient("l-bfgs-b", seed=0, starts=2)(problem)
+    assert solution.value < 1e-3
+    assert solution.status is Status.STARTS_DIFFER
 
 
 def wells(p, _):

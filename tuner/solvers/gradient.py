@@ -131,9 +131,13 @@ def _once(
     second = method == "trust-constr"
     low, high = box
     evaluate = problem.value_and_gradient if second else UntilRounding(problem, box)
+    lowest = (np.inf, z)
 
     def value_and_gradient(point: np.ndarray) -> tuple[float, np.ndarray]:
+        nonlocal lowest
         value, gradient = evaluate(point)
+        if value < lowest[0]:
+            lowest = value, point.copy()
         return value / scale, gradient / scale
 
     try:
@@ -152,4 +156,7 @@ def _once(
     extra = 2 * len(z) * ended.nhev if second else 0
     finished = ended.status in (1, 2) if second else ended.status != 1
     message = str(ended.message).strip().lower().rstrip(".")
-    return Minimum(ended.x, float(ended.fun * scale), ended.nfev + extra, finished, message)
+    blocked = ended.status == 2
+    # L-BFGS-B gives the last point tried then, be it ever so high.
+    value, at = lowest if blocked else (float(ended.fun * scale), ended.x)
+    return Minimum(at, value, ended.nfev + extra, finished, message, blocked=blocked)

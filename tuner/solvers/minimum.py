@@ -21,6 +21,7 @@ class Minimum:
         finished: whether the method's own tolerance ended it, not a limit.
         message: the method's own words.
         excess: how far the worst constraint is exceeded, as a share of its bound.
+        blocked: whether no step was lower although the slope had not vanished, as at a jump.
     """
 
     z: np.ndarray
@@ -29,6 +30,7 @@ class Minimum:
     finished: bool
     message: str
     excess: float = -np.inf
+    blocked: bool = False
 
     @property
     def allowed(self) -> bool:

@@ -46,16 +46,22 @@ def gone_on(
     """
     most = 2 * _spent(ends)
     for turn in range(ROUNDS):
-        best, lower = best_of(ends), view.near.lower
-        # What a second descent did not find either, the derivatives do not show.
-        rough = (view.near.rough and turn == 0) or (lower is not None and turn == 1)
-        if not (best.allowed and best.finished) or not (rough or lower is not None):
+        best = best_of(ends)
+        if not (best.allowed and best.finished):
             break
-        if lower is not None:
-            ends = [_followed(problem, descend, e, lower) if e is best else e for e in ends]
-        if rough and not problem.constraints:
-            ends = [_simplex(problem, end) for end in ends]
-        view = look(problem, best_of(ends), curvature=True)
+        near = [_seen(problem, end, best, view) for end in ends]
+        simplex = not problem.constraints and _misleading(view.near, turn)
+        before = ends
+        ends = [
+            _stepped(problem, descend, end, its, turn, simplex=simplex)
+            for end, its in zip(ends, near, strict=True)
+        ]
+        if all(after is end for after, end in zip(ends, before, strict=True)):
+            break
+        if simplex:
+            ends = _repeated(problem, ends, view.yard)
+        if best_of(ends) is not best:
+            view = look(problem, best_of(ends), curvature=True)
         if _spent(ends) > most:
             return ends, view
     best = best_of(ends)
@@ -88,6 +94,42 @@ def sharpened(problem: Problem, ends: list[Minimum], view: View) -> tuple[list[M
     return [end if each is best else each for each in ends], view
 
 
+_NOTHING = Neighbours(None, rough=False, steps=False, evaluations=0)
+
+
+def _seen(problem: Problem, end: Minimum, best: Minimum, view: View) -> Neighbours:
+    """What the neighbours of an end tell that is worth going on from.
+
+    The best end, and each that was blocked before it came as low: at a jump of the objective,
+    rounding decides on which side a descent comes to its end.
+    """
+    if end is best:
+        return view.near
+    if not end.blocked or agrees(end, best, view.yard):
+        return _NOTHING
+    return look(problem, end, curvature=True).near
+
+
+def _misleading(near: Neighbours, turn: int) -> bool:
+    """Whether the derivatives of a point do not show the way, or a descent did not find it."""
+    return (near.rough and turn == 0) or (near.lower is not None and turn == 1)
+
+
+def _stepped(
+    problem: Problem,
+    descend: Descent,
+    end: Minimum,
+    near: Neighbours,
+    turn: int,
+    *,
+    simplex: bool,
+) -> Minimum:
+    """An end gone on with: from its lower neighbour, and by a simplex where slopes mislead."""
+    further = end if near.lower is None else _followed(problem, descend, end, near.lower)
+    simplex = simplex or (not problem.constraints and _misleading(near, turn))
+    return _simplex(problem, further) if simplex else further
+
+
 def _spent(ends: list[Minimum]) -> int:
     return sum(end.evaluations for end in ends)
 
@@ -107,16 +149,29 @@ def _from_afar(
     return end
 
 
+def _repeated(problem: Problem, ends: list[Minimum], yard: Yardstick) -> list[Minimum]:
+    """The ends, the best one's simplex begun anew from it for as long as that leads lower.
+
+    Across jumps a simplex shrinks before it has come to a minimum.
+    """
+    for _ in range(ROUNDS):
+        best = best_of(ends)
+        again = _simplex(problem, best)
+        ends = [again if end is best else end for end in ends]
+        if not yard.of(best.value - again.value) > yard.negligible:
+            break
+    return ends
+
+
 def _simplex(problem: Problem, end: Minimum) -> Minimum:
     if not np.isfinite(end.value):
         return end
     limit = 200 * len(end.z)
     found = boxed(problem.value, end.z, problem.space.box(), step=0.5, tolerance=1e-5, limit=limit)
     total = end.evaluations + found.evaluations
-    words = f"{end.message}, then a simplex search"
     if found.value < end.value:
-        return replace(found, evaluations=total, message=words)
-    return replace(end, evaluations=total)
+        return replace(found, evaluations=total, message="a simplex search from where slopes end")
+    return replace(end, evaluations=total, blocked=False)
 
 
 def _followed(problem: Problem, descend: Descent, end: Minimum, lower: np.ndarray) -> Minimum:
