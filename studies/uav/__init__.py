@@ -26,8 +26,10 @@ ENOUGH = 1e-4
 """Slope of ln deviation at which a search may end: a tenth of a factor e more changes nothing."""
 STILL = 1e-6
 """The same for searches without second derivatives, where all slopes have to be small."""
-STARTS = 2
-"""Of each search: with the fuzzy law the likelihood has kinks, where one search may end."""
+STARTS = 8
+"""Of each law's search: where a likelihood jumps, rounding decides where two would end."""
+STARTS_THAT_JUDGE = 2
+"""Of the other searches."""
 
 
 def plan(settings: Settings, records: tuple[Record, ...], seed: int, storage: str) -> Plan:
@@ -37,7 +39,8 @@ def plan(settings: Settings, records: tuple[Record, ...], seed: int, storage: st
     posed = [problems.problem(tuned, law, settings.angles) for law in problems.LAWS]
     solver = Gradient("l-bfgs-b", seed=seed, starts=STARTS, gradient=ENOUGH, iterations=40)
     # Problems that only judge need no interval; without one the slope itself has to be small.
-    quick = replace(solver, gradient=STILL, iterations=60, curvature=False)
+    few = STARTS_THAT_JUDGE
+    quick = replace(solver, starts=few, gradient=STILL, iterations=60, curvature=False)
     return Plan(
         source=field.source,
         tasks=(
@@ -89,5 +92,5 @@ STUDY = Study(
     settings=Settings,
     plan=plan,
     needs="the folder of the flights' zips: --set folder=PATH",
-    takes="five to ten minutes",
+    takes="a quarter of an hour",
 )

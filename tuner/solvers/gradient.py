@@ -156,7 +156,9 @@ def _once(
     extra = 2 * len(z) * ended.nhev if second else 0
     finished = ended.status in (1, 2) if second else ended.status != 1
     message = str(ended.message).strip().lower().rstrip(".")
-    blocked = ended.status == 2
+    end = Minimum(ended.x, float(ended.fun * scale), ended.nfev + extra, finished, message)
+    if second or ended.status != 2:
+        return end
     # L-BFGS-B gives the last point tried then, be it ever so high.
-    value, at = lowest if blocked else (float(ended.fun * scale), ended.x)
-    return Minimum(at, value, ended.nfev + extra, finished, message, blocked=blocked)
+    value, at = lowest
+    return replace(end, z=at, value=value, blocked=True)
