@@ -82,7 +82,8 @@ eight points share a vector, unless the objective keeps samples until after the 
 
 - **XLA is the judge.** At the first point both compute value and gradient; where they differ by
   more than 1e-9 of the largest of these numbers, only XLA is used; a value alone is compared in the
-  same way. Hessians always come from XLA.
+  same way. A point at which a step of 1e-13 changes XLA's own numbers by as much judges nothing, as
+  in a likelihood that is chaotic far from its optimum. Hessians always come from XLA.
 - **When.** C pays where a search would spend more time in XLA's loop than the compiler takes:
   (N (1 + n) - 20 000) times the operations of a step is above 70 million, for N samples and n
   parameters; with six parameters and 500 operations that is from about 23 000 samples. Where later
