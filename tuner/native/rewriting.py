@@ -70,7 +70,8 @@ class Rewriter:
                 if square is not None:
                     one, other = (_without(factor, nodes[k].args) for k in (x, y))
                     return self.new.apply("mul", self.new.apply("mul", one, square), other)
-        return self._of_known(x, y) or self.new.apply("mul", x, y)
+        found = self._of_known(x, y)
+        return self.new.apply("mul", x, y) if found is None else found
 
     def _of_known(self, x: int, y: int) -> int | None:
         """A product of three numbers, of which two others are multiplied already.

@@ -28,8 +28,8 @@ AGREED = 1e-9
 """Tolerance of value and gradient against XLA's, over the largest of these numbers."""
 _NUDGE = 1e-13
 """A step that a regular problem hardly notices, absolute and relative."""
-_UNTOLD = 1e-9
-"""Where that step changes XLA's numbers by more, they are chaotic there, and judge nothing."""
+_CHAOTIC = 1e-9
+"""Where that step changes XLA's numbers by more, over the largest, they judge nothing."""
 PRICES = {"forwards": 0, "backwards": 3, "backwards in parts": 5}
 """Cost in passes of a gradient by XLA that goes backwards; 0 of one forwards."""
 _EVEN, _EVEN_BACK = 6, 3
@@ -288,4 +288,4 @@ def _apart(found: Any, right: Callable[[np.ndarray], Any], z: np.ndarray) -> flo
     # Not equally far along all coordinates: a common factor of all noises leaves estimates alone.
     nudged = z + _NUDGE * (1 + np.abs(z)) * np.linspace(1, 2, len(z))
     nearby = np.abs(right(nudged) - exact).max() / scale
-    return apart if nearby <= _UNTOLD else None
+    return apart if nearby <= _CHAOTIC else None

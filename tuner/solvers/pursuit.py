@@ -124,7 +124,13 @@ def _stepped(
     *,
     simplex: bool,
 ) -> Minimum:
-    """An end gone on with: from its lower neighbour, and by a simplex where slopes mislead."""
+    """An end gone on with: from its lower neighbour, and by a simplex where slopes mislead.
+
+    Args:
+        near: what its own neighbours tell.
+        turn: how often it has been gone on with.
+        simplex: whether a simplex is wanted in any case.
+    """
     further = end if near.lower is None else _followed(problem, descend, end, near.lower)
     simplex = simplex or (not problem.constraints and _misleading(near, turn))
     return _simplex(problem, further) if simplex else further
