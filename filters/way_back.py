@@ -30,8 +30,9 @@ def _predicted_forwards(F: Any, across: Any, P: Any, W: Any) -> tuple[Array, Any
 
 def _predicted_backwards(kept: Any, B: Any) -> Any:
     F, across, P = kept
+    # What is not symmetric in B has no effect on a symmetric P.
     B = given(B, F)
-    by_F = None if P is None else 2 * _times(_even(B), _times(F, P))
+    by_F = None if P is None else _times(B + B.T, _times(F, P))
     return by_F, None, congruence(across, F, B), B
 
 
@@ -60,29 +61,29 @@ def _together_backwards(kept: Any, weights: Any) -> Any:
     by_y, by_s = (jnp.where(seen, given(part, s), 0.0) for part in (by_y, by_s))
     wy = w * y
     a = (lower * wy[:, None]).sum(axis=0)
-    even = _even(B)
-    KB = _times(K, even)
+    twice = B + B.T
+    KB = _times(K, twice)
     b = (K * X).sum(axis=1)
     within = jnp.diag(by_s) - jnp.tril(by_y[:, None] * wy[None, :], -1)
-    by_half_G = (a / 2)[:, None] * X - KB
+    by_G = a[:, None] * X - KB
     if not none(by_k):
         by_g = w[:, None] * by_k
         within = within - jnp.tril(matmul(by_g, k.T))
-        by_half_G = by_half_G + matmul(lower.T, by_g / 2)
+        by_G = by_G + matmul(lower.T, by_g)
     by_S = matmul(matmul(lower.T, within), lower) - b[:, None] * a[None, :]
-    by_S = by_S / 2 + matmul(KB, K.T) / 2
-    by_S = by_S + by_S.T
-    by_half_G = by_half_G + matmul(by_S / 2, H)
+    by_S = by_S + matmul(KB, K.T) / 2
+    by_S = (by_S + by_S.T) / 2
+    by_G = by_G + matmul(by_S, H)
     by_v = b + matmul(lower.T, by_y)
-    by_P = even
-    for h, g in zip(H, by_half_G, strict=True):
+    by_P = twice
+    for h, g in zip(H, by_G, strict=True):
         by_P = by_P + (outer(h, g) + outer(g, h))
     by_H = None
     if before is not None:
         x, P = before
         G = _times(H, P)
-        by_H = matmul(by_S, G) + 2 * _times(by_half_G, P) - by_v[:, None] * x
-    return X - matmul(by_v, H), by_P, by_H, jnp.diagonal(by_S), by_v
+        by_H = matmul(by_S, G) + _times(by_G, P) - by_v[:, None] * x
+    return X - matmul(by_v, H), by_P / 2, by_H, jnp.diagonal(by_S), by_v
 
 
 _together.defvjp(_together_forwards, _together_backwards, symbolic_zeros=True)
@@ -118,11 +119,6 @@ STEPS: dict[str, Swap] = {
     "corrected_together": (_together, (1, 2, 2, 1, 1)),
 }
 """The functions that have a way back, by the names of those whose place they take."""
-
-
-def _even(B: Array) -> Array:
-    """The symmetric part: what is not symmetric in B has no effect on a symmetric P."""
-    return (B + B.T) / 2
 
 
 def _times(A: Array, B: Array) -> Array:
