@@ -11,6 +11,7 @@ from tuner.problem.parameters import Limited, Positive
 from tuner.problem.problem import Problem
 from tuner.problem.space import Space
 from tuner.solvers import Gradient, Ipopt, Known, NelderMead
+from tuner.solvers.gradient import minimise
 
 AROUND = Space.of(x=Limited(0.0, -4.0, 4.0), y=Limited(0.0, -4.0, 4.0))
 LOGS = Space.of(a=Positive(0.1, 1e-3, 1e3), b=Positive(1.0, 1e-2, 1e2))
@@ -107,6 +108,17 @@ def walled(p, _):
     hole = jnp.where(jnp.abs(x - 2.1) < 0.05, 100 * (x - 2.1) ** 2, 60.0)
     behind = jnp.where(x > 2.4, 2 + 20 * (x - 2.4), hole)
     return jnp.where(x < 0, 1 + (x + 2) ** 2 + (y + 2) ** 2, behind + (y - 1) ** 2)
+
+
+@pytest.mark.parametrize("x", [2.6, 3.0, 3.5, 3.5 + 1e-9, 3.5 + 1e-6, 3.501])
+def test_a_descent_that_a_jump_ends_has_the_lowest_point_it_saw(x):
+    """Before the wall it is above 2 and y has come near 1; within it is 60."""
+    problem = posed(walled)
+    limits = {"gtol": 1e-8, "maxiter": 200}
+    end = minimise(problem, np.array([x, 1.3]), "l-bfgs-b", limits, problem.space.box())
+    assert end.blocked
+    assert end.value == problem.value(end.z)
+    assert 2 < end.value < 2.1
 
 
 @pytest.mark.parametrize("moved", [0.0, 1e-9, -1e-6, 1e-3])
