@@ -35,10 +35,6 @@ PENDULUMS = (5, 9, 15)
 """States of extended filters."""
 AGREED = 1e-11
 BUSY = "both ways are vector code, which other work on the machine stretches unequally"
-BACKWARDS = (
-    "the target is of XLA's gradient forwards, the next row; derivatives in C take equally long "
-    "forwards and with a pass back"
-)
 
 
 @dataclass(frozen=True)
@@ -257,7 +253,7 @@ def _row(
         target=target,
         sense="least",
         note=note,
-        why=BACKWARDS if "in parts" in way else BUSY,
+        why=BUSY,
     )
 
 

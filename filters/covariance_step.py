@@ -50,6 +50,13 @@ def corrected(
 
     Joseph's form as two rank-one steps: see :func:`filters.update`.
     """
+    return corrected_weighted(x, P, h, r, z)[0]
+
+
+def corrected_weighted(
+    x: Array, P: Array, h: Array, r: Array, z: Array
+) -> tuple[tuple[Array, Array, Array, Array, Array], Array]:
+    """The same, and the inverse of the variance, 0 where the measurement is missing."""
     missing = jnp.any(jnp.isnan(z))
     g = by(P, h)
     s = matmul(h, g) + r
@@ -60,7 +67,7 @@ def corrected(
     # A h' = r k but for rounding.
     lost = jnp.outer(by(A, h) - r * k, k)
     variance = jnp.where(missing, 0.0, s)
-    return x + jnp.multiply.outer(k, y), A - (lost + lost.T) / 2, y, variance, k
+    return (x + jnp.multiply.outer(k, y), A - (lost + lost.T) / 2, y, variance, k), weight
 
 
 @partial(corrected.defjvp, symbolic_zeros=True)

@@ -40,8 +40,8 @@ def corrected_together(x: Array, P: Array, H: Array, r: Array, z: Array) -> Toge
 
 def corrected_kept(
     x: Array, P: Array, H: Array, r: Array, z: Array
-) -> tuple[Together, tuple[Array, Array]]:
-    """The same, and what the way back needs: K and the combinations of rows L^-1."""
+) -> tuple[Together, tuple[Array, Array, Array]]:
+    """The same, and what the way back needs: K, the combinations of rows L^-1, and 1 / s."""
     m = len(H)
     G = _rows(H, P)
     missing = list(jnp.isnan(z))
@@ -63,7 +63,7 @@ def corrected_kept(
     variance = jnp.where(jnp.stack(missing), 0.0, jnp.stack(variances))
     none = jnp.zeros(())
     filled = [jnp.stack([*row, *[none] * (m - len(row))]) for row in lower]
-    return (x, P, jnp.stack(y), variance, k), (K, jnp.stack(filled))
+    return (x, P, jnp.stack(y), variance, k), (K, jnp.stack(filled), jnp.stack(weights))
 
 
 def _in_turn(

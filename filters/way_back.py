@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from filters.covariance_step import corrected, given, none, predicted
+from filters.covariance_step import corrected, corrected_weighted, given, none, predicted
 from filters.invariant import Swap
 from filters.small_linalg import LARGEST, congruence, contracted, matmul
 from filters.together_step import Together, corrected_kept, corrected_together, outer
@@ -45,20 +45,18 @@ def _together(x: Array, P: Array, H: Array, r: Array, z: Array) -> Together:
 
 
 def _together_forwards(x: Any, P: Any, H: Any, r: Any, z: Any) -> tuple[Together, Any]:
-    found, (K, lower) = corrected_kept(x.value, P.value, H.value, r.value, z.value)
-    _, _, y, s, k = found
+    found, (K, lower, w) = corrected_kept(x.value, P.value, H.value, r.value, z.value)
+    _, _, y, _, k = found
     before = (x.value, P.value) if H.perturbed else None
-    return found, (H.value, K, lower, y, s, k, before)
+    return found, (H.value, K, lower, y, w, k, before)
 
 
 def _together_backwards(kept: Any, weights: Any) -> Any:
-    """With S = L D L', N = S^-1: y = L^-1 v, s = D, x+ = x + G' N v, P+ = P - G' N G."""
-    H, K, lower, y, s, k, before = kept
+    """With S = L D L', N = S^-1, w = D^-1: y = L^-1 v, x+ = x + G' N v, P+ = P - G' N G."""
+    H, K, lower, y, w, k, before = kept
     X, B, by_y, by_s, by_k = weights
     X, B = given(X, H[0]), given(B, jnp.zeros(2 * H.shape[1:]))
-    seen = s != 0
-    w = jnp.where(seen, 1 / jnp.where(seen, s, 1.0), 0.0)
-    by_y, by_s = (jnp.where(seen, given(part, s), 0.0) for part in (by_y, by_s))
+    by_y, by_s = (jnp.where(w != 0, given(part, w), 0.0) for part in (by_y, by_s))
     wy = w * y
     a = (lower * wy[:, None]).sum(axis=0)
     twice = B + B.T
@@ -95,17 +93,17 @@ def _alone(x: Array, P: Array, h: Array, r: Array, z: Array) -> Together:
 
 
 def _alone_forwards(x: Any, P: Any, h: Any, r: Any, z: Any) -> tuple[Together, Any]:
-    found = corrected(x.value, P.value, h.value, r.value, z.value)
-    _, _, y, s, k = found
+    found, w = corrected_weighted(x.value, P.value, h.value, r.value, z.value)
+    _, _, y, _, k = found
     before = (x.value, P.value) if h.perturbed else None
-    return found, (h.value, y, s, k, before)
+    return found, (h.value, y, w, k, before)
 
 
 def _alone_backwards(kept: Any, weights: Any) -> Any:
-    h, y, s, k, before = kept
+    h, y, w, k, before = kept
     X, B, *rest = weights
     one = [part if none(part) else part[None] for part in rest]
-    many = h[None], k[None], jnp.ones((1, 1)), y[None], s[None], k[None], before
+    many = h[None], k[None], jnp.ones((1, 1)), y[None], w[None], k[None], before
     X, B, by_h, by_r, by_z = _together_backwards(many, (X, B, *one))
     return X, B, None if by_h is None else by_h[0], by_r[0], by_z[0]
 

@@ -26,6 +26,16 @@ _ROWS = (
     "-fno-trapping-math",
 )
 """Options for loops over rows of matrices, whose sums may be taken in any order."""
+OPTIONS_OF_SCALARS = (
+    "-fschedule-insns",
+    "-fsched-pressure",
+    "-mtune=generic",
+    "-fno-tree-slp-vectorize",
+    "-fno-slp-vectorize",
+    "-fno-gcse",
+)
+"""Options for samples of some thousand scalars, whose statements are in order; of several
+compilers, each of which takes those that it knows."""
 LONG = 4000
 """Lines beyond which code is optimised less: in two thirds of the time, with equal speed."""
 SECONDS = 30

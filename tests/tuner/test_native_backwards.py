@@ -1,6 +1,7 @@
 """Gradients by a pass over the record and one back in C, against XLA's."""
 
 import re
+from dataclasses import replace
 
 import jax
 import jax.numpy as jnp
@@ -191,3 +192,23 @@ def test_options_that_a_compiler_does_not_know_are_left_out(tmp_path):
     text = "int run(int x) { return 2 * x; }"
     found = library(text, tmp_path / "code", ("-O3", "-fno-such-option", "-ftree-vectorize"))
     assert found.run(4) == 8
+
+
+def test_records_take_turns_in_the_same_memory(tmp_path):
+    """Of equal length and not, in any order, also for values alone in between."""
+    problems = [posed(InnovationLikelihood(), length) for length in (N, N, N + 7)]
+    for k, problem in enumerate(problems):
+        walk = np.arange(len(problem.data.truth))[:, None] ** 0.5
+        moved = Sample(problem.data.inputs.z + 0.3 * k * walk)
+        problems[k] = replace(problem, data=Data(moved, problem.data.truth))
+    static, z = problems[0].static, np.full(9, 0.2)
+    given = static.filter, static.objective, static.built, len(z), problems[0].data
+    native = Backwards(*given, tmp_path / "code")
+    rows = [native.rows(problem.data) for problem in problems]
+    right = [problem.by_xla(z) for problem in problems]
+    for k in (0, 1, 0, 2, 1, 2, 2, 0):
+        data, (value, gradient) = problems[k].data, right[k]
+        assert native.value(z, rows[k], data) == pytest.approx(value, rel=1e-12)
+        found = native.value_and_gradient(z, rows[k], data)
+        assert found[0] == pytest.approx(value, rel=1e-12)
+        np.testing.assert_allclose(found[1], gradient, rtol=1e-10, atol=1e-10)

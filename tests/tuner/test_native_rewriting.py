@@ -113,3 +113,37 @@ def test_a_product_of_three_takes_what_is_known_of_two(turned):
     assert operations(new, found, "mul") == 5
     for one, other in zip(values(old, [*gains, *taken]), values(new, found), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-15)
+
+
+@pytest.mark.parametrize("op", ["add", "sub"])
+def test_two_choices_that_are_zero_in_turn_are_one(op):
+    """As a derivative of a size, which is chosen by a sign."""
+    old = Graph()
+    a, b, missing = old.input("a"), old.input("b"), old.input("missing", "truth")
+    zero = old.constant(0.0)
+    roots = [old.apply(op, old.choose(missing, a, zero), old.choose(missing, zero, b))]
+    new, found = written(old, roots)
+    assert operations(new, found, "choose") == 1
+    assert operations(new, found, "add", "sub") == 0
+    np.testing.assert_array_equal(values(old, roots), values(new, found))
+
+
+def test_choices_that_are_not_zero_in_turn_stay():
+    old = Graph()
+    a, b, missing = old.input("a"), old.input("b"), old.input("missing", "truth")
+    roots = [old.apply("add", old.choose(missing, a, b), old.choose(missing, b, old.constant(0.0)))]
+    new, found = written(old, roots)
+    assert operations(new, found, "choose") == 2
+    np.testing.assert_array_equal(values(old, roots), values(new, found))
+
+
+@pytest.mark.parametrize("first", [False, True])
+def test_a_number_or_its_negative_is_a_product(first):
+    """So that nothing waits for the choice but the factor."""
+    old = Graph()
+    a, missing = old.input("a"), old.input("missing", "truth")
+    pair = old.apply("neg", a), a
+    roots = [old.choose(missing, *(pair if first else pair[::-1]))]
+    new, (found,) = written(old, roots)
+    assert new.nodes[found].op == "mul"
+    np.testing.assert_array_equal(values(old, roots), values(new, [found]))

@@ -82,14 +82,28 @@ class Graph:
         """One of two."""
         if self.is_constant(condition):
             return yes if self.nodes[condition].value else no
-        if no == yes:
-            return yes
+        yes, no = self._branch(condition, yes, 1), self._branch(condition, no, 2)
+        if no == yes or self._is_missing(condition, yes, no):
+            return no
         if self.nodes[condition].op == "not":
             return self.choose(self.nodes[condition].args[0], yes, no)
         if self.nodes[yes].kind == "truth":
             against = self.apply("and", self.apply("not", condition), no)
             return self.apply("or", self.apply("and", condition, yes), against)
         return self._node(Node("choose", (condition, yes, no), None, self.nodes[yes].kind))
+
+    def _branch(self, condition: int, entry: int, place: int) -> int:
+        """One of two, which is not chosen by the same condition again."""
+        node = self.nodes[entry]
+        return node.args[place] if node.op == "choose" and node.args[0] == condition else entry
+
+    def _is_missing(self, condition: int, yes: int, no: int) -> bool:
+        """Whether NaN is chosen for a number that is NaN."""
+        test, chosen = self.nodes[condition], self.nodes[yes]
+        constant = chosen.op == "constant" and chosen.kind == "real"
+        return (
+            constant and test.op == "isnan" and test.args == (no,) and bool(np.isnan(chosen.value))
+        )
 
     def convert(self, entry: int, dtype: np.dtype) -> int:
         """A conversion to another kind of number."""

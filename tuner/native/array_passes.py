@@ -35,7 +35,8 @@ from tuner.native.runner import Runner, is_real
 
 _ROWS = FilledRows(4)
 """To whole vector registers of most processors."""
-_NOT_WRITTEN_OUT = '__attribute__((optimize("O2")))'
+_APART = "__attribute__((noinline))"
+_NOT_WRITTEN_OUT = '__attribute__((noinline, optimize("O2")))'
 """For the pass over the record: small loops are not written out, which makes it faster."""
 _FEW = 16
 """Longest rows for which this is so."""
@@ -192,8 +193,8 @@ class _Writer:
             block.put(x, end)
         after = _taken(block)
         put_all(block, found[:count], _views("state", arrays.after))
-        effort = _NOT_WRITTEN_OUT if self.longest <= _FEW else ""
-        return Forth(_locals(block), sample, stored, after, _taken(block), "", effort)
+        how = _NOT_WRITTEN_OUT if self.longest <= _FEW else _APART
+        return Forth(_locals(block), sample, stored, after, _taken(block), "", how)
 
     def _back(self) -> Back:
         arrays = self.arrays

@@ -77,7 +77,7 @@ class Backwards:
         self._pull = RowFunction(self._pulled, size + self._count, folder, texts("pulled back"))
         given = self._code.total, sums, folder, texts("of their ends")
         self._judge = Judge(lambda: self._score, *given)
-        self._spare: list[np.ndarray] = []
+        self._spare: list[_Run] = []
 
     def _written(self) -> tuple[Any, ...]:
         """Number of the numbers that vary with a point, whether all is summed up, and the C."""
@@ -118,28 +118,43 @@ class Backwards:
         Raises:
             NoCodeError: where there is no compiler that works.
         """
-        runs, spare = self._runs(z, rows, at), self._spare
-        for run in runs:
-            run.store = _memory(run.part * max(1, self._code.stored), spare)
-        value, by_end, by_kept = self._judge.weights(*self._over(runs), data)
-        weights = by_end, by_kept
-        by_numbers = sum(side_by_side(lambda run: run.backwards(*weights, self._count), runs))
-        spare += [run.store for run in runs if run.store is not None]
+        runs = self._begun(z, rows, at)
+        end, kept = self._over(runs, storing=True)
+        value, *weights = self._judge.weights(end, kept, data)
+        by_numbers = sum(side_by_side(lambda run: run.backwards(*weights), runs))
+        self._spare += runs
         (gradient,) = self._pull(np.hstack([z, by_numbers])[None])
         return value, gradient
 
     def value(self, z: np.ndarray, rows: np.ndarray, data: Data, at: Sequence[int] = ()) -> float:
         """The objective alone; arguments as of :meth:`value_and_gradient`."""
-        end, kept = self._over(self._runs(z, rows, at))
-        return self._judge.value(end, kept, data)
+        runs = self._begun(z, rows, at)
+        value = self._judge.value(*self._over(runs, storing=False), data)
+        self._spare += runs
+        return value
 
-    def _runs(self, z: np.ndarray, rows: np.ndarray, at: Sequence[int]) -> "list[_Run]":
+    def _begun(self, z: np.ndarray, rows: np.ndarray, at: Sequence[int]) -> "list[_Run]":
+        """Runs over the parts of a record, at a point."""
         (numbers,), edges = self._numbers(z[None]), pairwise((0, *at, len(rows)))
-        return [_Run(self._library, self._code, numbers, rows[a:b]) for a, b in edges]
+        return [self._taken(rows[a:b]).begun(numbers, rows[a:b]) for a, b in edges]
 
-    def _over(self, runs: "list[_Run]") -> tuple[np.ndarray, np.ndarray]:
+    def _taken(self, rows: np.ndarray) -> "_Run":
+        """A spare run over as many samples, whose memory's pages are there already, or a new one.
+
+        Other threads may take some at the same time.
+        """
+        while self._spare:
+            try:
+                found = self._spare.pop()
+            except IndexError:
+                break
+            if found.samples == len(rows):
+                return found
+        return _Run(self._library, self._code, self._count, len(rows))
+
+    def _over(self, runs: "list[_Run]", *, storing: bool) -> tuple[np.ndarray, np.ndarray]:
         """The numbers at the end, and the kept values."""
-        side_by_side(_Run.forwards, runs)
+        side_by_side(lambda run: run.forwards(storing=storing), runs)
         return np.sum([run.end for run in runs], axis=0), runs[0].kept
 
     @cached_property
@@ -152,57 +167,51 @@ class Backwards:
 
 
 class _Run:
-    """A run over a record, or over one of those that lie end to end.
+    """A run over a record, or over one of those that lie end to end, with its memory.
+
+    Args:
+        library: with both passes.
+        code: of both.
+        count: of the numbers that vary with a point.
+        samples: of the record.
 
     Attributes:
-        part: number of samples of a part.
-        store: memory for what is stored of a part; None: nothing is, for a value alone.
         end: the numbers needed at the end.
         kept: the values kept of each sample.
     """
 
-    def __init__(self, library: Any, code: Code, numbers: np.ndarray, rows: np.ndarray) -> None:
-        self._library, self._numbers, self._rows = library, numbers, rows
-        self.part = part_of(len(rows), 8 * max(1, code.stored))
-        self.store: np.ndarray | None = None
-        self._saved = np.empty(-(-len(rows) // self.part) * max(1, code.carried))
-        self.end = np.empty(code.total)
-        self.kept = np.empty((len(rows), code.kept))
+    def __init__(self, library: Any, code: Code, count: int, samples: int) -> None:
+        self._library, self.samples = library, samples
+        self._part = part_of(samples, 8 * max(1, code.stored))
+        self._numbers, self._by_numbers = np.zeros(count), np.zeros(count)
+        self._saved = np.empty(-(-samples // self._part) * max(1, code.carried))
+        self.end, self.kept = np.empty(code.total), np.empty((samples, code.kept))
+        self._store, self._size = np.empty(0), self._part * max(1, code.stored)
+        self._results = address(self.kept), address(self.end)
 
-    def forwards(self) -> None:
-        """The pass over the record."""
-        stored = (None, None) if self.store is None else map(address, (self._saved, self.store))
-        self._library.forwards(*self._given(), *stored, address(self.kept), address(self.end))
+    def begun(self, numbers: np.ndarray, rows: np.ndarray) -> "_Run":
+        """The run at a point, over a record."""
+        self._numbers[:] = numbers
+        shape = self.samples, self._part, rows.shape[1]
+        self._rows, self._given = rows, (*shape, address(self._numbers), address(rows))
+        return self
 
-    def backwards(self, by_end: np.ndarray, by_kept: np.ndarray, count: int) -> np.ndarray:
+    def forwards(self, *, storing: bool) -> None:
+        """The pass over the record, which stores what the way back needs, or does not."""
+        if storing and not self._store.size:
+            self._store = np.empty(self._size)
+            self._stored = address(self._saved), address(self._store)
+        stored = self._stored if storing else (None, None)
+        self._library.forwards(*self._given, *stored, *self._results)
+
+    def backwards(self, by_end: np.ndarray, by_kept: np.ndarray) -> np.ndarray:
         """The pass back: the derivatives by the numbers that vary with a point."""
-        out = np.zeros(count)
-        assert self.store is not None
-        memory = by_end, by_kept, self._saved, self.store, out
-        self._library.backwards(*self._given(), *map(address, memory))
-        return out
-
-    def _given(self) -> tuple[int, ...]:
-        """Samples, those of a part, columns, numbers and record."""
-        shape = len(self._rows), self.part, self._rows.shape[1]
-        return *shape, address(self._numbers), address(self._rows)
+        self._by_numbers[:] = 0.0
+        weights = address(by_end), address(by_kept)
+        self._library.backwards(*self._given, *weights, *self._stored, address(self._by_numbers))
+        return self._by_numbers
 
 
 def part_of(samples: int, stored: int) -> int:
     """Number of samples of a part, of which each stores some bytes."""
     return samples if samples * stored <= STORED else max(1, PART // stored)
-
-
-def _memory(size: int, spare: list[np.ndarray]) -> np.ndarray:
-    """Spare memory of this size, whose pages are there already, or new one.
-
-    Other threads may take some at the same time.
-    """
-    while spare:
-        try:
-            found = spare.pop()
-        except IndexError:
-            break
-        if len(found) == size:
-            return found
-    return np.empty(size)

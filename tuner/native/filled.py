@@ -1,5 +1,6 @@
 """The results of loops in C as trees of arrays."""
 
+import ctypes
 from math import prod
 from typing import Any
 
@@ -48,4 +49,6 @@ def filled(
 def address(array: np.ndarray) -> int:
     """The address of a contiguous array."""
     assert array.flags.c_contiguous
+    if array.size and array.flags.writeable:  # in a third of the time
+        return ctypes.addressof(ctypes.c_char.from_buffer(array.data))
     return array.ctypes.data

@@ -8,6 +8,7 @@ from tuner.code.literal import type_of
 from tuner.native.lanes import Lanes
 from tuner.native.loop import Loop, depends_only_on
 from tuner.native.scalars import Scalars, read
+from tuner.native.schedule import scheduled
 
 LONG = 4000
 """Operations beyond which it matters most that few numbers wait in memory; below, and where values
@@ -21,6 +22,7 @@ class LoopText:
         loop: the loop.
         lanes: their number.
         points: whether each lane has its own point.
+        in_order: whether statements stand in the order in which a processor can begin them.
         before: the loop before, whose carried numbers it begins with.
         cells: the letter of its carried numbers' names.
 
@@ -35,10 +37,12 @@ class LoopText:
         lanes: int,
         *,
         points: bool,
+        in_order: bool = False,
         before: "LoopText | None" = None,
         cells: str = "S",
     ) -> None:
         self.loop, self.graph, self.count, self.points = loop, loop.graph, lanes, points
+        self._in_order = in_order
         self.cells = cells
         self.wide = varying(
             loop, {"p", "dp"} if points else {"dp"}, before.carried_wide if before else ()
@@ -142,15 +146,24 @@ class LoopText:
 
     def _statements(self, roots: Iterable[int], *, steady: bool) -> None:
         """Add statements for needed nodes: those that no sample changes, or the rest."""
-        ordered = _depth_first if self.points or self.loop.operations > LONG else Graph.reached
-        for k in ordered(self.graph, roots):
-            known = k in self.scalars.names or self.graph.nodes[k].op in ("constant", "input")
-            if known or (k in self.steady) != steady:
-                continue
+        for k in self._ordered(list(roots), steady=steady):
             text = self.scalars.doubled(k) if k in self.wide else self.scalars.text(k)
             text = text or self._wide_text(k)
             self.scalars.names[k] = f"t{k}"
             self.scalars.lines.append(f"    const {self.type(k)} t{k} = {text};")
+
+    def _ordered(self, roots: list[int], *, steady: bool) -> list[int]:
+        """The nodes that have no name yet, in the order of their statements."""
+        loop, names, nodes = self.loop, self.scalars.names, self.graph.nodes
+        deep = self.points or loop.operations > LONG
+        every = _depth_first(self.graph, roots) if deep else self.graph.reached(roots)
+        known = ("constant", "input")
+        rest = [k for k in every if k not in names and nodes[k].op not in known]
+        found = [k for k in rest if (k in self.steady) == steady]
+        if deep or steady or not self._in_order:
+            return found
+        ends = [k for row in loop.kept for k in row]
+        return scheduled(self.graph, found, [(c.input, c.after) for c in loop.carried], ends)
 
     def _wide_text(self, k: int) -> str:
         """An operation on lanes; the inverse of a common divisor is computed once."""

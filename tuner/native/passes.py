@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from tuner.code.graph import Graph, TooLargeError
 from tuner.code.nodes import Node
+from tuner.native.earliest import earliest
 from tuner.native.loop import Carried
 from tuner.native.reversal import MOST_TRACED, Reversal
 from tuner.native.rewriting import Rewriter
@@ -12,6 +13,8 @@ from tuner.native.stored import cheapest
 
 MOST = 20_000
 """Most operations for a sample in both passes, for C: more compile too long."""
+IN_ORDER = 6000
+"""Operations up to which sums and statements are put in order: of more, too many numbers wait."""
 _WAY_BACK = frozenset({"w", "v", "e"})
 """Groups of inputs that are known on the way back alone."""
 
@@ -70,7 +73,10 @@ def passes(reversal: Reversal) -> Passes:
             found = attempt.passes()
             if found.operations > MOST:
                 raise TooLargeError(f"the step and its way back take more than {MOST} operations")
-            return found
+            if found.operations > IN_ORDER:
+                return found
+            attempt.put_in_order()
+            return attempt.passes()
         assumed = still if assumed is None else still & assumed
 
 
@@ -132,6 +138,18 @@ class _Attempt:
             for start, end in pairs
             if start in self._fixed and (start in left_out or self.known[start] == self.known[end])
         }
+
+    def put_in_order(self) -> None:
+        """Put the terms of sums in the order in which they are ready."""
+        pairs = [(c.input, c.after) for c in self.reversal.cells]
+        for c in self.reversal.cells:
+            if c.weight is not None and c.slope is not None:
+                pairs.append((c.weight, c.slope))
+        carried = [(self.known[a], self.known[b]) for a, b in pairs if a not in self._fixed]
+        roots = [*(self.known[k] for k in self._roots()), *self.starts.values()]
+        self.new, known = earliest(self.new, carried, roots)
+        self.known = {k: known[node] for k, node in self.known.items() if node in known}
+        self.starts = {k: known[node] for k, node in self.starts.items()}
 
     def passes(self) -> Passes:
         """Both, without unneeded nodes."""

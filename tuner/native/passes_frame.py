@@ -14,24 +14,36 @@ _HEAD = """\
 #include <string.h>
 """
 _FORTH = """\
-{effort}
-static void forth(size_t n, size_t width, const double *restrict p, const double *restrict u,
-                  double *restrict state, double *restrict store, double *restrict kept)
+static {how} void forth(
+    size_t n, size_t width, const double *restrict p, const double *restrict u,
+    double *restrict state, double *restrict store, double *restrict kept, bool storing)
 {{
 {before}
     for (size_t i = 0; i < n; i++, u += width) {{
 {sample}
-        if (store) {{
+        if (storing) {{
 {stored}
             store += {stores};
         }}
-        if (kept) {{
+        if ({keeps} && kept) {{
 {kept}
             kept += {keeps};
         }}
 {after}
     }}
 {end}
+}}
+
+static void with_store(size_t n, size_t width, const double *p, const double *u, double *state,
+                       double *store, double *kept)
+{{
+    forth(n, width, p, u, state, store, kept, true);
+}}
+
+static void without_store(size_t n, size_t width, const double *p, const double *u, double *state,
+                          double *kept)
+{{
+    forth(n, width, p, u, state, NULL, kept, false);
 }}
 """
 _BACK = """\
@@ -60,7 +72,11 @@ void forwards(size_t n, size_t part, size_t width, const double *p, const double
     for (size_t from = 0; from < n; from += part) {{
         const size_t count = n - from < part ? n - from : part;
         if (saved) memcpy(saved + from / part * {carried}, state, {carried} * sizeof *state);
-        forth(count, width, p, u + from * width, state, store, kept ? kept + from * {keeps} : NULL);
+        double *keep = kept ? kept + from * {keeps} : NULL;
+        if (store)
+            with_store(count, width, p, u + from * width, state, store, keep);
+        else
+            without_store(count, width, p, u + from * width, state, keep);
     }}
 {total}
 }}
@@ -74,7 +90,8 @@ void backwards(size_t n, size_t part, size_t width, const double *p, const doubl
         from = from / part * part;
         const size_t count = n - from < part ? n - from : part;
         if (from + part < n)
-            forth(count, width, p, u + from * width, saved + from / part * {carried}, store, NULL);
+            with_store(count, width, p, u + from * width, saved + from / part * {carried}, store,
+                       NULL);
         back(count, width, p, u + from * width, e, v + from * {reals}, store, weight, slope);
     }}
 {out}
@@ -118,7 +135,7 @@ class Forth:
     Attributes:
         stored, kept: those that write what is stored and kept, where there is memory for it.
         after: those that write the next state.
-        effort: an attribute of the function for the compiler.
+        how: attributes of the function for the compiler.
     """
 
     before: str
@@ -127,7 +144,7 @@ class Forth:
     kept: str
     after: str
     end: str
-    effort: str = ""
+    how: str = ""
 
 
 @dataclass(frozen=True)
@@ -178,7 +195,7 @@ def framed(functions: str, sizes: Sizes, forth: Forth, back: Back, around: Aroun
         around: what is around them.
     """
     one = _FORTH.format(
-        effort=forth.effort,
+        how=forth.how,
         before=indent(forth.before, " " * 4),
         sample=indent(forth.sample, " " * 8),
         stored=indent(forth.stored, " " * 12),

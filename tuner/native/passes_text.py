@@ -3,10 +3,19 @@
 from collections.abc import Iterable, Sequence
 
 from tuner.code.literal import type_of
-from tuner.native.passes import Passes
+from tuner.compiler import OPTIONS_OF_SCALARS
+from tuner.native.loop import Carried
+from tuner.native.passes import IN_ORDER, Passes
 from tuner.native.passes_frame import Around, Back, Code, Forth, Sizes, framed
 from tuner.native.scalars import Scalars, read
+from tuner.native.schedule import scheduled
 from tuner.native.sines import sines
+
+SMALL = 4000
+"""Operations up to which the pass over a record is compiled twice: with what it stores, and without
+it, for values alone."""
+_PLAIN = ("-mtune=generic",)
+_APART = "__attribute__((noinline))"
 
 
 def code(passes: Passes, reals: Sequence[bool]) -> Code:
@@ -28,7 +37,12 @@ def code(passes: Passes, reals: Sequence[bool]) -> Code:
     functions = sines() if writer.scalars.turns else ""
     text = framed(functions, sizes, forth, back, around)
     counts = sizes.carried, sizes.stored, len(passes.total), sizes.kept, passes.operations
-    return Code(text, *counts)
+    return Code(text, *counts, options=OPTIONS_OF_SCALARS if _is_small(passes) else _PLAIN)
+
+
+def _is_small(passes: Passes) -> bool:
+    """Whether a compiler takes little time for the pass over a record: it gets it twice."""
+    return passes.operations <= SMALL
 
 
 class _Writer:
@@ -52,14 +66,20 @@ class _Writer:
             one.names[cell.input] = f"s{k}"
             kind = self.graph.nodes[cell.input].kind
             one.lines.append(f"const {type_of(kind, 'double')} s{k} = S{k};")
-        one.state(self.graph.reached(roots))
+        stores = dict[int, str]()
+        for k, entry in enumerate(self.passes.stored):
+            stores[entry] = f"if (storing) store[{k}] = (double)"
+        one.lines += [f"{text}{one.name(k)};" for k, text in stores.items() if k in one.names]
+        then = {k: f"{text}t{k};" for k, text in stores.items()}
+        one.state(self._in_order(self.graph.reached(roots), carried, self.passes.kept), then)
         return Forth(
             before,
             self._taken(),
-            self._written("store", self.passes.stored),
+            "",
             self._written("kept", self.passes.kept),
             "\n".join(f"S{k} = {one.name(cell.after)};" for k, cell in enumerate(carried)),
             "\n".join(f"state[{k}] = S{k};" for k in range(len(carried))),
+            "inline __attribute__((always_inline))" if _is_small(self.passes) else _APART,
         )
 
     def back(self) -> Back:
@@ -80,7 +100,7 @@ class _Writer:
         for k, cell in enumerate(passes.weights):
             one.names[cell.input] = f"w{k}"
             one.lines.append(f"const double w{k} = W{k};")
-        one.state(order)
+        one.state(self._in_order(order, passes.weights, passes.slopes.values()))
         one.lines += [f"D{k} += {one.name(by)};" for k, by in enumerate(passes.slopes.values())]
         one.lines += [f"W{k} = {one.name(c.after)};" for k, c in enumerate(passes.weights)]
         ends = [f"weight[{k}] = W{k};" for k in range(len(passes.weights))]
@@ -139,6 +159,17 @@ class _Writer:
                 seen.add(k)
                 open_ += () if k in stored else self.graph.nodes[k].args
         return sorted(seen - stored)
+
+    def _in_order(
+        self, nodes: Iterable[int], carried: Iterable[Carried], ends: Iterable[int]
+    ) -> list[int]:
+        """Those of a sample's nodes that have no name yet, in the order of their statements."""
+        names, graph = self.scalars.names, self.graph
+        known = ("constant", "input")
+        rest = [k for k in nodes if k not in names and graph.nodes[k].op not in known]
+        if self.passes.operations > IN_ORDER:
+            return rest
+        return scheduled(graph, rest, [(cell.input, cell.after) for cell in carried], ends)
 
     def _taken(self) -> str:
         """The statements so far, which are no longer kept."""

@@ -59,7 +59,19 @@ class Rewriter:
             return self._over(*given, shared=self._divided[node.args[1]] > 1)
         if node.op == "mul" and node.kind == "real":
             return self._product(*given)
+        if node.op in ("add", "sub") and node.kind == "real":
+            return self._sum(node.op, *given)
         return self.new.apply(node.op, *given)
+
+    def _sum(self, op: str, x: int, y: int) -> int:
+        """A sum; of two choices by one condition, which are zero in turn, it is one choice."""
+        one, other = self.new.nodes[x], self.new.nodes[y]
+        if one.op == other.op == "choose" and one.args[0] == other.args[0]:
+            pairs = list(zip(one.args[1:], other.args[1:], strict=True))
+            if all(any(self.new.is_constant(k, 0.0) for k in pair) for pair in pairs):
+                yes, no = (self.new.apply(op, *pair) for pair in pairs)
+                return self._chosen(one.args[0], yes, no)
+        return self.new.apply(op, x, y)
 
     def _product(self, x: int, y: int) -> int:
         """A product; of two numbers over one root, of one over the square with the other."""
@@ -122,8 +134,14 @@ class Rewriter:
         return self.new.choose(condition, second, first)
 
     def _chosen(self, condition: int, yes: int, no: int) -> int:
-        """One of two; a sign moves outwards, where a sum absorbs it."""
+        """One of two; a sign moves outwards, where a sum absorbs it, and one of two is a factor."""
         nodes, zero = self.new.nodes, self.new.constant(0.0)
+        for one, other, sign in ((yes, no, -1.0), (no, yes, 1.0)):
+            if nodes[one].op == "neg" and nodes[one].args[0] == other:
+                chosen = self.new.choose(
+                    condition, self.new.constant(-sign), self.new.constant(sign)
+                )
+                return self.new.apply("mul", other, chosen)
         both = [(k, nodes[k].args[0] if nodes[k].op == "neg" else k) for k in (yes, no)]
         signed = [k != plain for k, plain in both]
         if any(signed) and all(s or k == zero for s, (k, _) in zip(signed, both, strict=True)):

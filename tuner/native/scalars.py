@@ -1,6 +1,7 @@
 """Scalars of a graph as C expressions: what all lanes share."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 
 from tuner.code.expression import converted, limited, operation
 from tuner.code.graph import Graph
@@ -9,6 +10,8 @@ from tuner.code.nodes import Node
 from tuner.code.operations import Kind
 
 _OF_TURNS = {"sin": "{0}.sine", "cos": "{0}.cosine", "tan": "{0}.sine / {0}.cosine"}
+
+_NOTHING: Mapping[int, str] = MappingProxyType({})
 
 
 class Scalars:
@@ -34,14 +37,20 @@ class Scalars:
         """Begin another function."""
         self.names, self.lines, self._angles = {}, [], set()
 
-    def state(self, order: Iterable[int]) -> None:
-        """Add statements for nodes, each after those that it depends on."""
+    def state(self, order: Iterable[int], then: Mapping[int, str] = _NOTHING) -> None:
+        """Add statements for nodes.
+
+        Args:
+            order: nodes, each after those that it depends on.
+            then: statements that follow that of a node.
+        """
         for k in order:
             node = self.graph.nodes[k]
             if k not in self.names and node.op not in ("constant", "input"):
                 text = self.text(k)
                 self.names[k] = f"t{k}"
                 self.lines.append(f"const {type_of(node.kind, 'double')} t{k} = {text};")
+                self.lines += [then[k]] if k in then else []
 
     def text(self, k: int) -> str:
         """The expression of a node, by the names of its operands."""

@@ -3,6 +3,7 @@
 import math
 
 HEAD = """\
+typedef double two __attribute__((vector_size(16)));
 typedef struct { double sine, cosine; } pair;
 
 static __attribute__((noinline, cold)) pair by_library(double x)
@@ -26,8 +27,10 @@ static inline __attribute__((always_inline)) pair circular(double x)
         q = (int)k;
     }}
     const double z = r * r, w = z * z;
-    const double s = r + r * z * ({sine});
-    const double c = 1.0 - (0.5 * z - w * ({cosine}));
+    const two zz = {{z, z}}, ww = {{w, w}};
+    const two series = {series};
+    const double s = r + r * z * series[0];
+    const double c = 1.0 - (0.5 * z - w * series[1]);
     pair both = {{s, c}};
     if (__builtin_expect(q != 0, 0)) {{
         const double one = (q & 1) ? c : s, other = (q & 1) ? s : c;
@@ -61,15 +64,15 @@ def sines() -> str:
         turns=repr(2 / math.pi),
         high=repr(math.pi / 2),
         low=_LOW,
-        sine=_series(sine),
-        cosine=_series(cosine),
+        series=_series(list(zip(sine, cosine, strict=True))),
     )
 
 
-def _series(factors: list[float]) -> str:
-    """A series in z, by pairs of terms: half as many operations wait for one another."""
+def _series(factors: list[tuple[float, float]]) -> str:
+    """Two series in z at once, by pairs of terms: half as many operations wait for one another."""
+    terms = [f"(two){{{one!r}, {other!r}}}" for one, other in factors]
     text = ""
-    for k in reversed(range(0, len(factors), 2)):
-        two = f"({factors[k]!r} + z * {factors[k + 1]!r})"
-        text = f"{two} + w * ({text})" if text else two
+    for k in reversed(range(0, len(terms), 2)):
+        both = f"({terms[k]} + zz * {terms[k + 1]})"
+        text = f"{both} + ww * ({text})" if text else both
     return text

@@ -26,7 +26,9 @@ def source(both: Phases, lanes: int, *, points: bool) -> str:
         NoCounterpartError: for a quotient of whole numbers that differs between points.
     """
     before = None if both.first is None else LoopText(both.first, lanes, points=points)
-    loop = LoopText(both.main, lanes, points=points, before=before)
+    # One that settles is over soon, and what it carries is in the order that suits it.
+    settles = both.settled is not None
+    loop = LoopText(both.main, lanes, points=points, in_order=not settles, before=before)
     parts = [loop] if before is None else [before, loop]
     if both.settled is None:
         loops = loop.text()

@@ -137,6 +137,35 @@ def test_nan_is_tested_for_and_not_folded_away():
     assert value(graph, result, np.array(np.nan)) == 0
 
 
+def test_a_condition_that_is_chosen_by_already_chooses_nothing():
+    graph = Graph()
+    far, (x, y, z) = graph.input("far", "truth"), (graph.input(name) for name in "xyz")
+    assert graph.choose(far, graph.choose(far, x, y), z) == graph.choose(far, x, z)
+    assert graph.choose(far, z, graph.choose(far, x, y)) == graph.choose(far, z, y)
+    near = graph.input("near", "truth")
+    inner = graph.choose(near, x, y)
+    assert graph.nodes[graph.choose(far, inner, z)].args == (far, z, inner)
+
+
+def test_nan_in_the_place_of_nan_is_the_number_itself():
+    graph = Graph()
+    x, nan = graph.input("x"), graph.constant(np.nan)
+    missing = graph.apply("isnan", x)
+    assert graph.choose(missing, x, nan) == x
+    filled = graph.choose(missing, x, graph.constant(0.0))
+    assert graph.choose(missing, filled, nan) == x
+    assert graph.choose(missing, graph.input("y"), nan) != x
+
+
+def test_an_inverse_is_never_zero():
+    graph = Graph()
+    missing, s, zero = graph.input("missing", "truth"), graph.input("s"), graph.constant(0.0)
+    weight = graph.choose(missing, graph.apply("div", graph.constant(1.0), s), zero)
+    assert graph.apply("ne", weight, zero) == graph.apply("not", missing)
+    number = graph.choose(missing, s, zero)
+    assert graph.nodes[graph.apply("ne", number, zero)].op == "ne"
+
+
 def mean(A):
     return (A + A.T) / 2
 
