@@ -48,15 +48,15 @@ def _together_forwards(x: Any, P: Any, H: Any, r: Any, z: Any) -> tuple[Together
     found, (K, lower, w) = corrected_kept(x.value, P.value, H.value, r.value, z.value)
     _, _, y, _, k = found
     before = (x.value, P.value) if H.perturbed else None
-    return found, (H.value, K, lower, y, w, k, before)
+    return found, (H.value, K, lower, y, w, k, jnp.isnan(z.value), before)
 
 
 def _together_backwards(kept: Any, weights: Any) -> Any:
     """With S = L D L', N = S^-1, w = D^-1: y = L^-1 v, x+ = x + G' N v, P+ = P - G' N G."""
-    H, K, lower, y, w, k, before = kept
+    H, K, lower, y, w, k, missing, before = kept
     X, B, by_y, by_s, by_k = weights
     X, B = given(X, H[0]), given(B, jnp.zeros(2 * H.shape[1:]))
-    by_y, by_s = (jnp.where(w != 0, given(part, w), 0.0) for part in (by_y, by_s))
+    by_y, by_s = (jnp.where(missing, 0.0, given(part, w)) for part in (by_y, by_s))
     wy = w * y
     a = (lower * wy[:, None]).sum(axis=0)
     twice = B + B.T
@@ -96,14 +96,14 @@ def _alone_forwards(x: Any, P: Any, h: Any, r: Any, z: Any) -> tuple[Together, A
     found, w = corrected_weighted(x.value, P.value, h.value, r.value, z.value)
     _, _, y, _, k = found
     before = (x.value, P.value) if h.perturbed else None
-    return found, (h.value, y, w, k, before)
+    return found, (h.value, y, w, k, jnp.any(jnp.isnan(z.value)), before)
 
 
 def _alone_backwards(kept: Any, weights: Any) -> Any:
-    h, y, w, k, before = kept
+    h, y, w, k, missing, before = kept
     X, B, *rest = weights
     one = [part if none(part) else part[None] for part in rest]
-    many = h[None], k[None], jnp.ones((1, 1)), y[None], w[None], k[None], before
+    many = h[None], k[None], jnp.ones((1, 1)), y[None], w[None], k[None], missing[None], before
     X, B, by_h, by_r, by_z = _together_backwards(many, (X, B, *one))
     return X, B, None if by_h is None else by_h[0], by_r[0], by_z[0]
 

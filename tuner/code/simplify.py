@@ -58,16 +58,7 @@ def _compared(graph: Nodes, op: str, x: int, y: int) -> int | None:
             pairs = [(one, other) for one in chosen]
             true, false = (graph.apply(op, *(p[::-1] if turned else p)) for p in pairs)
             return graph.choose(condition, false, true)
-        nothing = graph.is_constant(other, 0) and graph.is_constant(chosen[0], 0)
-        if op == "ne" and nothing and _is_inverse(graph, chosen[1]):
-            return graph.apply("not", condition)
     return None
-
-
-def _is_inverse(graph: Nodes, entry: int) -> bool:
-    """Whether a node is the inverse of a number, which is not zero."""
-    node = graph.nodes[entry]
-    return node.op == "div" and node.kind == "real" and graph.is_constant(node.args[0], 1)
 
 
 def _commutative(rule: Shorter) -> Shorter:

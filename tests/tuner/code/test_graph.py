@@ -157,15 +157,6 @@ def test_nan_in_the_place_of_nan_is_the_number_itself():
     assert graph.choose(missing, graph.input("y"), nan) != x
 
 
-def test_an_inverse_is_never_zero():
-    graph = Graph()
-    missing, s, zero = graph.input("missing", "truth"), graph.input("s"), graph.constant(0.0)
-    weight = graph.choose(missing, graph.apply("div", graph.constant(1.0), s), zero)
-    assert graph.apply("ne", weight, zero) == graph.apply("not", missing)
-    number = graph.choose(missing, s, zero)
-    assert graph.nodes[graph.apply("ne", number, zero)].op == "ne"
-
-
 def mean(A):
     return (A + A.T) / 2
 
