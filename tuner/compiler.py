@@ -26,16 +26,16 @@ _ROWS = (
     "-fno-trapping-math",
 )
 """Options for loops over rows of matrices, whose sums may be taken in any order."""
-OPTIONS_OF_SCALARS = (
+_SCALARS = ("-mtune=generic",)
+"""Options for samples of many scalars: tuned for a processor, GCC keeps real numbers in registers
+of whole ones, and to move them takes longer than memory does."""
+_SCALARS_IN_ORDER = (
     "-fschedule-insns",
     "-fsched-pressure",
-    "-mtune=generic",
     "-fno-tree-slp-vectorize",
-    "-fno-slp-vectorize",
     "-fno-gcse",
 )
-"""Options for samples of some thousand scalars, whose statements are in order; of several
-compilers, each of which takes those that it knows."""
+"""The same for shorter ones."""
 LONG = 4000
 """Lines beyond which code is optimised less: in two thirds of the time, with equal speed."""
 SECONDS = 30
@@ -52,6 +52,15 @@ def options_of_rows(length: int) -> tuple[str, ...]:
     """
     wide = length == 9
     return (*_ROWS, f"-mprefer-vector-width={512 if wide else 256}", "-O2" if wide else "-O3")
+
+
+def options_of_scalars(*, small: bool) -> tuple[str, ...]:
+    """Compiler options for samples of many scalars.
+
+    Args:
+        small: whether they are some thousand at most.
+    """
+    return (*_SCALARS, *_SCALARS_IN_ORDER) if small else _SCALARS
 
 
 Use: TypeAlias = Literal["auto", "on", "off"]

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 
 from tuner.code.literal import type_of
-from tuner.compiler import OPTIONS_OF_SCALARS
+from tuner.compiler import options_of_scalars
 from tuner.native.loop import Carried
 from tuner.native.passes import IN_ORDER, Passes
 from tuner.native.passes_frame import Around, Back, Code, Forth, Sizes, framed
@@ -14,7 +14,6 @@ from tuner.native.sines import sines
 SMALL = 4000
 """Operations up to which the pass over a record is compiled twice: with what it stores, and without
 it, for values alone."""
-_PLAIN = ("-mtune=generic",)
 _APART = "__attribute__((noinline))"
 
 
@@ -37,7 +36,7 @@ def code(passes: Passes, reals: Sequence[bool]) -> Code:
     functions = sines() if writer.scalars.turns else ""
     text = framed(functions, sizes, forth, back, around)
     counts = sizes.carried, sizes.stored, len(passes.total), sizes.kept, passes.operations
-    return Code(text, *counts, options=OPTIONS_OF_SCALARS if _is_small(passes) else _PLAIN)
+    return Code(text, *counts, options=options_of_scalars(small=_is_small(passes)))
 
 
 def _is_small(passes: Passes) -> bool:

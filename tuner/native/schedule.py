@@ -2,7 +2,7 @@
 
 It looks ahead by some hundred operations and begins whichever is ready. Where what others wait for
 stands late, or all that is ready stands together, it has nothing to do most of the time. A compiler
-orders statements between two branches, not across them, and first of all as they are written.
+mostly keeps the order in which statements are written, above all across branches.
 """
 
 from collections import Counter
