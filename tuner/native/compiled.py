@@ -3,6 +3,7 @@
 import ctypes
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -153,7 +154,7 @@ class Native:
         ends = np.empty((1 + len(at), blocks, self._ends.total, 1 + wide))
         count = self._ends.kept
         kept = np.empty((blocks, len(rows) if count else 0, count, 1 + wide))
-        records = np.split(rows, at)
+        records = _parts(rows, at)
 
         def go(part: tuple[int, int]) -> None:
             record, block = part
@@ -193,7 +194,7 @@ class Native:
             given = map(address, (numbers, numbers, rows, end, kept))
             return int(self._plain(*rows.shape, *given))
 
-        settled = side_by_side(go, list(zip(np.split(rows, at), ends, strict=True)))
+        settled = side_by_side(go, list(zip(_parts(rows, at), ends, strict=True)))
         return ends.sum(axis=0), kept, sum(settled)
 
     def values_and_gradients(
@@ -316,3 +317,8 @@ class Native:
         both = self._slopes(points)
         both = both.reshape(len(points), both.shape[1] // (1 + self.size), 1 + self.size)
         return np.ascontiguousarray(both[..., 0]), both[..., 1:]
+
+
+def _parts(rows: np.ndarray, at: Sequence[int]) -> list[np.ndarray]:
+    """The rows between those where the loop begins anew."""
+    return [rows[a:b] for a, b in pairwise((0, *at, len(rows)))]
