@@ -141,8 +141,19 @@ class _Plan:
 class _Processor:
     """A processor that begins operations, one after another.
 
-    Of those whose operands are there it takes the one that has to begin first. Where more numbers
-    wait than it has registers it takes one that is the last use of another.
+    Of those that are ready it takes the one that has to begin first. Where many numbers wait it
+    takes an operation that is the last use of one of them, ready or not.
+
+    Attributes:
+        time: the cycle.
+        free: how many more of each kind begin in it.
+        live: how many numbers wait.
+        left: how often each number is still needed.
+        missing: how many operands of an operation have not begun.
+        begin: when its operands are ready, as far as they have begun.
+        later: operations whose operands have begun, and are not ready yet.
+        now: those whose operands are ready, by kind.
+        possible: all of them; ending: those that are a last use.
     """
 
     def __init__(self, plan: _Plan) -> None:
@@ -155,8 +166,8 @@ class _Processor:
             for k, parts in plan.operands.items()
         }
         self.free = dict(_AT_ONCE)
-        self.later, self.now = list[_Item](), list[_Item]()
-        self.possible, self.ending = list[_Item](), list[_Item]()
+        self.now = {kind: list[_Item]() for kind in _AT_ONCE}
+        self.later, self.possible, self.ending = list[_Item](), list[_Item](), list[_Item]()
         for k in plan.nodes:
             if not self.missing[k]:
                 self._open(k)
@@ -175,32 +186,26 @@ class _Processor:
         while True:
             while self.later and self.later[0][0] <= self.time:
                 _, k = heappop(self.later)
-                heappush(self.now, (self.plan.latest[k], k))
-            aside, found = list[_Item](), None
-            while self.now and found is None:
-                item = heappop(self.now)
-                if item[1] in self.begun:
-                    continue
-                if self.free[self.plan.kind(item[1])]:
-                    found = item[1]
-                else:
-                    aside.append(item)
-            for item in aside:
-                heappush(self.now, item)
-            if found is not None:
-                return found
+                heappush(self.now[self.plan.kind(k)], (self.plan.latest[k], k))
+            queues = [self.now[kind] for kind, free in self.free.items() if free]
+            found = [item for queue in queues if (item := self._first(queue))]
+            if found:
+                return min(found)[1]
             self._tick()
 
     def _ending(self) -> int:
         """One that is the last use of a number; or else the one that can begin first."""
-        for queue in (self.ending, self.possible):
-            while queue:
-                _, k = heappop(queue)
-                if k not in self.begun:
-                    if not self.free[self.plan.kind(k)]:
-                        self._tick()
-                    return k
-        raise AssertionError("an operation waits for itself")
+        item = self._first(self.ending) or self._first(self.possible)
+        assert item is not None, "an operation waits for itself"
+        if not self.free[self.plan.kind(item[1])]:
+            self._tick()
+        return item[1]
+
+    def _first(self, queue: list[_Item]) -> _Item | None:
+        """The first operation of a queue that has not begun."""
+        while queue and queue[0][1] in self.begun:
+            heappop(queue)
+        return queue[0] if queue else None
 
     def _tick(self) -> None:
         self.time += 1
