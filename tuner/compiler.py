@@ -29,15 +29,11 @@ _ROWS = (
 _SCALARS = ("-mtune=generic",)
 """Options for samples of many scalars: tuned for a processor, GCC keeps real numbers in registers
 of whole ones, and to move them takes longer than memory does."""
-_SCALARS_IN_ORDER = (
-    "-fschedule-insns",
-    "-fsched-pressure",
-    "-fno-tree-slp-vectorize",
-    "-fno-gcse",
-)
-"""The same for shorter ones."""
+_FEW_SCALARS = ("-fschedule-insns", "-fsched-pressure", "-fno-tree-slp-vectorize", "-fno-gcse")
+"""More of them for samples of fewer."""
 LONG = 4000
-"""Lines beyond which code is optimised less: in two thirds of the time, with equal speed."""
+"""Lines beyond which code is optimised less, if no option tells otherwise: in two thirds of the
+time, with equal speed."""
 SECONDS = 30
 """Time limit of a compiler."""
 
@@ -54,13 +50,14 @@ def options_of_rows(length: int) -> tuple[str, ...]:
     return (*_ROWS, f"-mprefer-vector-width={512 if wide else 256}", "-O2" if wide else "-O3")
 
 
-def options_of_scalars(*, small: bool) -> tuple[str, ...]:
+def options_of_scalars(*, few: bool, in_order: bool) -> tuple[str, ...]:
     """Compiler options for samples of many scalars.
 
     Args:
-        small: whether they are some thousand at most.
+        few: whether they are not so many.
+        in_order: whether their statements are in order, of which less optimisation leaves little.
     """
-    return (*_SCALARS, *_SCALARS_IN_ORDER) if small else _SCALARS
+    return (*_SCALARS, *(_FEW_SCALARS if few else ()), *(("-O2",) if in_order else ()))
 
 
 Use: TypeAlias = Literal["auto", "on", "off"]
@@ -178,7 +175,7 @@ def library(source: str, folder: Path, more: Sequence[str] = ()) -> ctypes.CDLL:
     """
     found = compiler()
     more = supported(found.command, tuple(more))
-    effort = ["-O2", *more, *(["-O1"] if source.count("\n") > LONG else [])]
+    effort = ["-O1" if source.count("\n") > LONG else "-O2", *more]
     key = digest("\0".join([source, *effort, found.key]).encode())
     if own(folder):
         for kept in folder.glob(f"{key}-*.so"):

@@ -36,7 +36,9 @@ def code(passes: Passes, reals: Sequence[bool]) -> Code:
     functions = sines() if writer.scalars.turns else ""
     text = framed(functions, sizes, forth, back, around)
     counts = sizes.carried, sizes.stored, len(passes.total), sizes.kept, passes.operations
-    return Code(text, *counts, options=options_of_scalars(small=_is_small(passes)))
+    in_order = passes.operations <= IN_ORDER
+    options = options_of_scalars(few=_is_small(passes), in_order=in_order)
+    return Code(text, *counts, options=options)
 
 
 def _is_small(passes: Passes) -> bool:
