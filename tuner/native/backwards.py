@@ -121,9 +121,11 @@ class Backwards:
         runs = self._begun(z, rows, at)
         end, kept = self._over(runs, storing=True)
         value, *weights = self._judge.weights(end, kept, data)
-        by_numbers = sum(side_by_side(lambda run: run.backwards(*weights), runs))
+        by_numbers = side_by_side(lambda run: run.backwards(*weights), runs)
+        both = np.empty((1, self._size + self._count))
+        both[0, : self._size], both[0, self._size :] = z, _total(by_numbers)
         self._spare += runs
-        (gradient,) = self._pull(np.hstack([z, by_numbers])[None])
+        (gradient,) = self._pull(both)
         return value, gradient
 
     def value(self, z: np.ndarray, rows: np.ndarray, data: Data, at: Sequence[int] = ()) -> float:
@@ -155,7 +157,7 @@ class Backwards:
     def _over(self, runs: "list[_Run]", *, storing: bool) -> tuple[np.ndarray, np.ndarray]:
         """The numbers at the end, and the kept values."""
         side_by_side(lambda run: run.forwards(storing=storing), runs)
-        return np.sum([run.end for run in runs], axis=0), runs[0].kept
+        return _total([run.end for run in runs]), runs[0].kept
 
     @cached_property
     def _library(self) -> ctypes.CDLL:
@@ -215,3 +217,8 @@ class _Run:
 def part_of(samples: int, stored: int) -> int:
     """Number of samples of a part, of which each stores some bytes."""
     return samples if samples * stored <= STORED else max(1, PART // stored)
+
+
+def _total(parts: Sequence[np.ndarray]) -> np.ndarray:
+    """The sum of some arrays, which is mostly one of them."""
+    return parts[0] if len(parts) == 1 else np.sum(parts, axis=0)
