@@ -80,15 +80,15 @@ do most of the time, unless what it looks ahead at, some hundred statements, hol
 So the terms of a sum are added as they get ready, the last one last, with times that follow from
 the recursion itself; and statements stand in the order in which a simple processor of two
 multiplications and two sums in a cycle would begin them: first what the next sample waits for, and
-what uses up numbers where too many of them wait. A number is stored where it is computed. The tilt
-filter's gradient takes 30 % less time so.
+what uses up numbers where too many of them wait. A number is stored where it is computed. With
+fewer steps around the loops, the tilt filter's gradient takes 30 % less time so.
 
 Values without a gradient, as a simplex search needs them, are C without derivatives; where they go
 by C, so do those of many points, as of a search's random starts and of a report's map.
 
 Sine and cosine of an angle come from two series at once, in the two halves of a register, without a
-call. In `tuner.values_and_gradients`
-eight points share a vector, unless the objective keeps samples until after the loop.
+call. In `tuner.values_and_gradients` eight points share a vector, unless the objective keeps
+samples until after the loop.
 
 - **XLA is the judge.** At the first point both compute value and gradient; where they differ by
   more than 1e-9 of the largest of these numbers, only XLA is used; a value alone is compared in the

@@ -30,7 +30,7 @@ _SCALARS = ("-mtune=generic",)
 """Options for samples of many scalars: tuned for a processor, GCC keeps real numbers in registers
 of whole ones, and to move them takes longer than memory does."""
 _FEW_SCALARS = ("-fschedule-insns", "-fsched-pressure", "-fno-tree-slp-vectorize", "-fno-gcse")
-"""More of them for samples of fewer."""
+"""Further options where a sample has a few thousand of them at most."""
 LONG = 4000
 """Lines beyond which code is optimised less, if no option tells otherwise: in two thirds of the
 time, with equal speed."""
@@ -38,24 +38,29 @@ SECONDS = 30
 """Time limit of a compiler."""
 
 
-def options_of_rows(length: int) -> tuple[str, ...]:
+def options_of_rows(length: int, *, long: bool = False) -> tuple[str, ...]:
     """Compiler options for loops over rows of matrices.
 
     Of vectors of 256 bits a row of nine entries would leave the third nearly empty.
 
     Args:
         length: of a row.
+        long: whether the code has more lines than :data:`LONG`.
+
+    >>> [options_of_rows(16, long=long)[-1] for long in (False, True)]
+    ['-O3', '-O1']
     """
     wide = length == 9
-    return (*_ROWS, f"-mprefer-vector-width={512 if wide else 256}", "-O2" if wide else "-O3")
+    effort = "-O1" if long else "-O2" if wide else "-O3"
+    return (*_ROWS, f"-mprefer-vector-width={512 if wide else 256}", effort)
 
 
 def options_of_scalars(*, few: bool, in_order: bool) -> tuple[str, ...]:
     """Compiler options for samples of many scalars.
 
     Args:
-        few: whether they are not so many.
-        in_order: whether their statements are in order, of which less optimisation leaves little.
+        few: whether they are a few thousand at most.
+        in_order: whether their statements are in order, which less optimisation would not keep.
     """
     return (*_SCALARS, *(_FEW_SCALARS if few else ()), *(("-O2",) if in_order else ()))
 

@@ -25,17 +25,16 @@ from tuner.code.straight_line import (
 )
 from tuner.code.strides import MOVED
 from tuner.code.tables import Tables
-from tuner.compiler import options_of_rows
+from tuner.compiler import LONG, options_of_rows
 from tuner.native.even import Carried, even_slots, without_turns
 from tuner.native.mirrored import mirrors
-from tuner.native.passes_frame import Around, Back, Code, Forth, Sizes, framed
+from tuner.native.passes_frame import APART, Around, Back, Code, Forth, Sizes, framed
 from tuner.native.products import writers
 from tuner.native.reversal import Before, traced
 from tuner.native.runner import Runner, is_real
 
 _ROWS = FilledRows(4)
 """To whole vector registers of most processors."""
-_APART = "__attribute__((noinline))"
 _NOT_WRITTEN_OUT = '__attribute__((noinline, optimize("O2")))'
 """For the pass over the record: small loops are not written out, which makes it faster."""
 _FEW = 16
@@ -175,7 +174,8 @@ class _Writer:
         ends = [slot for slot, w in zip(arrays.state, arrays.wanted, strict=True) if w]
         operations = work([*self.forwards.operations, *self.backwards.operations]) // _AT_ONCE
         counts = sizes.carried, sizes.stored, _size(ends), sizes.kept, operations
-        return Code(text, *counts, options_of_rows(self.longest))
+        long = text.count("\n") > LONG
+        return Code(text, *counts, options_of_rows(self.longest, long=long))
 
     def _forth(self) -> Forth:
         arrays = self.arrays
@@ -193,7 +193,7 @@ class _Writer:
             block.put(x, end)
         after = _taken(block)
         put_all(block, found[:count], _views("state", arrays.after))
-        how = _NOT_WRITTEN_OUT if self.longest <= _FEW else _APART
+        how = _NOT_WRITTEN_OUT if self.longest <= _FEW else APART
         return Forth(_locals(block), sample, stored, after, _taken(block), "", how)
 
     def _back(self) -> Back:

@@ -13,6 +13,8 @@ _HEAD = """\
 #include <stddef.h>
 #include <string.h>
 """
+APART = "__attribute__((noinline))"
+"""Keeps a function from being written out where it is called."""
 _FORTH = """\
 static {how} void forth(
     size_t n, size_t width, const double *restrict p, const double *restrict u,

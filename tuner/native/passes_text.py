@@ -6,7 +6,7 @@ from tuner.code.literal import type_of
 from tuner.compiler import options_of_scalars
 from tuner.native.loop import Carried
 from tuner.native.passes import IN_ORDER, Passes
-from tuner.native.passes_frame import Around, Back, Code, Forth, Sizes, framed
+from tuner.native.passes_frame import APART, Around, Back, Code, Forth, Sizes, framed
 from tuner.native.scalars import Scalars, read
 from tuner.native.schedule import scheduled
 from tuner.native.sines import sines
@@ -14,7 +14,6 @@ from tuner.native.sines import sines
 SMALL = 4000
 """Operations up to which the pass over a record is compiled twice: with what it stores, and without
 it, for values alone."""
-_APART = "__attribute__((noinline))"
 
 
 def code(passes: Passes, reals: Sequence[bool]) -> Code:
@@ -80,7 +79,7 @@ class _Writer:
             self._written("kept", self.passes.kept),
             "\n".join(f"S{k} = {one.name(cell.after)};" for k, cell in enumerate(carried)),
             "\n".join(f"state[{k}] = S{k};" for k in range(len(carried))),
-            "inline __attribute__((always_inline))" if _is_small(self.passes) else _APART,
+            "inline __attribute__((always_inline))" if _is_small(self.passes) else APART,
         )
 
     def back(self) -> Back:
