@@ -7,7 +7,7 @@ from typing import TypeAlias
 from tuner.code.expression import CALLS
 from tuner.code.graph import Graph
 
-Carried: TypeAlias = Sequence[tuple[int, int]]
+Recursion: TypeAlias = Sequence[tuple[int, int]]
 """Nodes of each number of the state, before and after a sample."""
 Times: TypeAlias = Mapping[int, int]
 """When each of some nodes is ready, in cycles."""
@@ -57,7 +57,7 @@ def factors(graph: Graph, order: Iterable[int], uses: Counter[int]) -> set[int]:
     return {k for k in terms if uses[k] == 1 and graph.nodes[k].op == "mul"}
 
 
-def carried_over(carried: Carried, times: Callable[[Times], Times]) -> dict[int, int]:
+def carried_over(carried: Recursion, times: Callable[[Times], Times]) -> dict[int, int]:
     """When the numbers of the state are ready, once a recursion has gone on for some samples.
 
     The last of them is ready at 0: a sample begins when the one before it has all of them.

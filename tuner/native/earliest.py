@@ -16,7 +16,7 @@ from tuner.native.cycles import (
     BOTH,
     LOADED,
     MULTIPLY,
-    Carried,
+    Recursion,
     Times,
     carried_over,
     cycles,
@@ -29,7 +29,9 @@ _SIGNS = {"add": (False, False), "sub": (False, True), "neg": (True,)}
 """Which operands are subtracted."""
 
 
-def earliest(graph: Graph, carried: Carried, roots: Iterable[int]) -> tuple[Graph, dict[int, int]]:
+def earliest(
+    graph: Graph, carried: Recursion, roots: Iterable[int]
+) -> tuple[Graph, dict[int, int]]:
     """The same calculation but for rounding, its sums in order; and its nodes by those before.
 
     Args:

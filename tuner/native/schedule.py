@@ -16,7 +16,7 @@ from tuner.native.cycles import (
     BOTH,
     LOADED,
     SUMS,
-    Carried,
+    Recursion,
     Times,
     carried_over,
     cycles,
@@ -36,7 +36,7 @@ _Item: TypeAlias = tuple[int, int]
 
 
 def scheduled(
-    graph: Graph, nodes: Sequence[int], carried: Carried, ends: Iterable[int]
+    graph: Graph, nodes: Sequence[int], carried: Recursion, ends: Iterable[int]
 ) -> list[int]:
     """Nodes in the order in which to compute them.
 
@@ -70,7 +70,7 @@ class _Plan:
     """
 
     def __init__(
-        self, graph: Graph, nodes: Sequence[int], carried: Carried, ends: Iterable[int]
+        self, graph: Graph, nodes: Sequence[int], carried: Recursion, ends: Iterable[int]
     ) -> None:
         self._graph = graph
         kept = {*ends, *(after for _, after in carried)}
@@ -127,7 +127,7 @@ class _Plan:
             times[k] = begin + self.cycles(k)
         return times
 
-    def _deadlines(self, carried: Carried) -> dict[int, int]:
+    def _deadlines(self, carried: Recursion) -> dict[int, int]:
         times = self._times(self.ready)
         last = max((times.get(after, LOADED) for _, after in carried), default=0)
         due = {after: last + self.ready[before] for before, after in carried}
