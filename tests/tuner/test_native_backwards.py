@@ -16,8 +16,9 @@ from tests.tuner.test_native import Weighed, at_end, quickly
 from tuner import Positive, Problem, Space
 from tuner.code.refused import NoCounterpartError
 from tuner.compiler import library
-from tuner.native import backwards, passes
+from tuner.native import pass_run, passes
 from tuner.native.backwards import Backwards
+from tuner.native.row_function import RowFunction
 
 N = 200
 
@@ -98,7 +99,7 @@ def test_values_that_differ_from_xla_s_are_xla_s(monkeypatch):
 def test_a_long_record_is_stored_in_parts(monkeypatch):
     whole = posed(InnovationLikelihood()).value_and_gradient(np.full(9, 0.3))
     for samples in (1, 7, N - 1, N):
-        monkeypatch.setattr(backwards, "part_of", lambda *_, n=samples: n)
+        monkeypatch.setattr(pass_run, "part_of", lambda *_, n=samples: n)
         found = posed(InnovationLikelihood()).value_and_gradient(np.full(9, 0.3))
         assert found[0] == whole[0]
         np.testing.assert_array_equal(found[1], whole[1])
@@ -212,3 +213,33 @@ def test_records_take_turns_in_the_same_memory(tmp_path):
         found = native.value_and_gradient(z, rows[k], data)
         assert found[0] == pytest.approx(value, rel=1e-12)
         np.testing.assert_allclose(found[1], gradient, rtol=1e-10, atol=1e-10)
+
+
+def test_one_call_finds_what_its_steps_find(tmp_path, monkeypatch):
+    problem = posed(InnovationLikelihood())
+    static, data, z = problem.static, problem.data, np.full(9, 0.2)
+    given = static.filter, static.objective, static.built, len(z), data, tmp_path / "code"
+    whole, steps = Backwards(*given), Backwards(*given)
+    assert whole._whole is not None
+    monkeypatch.setattr(RowFunction, "address", 0)
+    assert steps._whole is None
+    assert steps._valued is None
+    rows = whole.rows(data)
+    for point in (z, z + 0.1, z):
+        found, right = (way.value_and_gradient(point, rows, data) for way in (whole, steps))
+        assert found[0] == right[0] == whole.value(point, rows, data)
+        np.testing.assert_array_equal(found[1], right[1])
+
+
+def test_results_outlive_the_memory_they_were_found_in():
+    problem = posed(InnovationLikelihood())
+    _, first = problem.value_and_gradient(np.full(9, 0.2))
+    kept = first.copy()
+    problem.value_and_gradient(np.full(9, 0.4))
+    np.testing.assert_array_equal(first, kept)
+
+
+def test_what_is_kept_of_each_sample_goes_step_by_step():
+    problem = posed(at_end)
+    problem.value_and_gradient(problem.space.start())
+    assert problem.route._single._whole is None

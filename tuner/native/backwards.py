@@ -15,20 +15,16 @@ from jax import Array
 from filters import AnyFilter
 from objectives import Data, Objective, is_fold
 from tuner.compiler import library
-from tuner.native.filled import MEMORY, address
+from tuner.native.filled import MEMORY
 from tuner.native.kept_texts import UNKEPT, KeptTexts
 from tuner.native.loop_score import Judge, LoopScore
+from tuner.native.pass_run import PassRun, Steps, linked
 from tuner.native.passes_choice import shortest
 from tuner.native.passes_frame import Code
 from tuner.native.reversal import Before
 from tuner.native.row_function import RowFunction
 from tuner.native.runner import Runner, columns, runner_of
 from tuner.processors import side_by_side
-
-STORED = 64 << 20
-"""Bytes that are stored of a whole record; above it those of parts, which are run again."""
-PART = 128 << 10
-"""Bytes stored of a part."""
 
 
 class Backwards:
@@ -77,7 +73,7 @@ class Backwards:
         self._pull = RowFunction(self._pulled, size + self._count, folder, texts("pulled back"))
         given = self._code.total, sums, folder, texts("of their ends")
         self._judge = Judge(lambda: self._score, *given)
-        self._spare: list[_Run] = []
+        self._spare: list[PassRun] = []
 
     def _written(self) -> tuple[Any, ...]:
         """Number of the numbers that vary with a point, whether all is summed up, and the C."""
@@ -118,6 +114,11 @@ class Backwards:
         Raises:
             NoCodeError: where there is no compiler that works.
         """
+        if not at and self._whole is not None:
+            run = self._taken(len(rows))
+            found = run.value_and_gradient(z, rows, self._whole)
+            self._spare.append(run)
+            return found
         runs = self._begun(z, rows, at)
         end, kept = self._over(runs, storing=True)
         value, *weights = self._judge.weights(end, kept, data)
@@ -130,17 +131,22 @@ class Backwards:
 
     def value(self, z: np.ndarray, rows: np.ndarray, data: Data, at: Sequence[int] = ()) -> float:
         """The objective alone; arguments as of :meth:`value_and_gradient`."""
+        if not at and self._valued is not None:
+            run = self._taken(len(rows))
+            found = run.value(z, rows, self._valued)
+            self._spare.append(run)
+            return found
         runs = self._begun(z, rows, at)
         value = self._judge.value(*self._over(runs, storing=False), data)
         self._spare += runs
         return value
 
-    def _begun(self, z: np.ndarray, rows: np.ndarray, at: Sequence[int]) -> "list[_Run]":
+    def _begun(self, z: np.ndarray, rows: np.ndarray, at: Sequence[int]) -> list[PassRun]:
         """Runs over the parts of a record, at a point."""
         (numbers,), edges = self._numbers(z[None]), pairwise((0, *at, len(rows)))
-        return [self._taken(rows[a:b]).begun(numbers, rows[a:b]) for a, b in edges]
+        return [self._taken(b - a).begun(numbers, rows[a:b]) for a, b in edges]
 
-    def _taken(self, rows: np.ndarray) -> "_Run":
+    def _taken(self, samples: int) -> PassRun:
         """A spare run over as many samples, whose memory's pages are there already, or a new one.
 
         Other threads may take some at the same time.
@@ -150,73 +156,30 @@ class Backwards:
                 found = self._spare.pop()
             except IndexError:
                 break
-            if found.samples == len(rows):
+            if found.samples == samples:
                 return found
-        return _Run(self._library, self._code, self._count, len(rows))
+        return PassRun(self._library, self._code, self._size, self._count, samples)
 
-    def _over(self, runs: "list[_Run]", *, storing: bool) -> tuple[np.ndarray, np.ndarray]:
+    def _over(self, runs: list[PassRun], *, storing: bool) -> tuple[np.ndarray, np.ndarray]:
         """The numbers at the end, and the kept values."""
         side_by_side(lambda run: run.forwards(storing=storing), runs)
         return _total([run.end for run in runs]), runs[0].kept
 
     @cached_property
+    def _valued(self) -> Steps | None:
+        """The steps of a value in one call; None where some are not in C."""
+        found = self._numbers.address, self._judge.address
+        return Steps(*found) if all(found) else None
+
+    @cached_property
+    def _whole(self) -> Steps | None:
+        """The same of a gradient."""
+        pull = self._pull.address
+        return self._valued._replace(pull=pull) if self._valued and pull else None
+
+    @cached_property
     def _library(self) -> ctypes.CDLL:
-        found = library(self._code.text, self._folder, self._code.options)
-        for function, count in ((found.forwards, 6), (found.backwards, 7)):
-            function.argtypes = [*[ctypes.c_size_t] * 3, *[ctypes.c_void_p] * count]
-            function.restype = None
-        return found
-
-
-class _Run:
-    """A run over a record, or over one of those that lie end to end, with its memory.
-
-    Args:
-        library: with both passes.
-        code: of both.
-        count: of the numbers that vary with a point.
-        samples: of the record.
-
-    Attributes:
-        end: the numbers needed at the end.
-        kept: the values kept of each sample.
-    """
-
-    def __init__(self, library: Any, code: Code, count: int, samples: int) -> None:
-        self._library, self.samples = library, samples
-        self._part = part_of(samples, 8 * max(1, code.stored))
-        self._numbers, self._by_numbers = np.zeros(count), np.zeros(count)
-        self._saved = np.empty(-(-samples // self._part) * max(1, code.carried))
-        self.end, self.kept = np.empty(code.total), np.empty((samples, code.kept))
-        self._store, self._size = np.empty(0), self._part * max(1, code.stored)
-        self._results = address(self.kept), address(self.end)
-
-    def begun(self, numbers: np.ndarray, rows: np.ndarray) -> "_Run":
-        """The run at a point, over a record."""
-        self._numbers[:] = numbers
-        shape = self.samples, self._part, rows.shape[1]
-        self._rows, self._given = rows, (*shape, address(self._numbers), address(rows))
-        return self
-
-    def forwards(self, *, storing: bool) -> None:
-        """The pass over the record, which stores what the way back needs, or does not."""
-        if storing and not self._store.size:
-            self._store = np.empty(self._size)
-            self._stored = address(self._saved), address(self._store)
-        stored = self._stored if storing else (None, None)
-        self._library.forwards(*self._given, *stored, *self._results)
-
-    def backwards(self, by_end: np.ndarray, by_kept: np.ndarray) -> np.ndarray:
-        """The pass back: the derivatives by the numbers that vary with a point."""
-        self._by_numbers[:] = 0.0
-        weights = address(by_end), address(by_kept)
-        self._library.backwards(*self._given, *weights, *self._stored, address(self._by_numbers))
-        return self._by_numbers
-
-
-def part_of(samples: int, stored: int) -> int:
-    """Number of samples of a part, of which each stores some bytes."""
-    return samples if samples * stored <= STORED else max(1, PART // stored)
+        return linked(library(self._code.text, self._folder, self._code.options))
 
 
 def _total(parts: Sequence[np.ndarray]) -> np.ndarray:

@@ -112,6 +112,11 @@ class Judge:
         self._score, self.sums = score, sums
         self.of_ends = RowFunction(self._of_end, total, folder, kept)
 
+    @property
+    def address(self) -> int:
+        """The address of :attr:`of_ends` in C; 0 where there is none."""
+        return self.of_ends.address if self.sums else 0
+
     def value(self, end: np.ndarray, kept: np.ndarray, data: Data) -> float:
         """The objective alone; arguments as of :meth:`LoopScore.weights`."""
         if self.sums:

@@ -6,6 +6,7 @@ from textwrap import indent
 from typing import NamedTuple
 
 from tuner.native.fetching import fetching
+from tuner.native.pass_struct import STRUCT
 
 _HEAD = """\
 #include <math.h>
@@ -67,25 +68,29 @@ static void back(size_t n, size_t width, const double *restrict p, const double 
 }}
 """
 _WHOLE = """\
-void forwards(size_t n, size_t part, size_t width, const double *p, const double *u, double *saved,
-              double *store, double *kept, double *end)
+void forwards(const struct run *run, bool storing)
 {{
+    const size_t n = run->n, part = run->part, width = run->width;
+    const double *p = run->p, *u = run->u;
+    double *end = run->end;
 {state}
     for (size_t from = 0; from < n; from += part) {{
         const size_t count = n - from < part ? n - from : part;
-        if (saved) memcpy(saved + from / part * {carried}, state, {carried} * sizeof *state);
-        double *keep = kept ? kept + from * {keeps} : NULL;
-        if (store)
-            with_store(count, width, p, u + from * width, state, store, keep);
-        else
+        double *keep = {keeps} ? run->kept + from * {keeps} : NULL;
+        if (storing) {{
+            memcpy(run->saved + from / part * {carried}, state, {carried} * sizeof *state);
+            with_store(count, width, p, u + from * width, state, run->store, keep);
+        }} else
             without_store(count, width, p, u + from * width, state, keep);
     }}
 {total}
 }}
 
-void backwards(size_t n, size_t part, size_t width, const double *p, const double *u,
-               const double *e, const double *v, double *saved, double *store, double *out)
+void backwards(const struct run *run, const double *e, const double *v)
 {{
+    const size_t n = run->n, part = run->part, width = run->width;
+    const double *p = run->p, *u = run->u;
+    double *saved = run->saved, *store = run->store, *out = run->by_p;
 {weight}
     double slope[{slopes} + 1] = {{0}};
     for (size_t from = n - 1; from < n; from -= part) {{
@@ -96,7 +101,24 @@ void backwards(size_t n, size_t part, size_t width, const double *p, const doubl
                        NULL);
         back(count, width, p, u + from * width, e, v + from * {reals}, store, weight, slope);
     }}
+    memset(out, 0, run->count * sizeof *out);
 {out}
+}}
+
+void value(const struct run *run)
+{{
+    run->number(1, run->z, run->p);
+    forwards(run, false);
+    run->judge(1, run->end, run->judged);
+}}
+
+void gradient(const struct run *run)
+{{
+    run->number(1, run->z, run->p);
+    forwards(run, true);
+    run->judge(1, run->end, run->judged);
+    backwards(run, run->judged + 1, NULL);
+    run->pull(1, run->z, run->slope);
 }}
 """
 
@@ -104,12 +126,11 @@ void backwards(size_t n, size_t part, size_t width, const double *p, const doubl
 class Code(NamedTuple):
     """C of both passes.
 
-    It has functions ``forwards`` and ``backwards``, which run over a record in parts. Forwards
-    takes the numbers of samples, of those of a part, and of columns, the varying numbers, the
-    record, and memory: for the states where parts begin, for what is stored of the samples of a
-    part, for the values kept of each sample, and for the numbers needed at the end. Without the
-    first three it computes these alone. Backwards takes the derivatives by the numbers at the end
-    and by the kept ones, and writes those by the varying numbers.
+    Its functions take a :class:`tuner.native.pass_struct.Given`. ``forwards`` and ``backwards``
+    run over a record in parts. Forwards writes the numbers needed at the end and the values kept
+    of each sample; if it stores, also the states where parts begin, and what the way back reads of
+    the last part. Backwards takes the derivatives by the numbers at the end and by the kept ones,
+    and writes those by the varying numbers. ``value`` and ``gradient`` do all from a point on.
 
     Attributes:
         text: the source.
@@ -224,4 +245,4 @@ def framed(functions: str, sizes: Sizes, forth: Forth, back: Back, around: Aroun
         reals=sizes.reals,
         slopes=sizes.slopes,
     )
-    return "\n".join([_HEAD, functions, one, other, whole])
+    return "\n".join([_HEAD, functions, one, other, STRUCT, whole])

@@ -4,6 +4,7 @@ import ctypes
 from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import jax
 import numpy as np
@@ -78,6 +79,12 @@ class RowFunction:
         call(len(rows), address(given), address(found))
         return found
 
+    @property
+    def address(self) -> int:
+        """Its address in C, ``void rows(size_t B, const double *x, double *y)``; 0 without any."""
+        call = self._compiled and self._compiled[0]
+        return ctypes.cast(call, ctypes.c_void_p).value or 0 if call else 0
+
     @cached_property
     def _by_jax(self) -> Callable[[np.ndarray], Array]:
         return jax.jit(self._function)
@@ -87,7 +94,7 @@ class RowFunction:
         return jax.jit(jax.vmap(self._function))
 
     @cached_property
-    def _compiled(self) -> tuple[Callable[[int, int, int], None], int] | None:
+    def _compiled(self) -> tuple[Any, int] | None:
         """The function of addresses in C, and m; None where there is none."""
         try:
             text, count = self._kept(lambda: _source(self._function, self._size))
