@@ -202,7 +202,9 @@ class TiltKalman:
         # One joint update, as the standard filter has it, takes f at the prediction.
         again = self.law == "two-step" and self.innovation == "nonlinear"
         at = after.x if again else ahead.x
-        expected = self._expected(C, at) + (C * (after.x - at)).sum(axis=1)
+        expected = self._expected(C, at)
+        if not again:
+            expected = expected + (C * (after.x - at)).sum(axis=1)
         r = self._variances(params, state.r, a[:2] - expected, detected)
         estimate, leaned = linearised(after, C, r, a[:2], expected)
         innovation = jnp.stack([*(one.value for one in turned), *leaned.innovation])
@@ -224,7 +226,9 @@ class TiltKalman:
             return jnp.where(detected, params.r_big, nominal)
         size = jnp.abs(e) if self.residual == "absolute" else e
         size = jnp.where(jnp.isnan(size), 0.0, size)
-        grown = jnp.maximum(params.alpha1 * r + params.alpha2 * size, params.r_nom)
+        grown = params.alpha1 * r + params.alpha2 * size
+        # Not jnp.maximum, which compares twice: the derivative of a tie is half of each.
+        grown = jnp.where(grown < nominal, nominal, grown)
         share = 1.0 if self.fading == "printed" else 1 - params.alpha1
         return jnp.where(detected, grown, params.alpha1 * r + share * params.r_nom)
 
@@ -248,7 +252,8 @@ def tilt_transition(x: Array, dt: float) -> Array:
 def tilt_disturbance(x: Array, q1: Array, dt: float) -> Array:
     """Q_k after (4), ``(5, 5)``, of angular accelerations with the density q1."""
     W = _kinematics(x)
-    WW = (W[:, None, :] * W[None, :, :]).sum(axis=2)
+    # W W', as sin^2 + cos^2 = 1.
+    WW = jnp.diag(jnp.stack([jnp.ones_like(x[0]), 1 + jnp.tan(x[0]) ** 2]))
     upper = jnp.concatenate([dt**3 / 3 * WW, dt**2 / 2 * W], axis=1)
     lower = jnp.concatenate([dt**2 / 2 * W.T, dt * jnp.eye(3, dtype=x.dtype)], axis=1)
     return q1 * jnp.concatenate([upper, lower])
