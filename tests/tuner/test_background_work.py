@@ -67,9 +67,9 @@ def test_c_is_compiled_beside_the_trial_of_its_filter(monkeypatch):
     measured = Event()
     tried = machine._tried
 
-    def waits(found):
+    def waits(*given):
         assert measured.wait(60), "the size was asked for after the trial"
-        return tried(found)
+        return tried(*given)
 
     monkeypatch.setattr(machine, "_tried", waits)
     monkeypatch.setattr(machine, "size", lambda *_: measured.set())
@@ -81,7 +81,7 @@ def test_c_is_compiled_beside_the_trial_of_its_filter(monkeypatch):
 
 
 def test_a_filter_that_cannot_be_tried_is_told_with_the_reason(monkeypatch):
-    def fails(found):
+    def fails(*_):
         raise ValueError("it has no samples")
 
     monkeypatch.setattr(machine, "_tried", fails)
@@ -90,6 +90,22 @@ def test_a_filter_that_cannot_be_tried_is_told_with_the_reason(monkeypatch):
     found, records = machine.in_all_variants(tuned(name="track"), trials)
     assert found == {}
     assert [record.refused for record in records] == ["it has no samples"] * 2
+
+
+def test_a_filter_that_cannot_be_tried_in_one_precision_is_tried_in_the_other(monkeypatch):
+    tried = machine._tried
+
+    def fails(found, before=None):
+        if next(iter(found.values())).traced.precision == "double":
+            raise ValueError("it has no samples")
+        assert before is None
+        return tried(found)
+
+    monkeypatch.setattr(machine, "_tried", fails)
+    monkeypatch.setattr(machine, "size", lambda *_: None)
+    trials = {"full": Trial(AlphaBeta(0.1), AlphaBetaGains(0.5, 0.1), np.arange(60.0))}
+    _, records = machine.in_all_variants(tuned(name="track"), trials)
+    assert [record.refused for record in records] == ["it has no samples", ""]
 
 
 @pytest.mark.usefixtures("stored")

@@ -57,10 +57,15 @@ class Prepared(NamedTuple):
         note = getattr(self.filter, "note", "")
         return implemented(self.traced, stem, note, tunable=tunable, program=program)
 
-    def tried(self) -> Reference:
-        """Its test samples, with what it makes of them."""
+    def tried(self, before: Reference | None = None) -> Reference:
+        """Its test samples, with what it makes of them.
+
+        Args:
+            before: those in another precision, whose single steps are looked at first.
+        """
         kept, precision = self.traced.kept, self.traced.precision
-        return reference(self.filter, self.params, self.inputs, kept, precision, self.program)
+        given = self.filter, self.params, self.inputs, kept, precision, self.program
+        return reference(*given, before)
 
 
 class Ready(NamedTuple):

@@ -1,7 +1,7 @@
 """The constants that no step of a self-test shows yet, and where to look for such steps."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
@@ -20,6 +20,7 @@ class Hidden:
 
     Args:
         step: whose constants they are.
+        given_up: those that are not looked for.
 
     Attributes:
         mutants: these, but those of which is proven that they have no effect.
@@ -27,9 +28,9 @@ class Hidden:
         uses: of results with a constant, in long steps; those that did not show yet.
     """
 
-    def __init__(self, step: Step) -> None:
+    def __init__(self, step: Step, given_up: Collection[Mutant] = ()) -> None:
         self._step = step
-        self.mutants: list[Mutant] = list(step.mutants)
+        self.mutants: list[Mutant] = [one for one in step.mutants if one not in given_up]
         self.idle = set(self.mutants)
         long = len(step.order) > LONG
         self.uses = set(uses_of(step.graph, step.order, self.mutants) if long else ())

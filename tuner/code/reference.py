@@ -50,6 +50,7 @@ def reference(
     kept: Sequence[bool],
     precision: Precision,
     program: Program | None = None,
+    before: Reference | None = None,
 ) -> Reference:
     """Run a filter over some of its samples, in the target's precision.
 
@@ -63,6 +64,7 @@ def reference(
         kept: which of its outputs, flat, are included.
         precision: double or float.
         program: its formulas; None: single steps are not searched for.
+        before: the same in another precision, whose single steps are looked at first.
     """
     own = ReferenceFilter(filter, params, np.float32 if precision == "float" else np.float64)
     samples = _with_holes(own, selected_samples(inputs))
@@ -88,7 +90,8 @@ def reference(
     met = own.met(states)
     if program is None:
         return replace(found, steps=drawn_steps(own, met, samples, wanted, share))
-    return replace(found, steps=searched_steps(own, program, met, samples, wanted))
+    known = before.steps.before() if before and before.steps else None
+    return replace(found, steps=searched_steps(own, program, met, samples, wanted, known))
 
 
 def _beside(samples: Any, dtype: type[np.floating]) -> Iterator[Any]:

@@ -34,8 +34,8 @@ class Found:
         states, samples: a field each, ``(C, ...)``.
         chosen: the same, with what shows in each.
         tried: number of states that were looked at.
-        idle: number of constants that had no effect in any of them: not even doubled, or in a long
-            step by their derivatives.
+        idle: constants that had no effect in any of them: not even doubled, or in a long step by
+            their derivatives.
         faint: constants that show in some of them, if at all.
     """
 
@@ -43,25 +43,56 @@ class Found:
     samples: Arrays
     chosen: Chosen
     tried: int
-    idle: int
+    idle: set[Mutant]
     faint: list[Mutant]
 
 
-def search(step: Step, around: Around, by_jax: Results) -> Found:
+@dataclass(frozen=True, eq=False)
+class Before:
+    """What a search of the same step in another precision found.
+
+    Attributes:
+        states, samples: its steps, a field each, ``(C, ...)``.
+        tried, idle: as of :class:`Found`.
+        undetected: constants that show in none of its steps.
+        formulas: operations of a step, in order.
+    """
+
+    states: Arrays
+    samples: Arrays
+    tried: int
+    idle: set[Mutant]
+    undetected: Sequence[Mutant]
+    formulas: Sequence[str]
+
+    def beside(self, drawn: tuple[Arrays, Arrays]) -> tuple[Arrays, Arrays]:
+        """Its steps with those that were drawn, states and samples."""
+        return _joined(self.states, drawn[0]), _joined(self.samples, drawn[1])
+
+    def given_up(self, step: Step) -> set[Mutant]:
+        """The constants of a step that are not looked for again: none where its formulas differ."""
+        return set(self.undetected if self.formulas == formulas(step) else ())
+
+
+def search(step: Step, around: Around, by_jax: Results, before: Before | None = None) -> Found:
     """Steps that together show as many constants as can be.
 
     Args:
         step: the filter's.
         around: where states are drawn.
         by_jax: JAX's results of steps, with which those of a long step have to agree.
+        before: what was found in another precision. Its steps are looked at with the first, and
+            where the formulas are the same, what did not show is not looked for.
     """
     draw, tried, chosen = np.random.default_rng(0), 0, Chosen()
-    program, hidden, faint = step.program, Hidden(step), Faint()
+    given_up = before.given_up(step) if before else set[Mutant]()
+    program, hidden, faint = step.program, Hidden(step, given_up), Faint()
     together, inverses = Together(step), Inverses(step)
     for drawn, beside in batches(step, around, draw, hidden):
         if not hidden.mutants:
             break
-        states, samples = (rounded(part, program.precision) for part in drawn)
+        looked_at = before.beside(drawn) if before and not tried else drawn
+        states, samples = (rounded(part, program.precision) for part in looked_at)
         given = by_node(program, states, samples)
         tried += len(next(iter(given.values()), ()))
         if len(step.order) > LONG:
@@ -95,7 +126,18 @@ def search(step: Step, around: Around, by_jax: Results) -> Found:
         chosen.take(one)
     whole, fields = _by_fields(step, chosen.steps), len(program.state)
     parts = whole[:fields], whole[fields:]
-    return Found(*parts, chosen, tried, len(hidden.idle), faint.mutants)
+    tried += before.tried if before else 0
+    idle = hidden.idle | (before.idle & given_up if before else set())
+    return Found(*parts, chosen, tried, idle, faint.mutants)
+
+
+def _joined(some: Arrays, others: Arrays) -> Arrays:
+    return [np.concatenate(both) for both in zip(some, others, strict=True)]
+
+
+def formulas(step: Step) -> list[str]:
+    """The operations of a step, in order: the same in both precisions, but for rounding."""
+    return [step.graph.nodes[k].op for k in step.order]
 
 
 def _improved(step: Step, faint: Faint, draw: np.random.Generator) -> Faint:

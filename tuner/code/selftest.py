@@ -147,6 +147,6 @@ def _comment(steps: Steps) -> Iterator[str]:
         yield " * changed by a thousandth, each of these moves a result further than is allowed."
     if steps.detected < steps.constants:
         yield f" * The other {steps.constants - steps.detected} move none beyond rounding,"
-        idle = f"; {steps.idle} have no effect there" if steps.idle else ""
+        idle = f"; {len(steps.idle)} have no effect there" if steps.idle else ""
         yield f" * in {steps.looked_at} steps from states near and far{idle}."
     yield " */"

@@ -16,7 +16,7 @@ from tuner.code.mutants import Mutant
 from tuner.code.operations import kind_of
 from tuner.code.program import Program
 from tuner.code.reference_filter import SAMPLES, ReferenceFilter
-from tuner.code.search import Found, search
+from tuner.code.search import Before, Found, formulas, search
 from tuner.code.states import Around, Arrays, by_field, by_node, column
 
 STEPS, _UNSEARCHED = 40, 4
@@ -33,10 +33,11 @@ class Steps:
         allowed, allowed_after: their tolerances.
         constants: number of constants in the formulas of a step.
         undetected: those that show in none of these steps when changed by a thousandth.
-        idle: number of those that had no effect at all: not even doubled, or in a long step by
-            their derivatives.
+        idle: those that had no effect at all: not even doubled, or in a long step by their
+            derivatives.
         looked_at: number of steps among which these were found.
         around: where they were drawn.
+        formulas: operations of a step, in order.
     """
 
     states: Arrays
@@ -47,18 +48,29 @@ class Steps:
     allowed_after: Arrays
     constants: int
     undetected: list[Mutant]
-    idle: int
+    idle: set[Mutant]
     looked_at: int
     around: Around
+    formulas: list[str]
 
     @property
     def detected(self) -> int:
         """Number of constants that show."""
         return self.constants - len(self.undetected)
 
+    def before(self) -> Before:
+        """What they are for a search of the same step in another precision."""
+        counts = self.looked_at, self.idle
+        return Before(self.states, self.samples, *counts, self.undetected, self.formulas)
+
 
 def searched_steps(
-    own: ReferenceFilter, program: Program, met: Arrays, samples: Any, wanted: Sequence[int]
+    own: ReferenceFilter,
+    program: Program,
+    met: Arrays,
+    samples: Any,
+    wanted: Sequence[int],
+    before: Before | None = None,
 ) -> Steps | None:
     """Steps in which constants show, with JAX's results."""
     step = Step(program)
@@ -69,7 +81,7 @@ def searched_steps(
     def ran(states: Arrays, given: Arrays) -> tuple[Arrays, Arrays]:
         return _ran(own, jax.tree.structure(samples), states, given, wanted)
 
-    found = search(step, around, lambda *given: _roots(program, *ran(*given)))
+    found = search(step, around, lambda *given: _roots(program, *ran(*given)), before)
     if not found.chosen.steps:
         return None
     return _judged(step, found, around, *ran(found.states, found.samples))
@@ -113,6 +125,7 @@ def _judged(step: Step, found: Found, around: Around, after: Arrays, outputs: Ar
     right = right.of(same)
     most, rest = by_field(program.state, allowed(step, right))
     most_out, _ = by_field(program.outputs, rest)
+    missed = undetected(step, right)
     return Steps(
         [x[same] for x in found.states],
         [x[same] for x in found.samples],
@@ -121,10 +134,11 @@ def _judged(step: Step, found: Found, around: Around, after: Arrays, outputs: Ar
         most_out,
         most,
         len(step.mutants),
-        undetected(step, right),
-        found.idle,
+        missed,
+        found.idle.intersection(missed),
         found.tried,
         around,
+        formulas(step),
     )
 
 
@@ -170,7 +184,7 @@ def drawn_steps(
     starts, given = ([x[which] for x in part] for part in drawn)
     n = len(met)
     ends = right[n:], right[:n], most[n:], most[:n]
-    return Steps(starts, given, *ends, 0, [], 0, SAMPLES, around)
+    return Steps(starts, given, *ends, 0, [], set(), SAMPLES, around, [])
 
 
 def _near(x: np.ndarray, dtype: type[np.floating], errors: np.ndarray) -> np.ndarray:

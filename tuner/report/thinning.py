@@ -1,7 +1,5 @@
 """Fewer points that look alike."""
 
-from itertools import pairwise
-
 import numpy as np
 
 STEPS = 1e5
@@ -22,17 +20,16 @@ def rows(values: np.ndarray, most: int) -> np.ndarray:
     count = len(values)
     if count <= most:
         return np.arange(count)
-    edges = np.linspace(0, count, most // 2 + 1).astype(int)
-    chosen = [0, count - 1]
-    finite, missing = np.isfinite(values), np.isnan(values)
-    bottom, top = (np.where(missing, end, values) for end in (np.inf, -np.inf))
-    for low, high in pairwise(edges.tolist()):
-        there = finite[low:high]
-        if there.any():
-            chosen += [low + int(bottom[low:high].argmin()), low + int(top[low:high].argmax())]
-        if not there.all():
-            chosen.append(low + int(there.argmin()))
-    return np.unique(chosen)
+    edges = np.linspace(0, count, max(most // 2, 1) + 1).astype(int)
+    width = np.diff(edges).max()
+    at = np.minimum(edges[:-1, None] + np.arange(width), edges[1:, None] - 1)
+    each, there = np.arange(len(at)), np.isfinite(values)[at]
+    missing, inside = np.isnan(values)[at], values[at]
+    least = at[each, np.where(missing, np.inf, inside).argmin(axis=1)]
+    largest = at[each, np.where(missing, -np.inf, inside).argmax(axis=1)]
+    gap = at[each, there.argmin(axis=1)]
+    some, broken = there.any(axis=1), ~there.all(axis=1)
+    return np.unique([0, count - 1, *least[some], *largest[some], *gap[broken]])
 
 
 def rounded(values: np.ndarray, *, log: bool) -> list[float | None]:

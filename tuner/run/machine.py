@@ -79,11 +79,13 @@ def _prepared(
     return found
 
 
-def _tried(found: Mapping[str, Prepared]) -> dict[str, Reference]:
+def _tried(
+    found: Mapping[str, Prepared], before: Mapping[str, Reference] | None = None
+) -> dict[str, Reference]:
     tried = dict[str, Reference]()
     for name, one in found.items():
         with _traced_in(one.filter, one.traced.precision):
-            tried[name] = one.tried()
+            tried[name] = one.tried((before or {}).get(name))
     return tried
 
 
@@ -120,7 +122,10 @@ def in_all_variants(
     with at_once(2) as pool, at_once(1) as compiler:
         precisions = dict.fromkeys(variant.precision for variant in VARIANTS)
         ready = {one: pool.submit(_prepared, tuned, trials, one) for one in precisions}
-        tried = {one: pool.submit(lambda own: _tried(own.result()), ready[one]) for one in ready}
+        tried = dict[Precision, Future[dict[str, Reference]]]()
+        for precision, own in ready.items():
+            before = next(reversed(tried.values()), None)
+            tried[precision] = pool.submit(_tried_after, own, before)
         begun = [_begun(tuned, ready[v.precision], v, compiler) for v in VARIANTS]
         for variant, part in zip(VARIANTS, begun, strict=True):
             try:
@@ -131,6 +136,17 @@ def in_all_variants(
             if not variant.tunable:
                 records.append(record)
     return found, records
+
+
+def _tried_after(
+    ready: Future[dict[str, Prepared]], before: Future[dict[str, Reference]] | None
+) -> dict[str, Reference]:
+    """Test samples in one precision after those in another: most of its single steps serve again.
+
+    Both at once would take longer: each waits for the other's turn in the interpreter.
+    """
+    found = before.result() if before is not None and before.exception() is None else None
+    return _tried(ready.result(), found)
 
 
 class _Begun(NamedTuple):
