@@ -26,10 +26,17 @@ _ROWS = (
     "-fno-trapping-math",
 )
 """Options for loops over rows of matrices, whose sums may be taken in any order."""
-_SCALARS = ("-mtune=generic",)
+_SCALARS = (
+    "-mtune=generic",
+    "-fno-gcse",
+    "-frename-registers",
+    "-fno-reorder-blocks",
+    "-fno-reorder-blocks-and-partition",
+)
 """Options for samples of many scalars: tuned for a processor, GCC keeps real numbers in registers
-of whole ones, and to move them takes longer than memory does."""
-_FEW_SCALARS = ("-fschedule-insns", "-fsched-pressure", "-fno-tree-slp-vectorize", "-fno-gcse")
+of whole ones, and to move them takes longer than memory does. What is stored under a condition it
+moves far from the rest, and jumps there and back a hundred times in a sample."""
+_FEW_SCALARS = ("-fschedule-insns", "-fsched-pressure", "-fno-tree-slp-vectorize")
 """Further options where a sample has a few thousand of them at most."""
 LONG = 4000
 """Lines beyond which code is optimised less, if no option tells otherwise: in two thirds of the
