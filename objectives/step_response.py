@@ -146,7 +146,9 @@ class StepResponse:
 
     def _inertia(self, total: StepSum, lag: Array, truth: StepTruth) -> tuple[Array, Array]:
         if self.crossing is Crossing.HINGE:
-            return total.inertia + truth.lag_weight * jnp.maximum(lag, 0.0) ** 2, total.reached
+            # Not jnp.maximum: where it is 0, so is the derivative, whatever a tie is worth.
+            late = jnp.where(lag <= 0, 0.0, lag)
+            return total.inertia + truth.lag_weight * late**2, total.reached
         arrived = (lag <= 0) & (truth.step != 0)
         weight = jnp.where(arrived, truth.last_weight, truth.lag_weight)
         weight = jnp.where(total.reached, 0.0, weight)
