@@ -4,6 +4,7 @@ import threading
 import time
 from dataclasses import replace
 from itertools import islice
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -55,18 +56,19 @@ def test_long_descents_run_at_the_same_time(monkeypatch):
     assert [found.z.item() for found in islice(ends, 4)] == [0, 1, 2, 3]
 
 
-def test_others_begin_after_a_few_long_evaluations(monkeypatch):
+@pytest.mark.parametrize(("seconds", "count"), [(2e-3, 1), (4e-4, 3)])
+def test_others_begin_once_long_evaluations_have_taken_a_while(seconds, count, monkeypatch):
     monkeypatch.setattr(side_by_side, "ALONE", 2 * PATIENCE)
-    monkeypatch.setattr(side_by_side, "LONG", 0.0)
     together = threading.Barrier(2)
+    slow = SimpleNamespace(known_starts=(), value=lambda z: time.sleep(seconds))
 
     def descend(problem, z):
-        for _ in range(3):
-            problem.value(np.zeros(2))
+        for _ in range(count):
+            problem.value(z)
         together.wait(PATIENCE)
         return end(z)
 
-    ends = descents(problem(bowl), descend, np.arange(8.0), 4, threads=2)
+    ends = descents(slow, descend, np.arange(8.0), 4, threads=2)
     assert [found.z.item() for found in islice(ends, 4)] == [0, 1, 2, 3]
 
 

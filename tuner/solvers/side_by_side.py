@@ -22,8 +22,8 @@ ALONE = 0.02
 their time goes to Python, which one thread runs at a time."""
 LONG = 2.5e-4
 """An evaluation that takes longer, s, is one of a long descent."""
-_FIRST = 3
-"""Long evaluations after which the others begin; a single one may be long for other reasons."""
+_ENOUGH = 1e-3
+"""Time in long evaluations, s, after which the others begin; one may be long for other reasons."""
 
 
 def descents(
@@ -90,13 +90,13 @@ class _Watched:
     Attributes:
         problem: the problem.
         over: set where the search is given up.
-        long: set after the first long evaluations.
+        long: set once long evaluations have taken a while.
     """
 
     problem: Problem
     over: Event
     long: Event
-    _slow: list[float] = field(default_factory=list)
+    _spent: list[float] = field(default_factory=lambda: [0.0])
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.problem, name)
@@ -114,8 +114,9 @@ class _Watched:
             raise CancelledError("the search was given up")
         start = time.perf_counter()
         found = evaluate(z)
-        if len(self._slow) < _FIRST and (took := time.perf_counter() - start) > LONG:
-            self._slow.append(took)
-            if len(self._slow) >= _FIRST:
+        took = time.perf_counter() - start
+        if self._spent[0] <= _ENOUGH and took > LONG:
+            self._spent[0] += took
+            if self._spent[0] > _ENOUGH:
                 self.long.set()
         return found
