@@ -25,7 +25,7 @@ from tuner.solvers.side_by_side import ALONE, descents
 from tuner.solvers.simplex import boxed
 
 PART = "Four starts"
-STARTS, SEEDS, ROUNDS = 4, (1, 2, 3), 5
+STARTS, SEEDS, ROUNDS = 4, (1, 2, 3), 9
 ENOUGH = 1.8
 LIMITS = {"gtol": 1e-8, "maxiter": 200}
 TRIALS = 60
