@@ -117,13 +117,8 @@ def search(step: Step, around: Around, by_jax: Results, before: Before | None = 
     if len(step.order) <= LONG:
         faint.leave(hidden.mutants)
         faint = _improved(step, faint, draw)
-    for one, more in inverses.steps():
-        chosen.take(one, more)
-    for one, more, groups in together.steps():
-        chosen.take(one, more, groups)
     faint.leave(hidden.mutants)
-    for one in faint.steps:
-        chosen.take(one)
+    _take_rest(chosen, inverses, together, faint)
     whole, fields = _by_fields(step, chosen.steps), len(program.state)
     parts = whole[:fields], whole[fields:]
     tried += before.tried if before else 0
@@ -172,6 +167,16 @@ def _take(chosen: Chosen, hidden: Hidden, shown: Shown, steps: Arrays) -> None:
         hidden.leave(rest)
         hidden.uses.difference_update(uses)
         shows, used = shows[rest], {one: row for one, row in used.items() if not row[best]}
+
+
+def _take_rest(chosen: Chosen, inverses: Inverses, together: Together, faint: Faint) -> None:
+    """Choose what matters less than the constants that show alone."""
+    for one, more in inverses.steps():
+        chosen.take(one, more)
+    for one, more, groups in together.steps():
+        chosen.take(one, more, groups)
+    for one in faint.steps:
+        chosen.take(one)
 
 
 def _commonest(shown: Mapping[Mutant, np.ndarray]) -> int:
