@@ -121,7 +121,8 @@ def search(step: Step, around: Around, by_jax: Results, before: Before | None = 
     _take_rest(chosen, inverses, together, faint)
     whole, fields = _by_fields(step, chosen.steps), len(program.state)
     parts = whole[:fields], whole[fields:]
-    tried += before.tried if before else 0
+    # Of those given up the other search tried each in its steps, of the rest this one.
+    tried = min(tried, before.tried) if before and given_up else tried
     idle = hidden.idle | (before.idle & given_up if before else set())
     return Found(*parts, chosen, tried, idle, faint.mutants)
 
