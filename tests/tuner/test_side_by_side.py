@@ -72,6 +72,19 @@ def test_others_begin_once_long_evaluations_have_taken_a_while(seconds, count, m
     assert [found.z.item() for found in islice(ends, 4)] == [0, 1, 2, 3]
 
 
+@pytest.mark.parametrize(("threads", "descending"), [(2, 2), (3, 3), (64, 4)])
+def test_threads_start_before_the_first_descent_and_no_more_than_descents(threads, descending):
+    beside = []
+
+    def descend(problem, z):
+        pool = threading.current_thread().name.rpartition("_")[0]
+        beside.append(sum(each.name.startswith(pool) for each in threading.enumerate()))
+        return end(z)
+
+    list(descents(problem(bowl), descend, np.arange(4.0), 4, threads))
+    assert beside == [descending] * 4
+
+
 @pytest.mark.parametrize("alone", [0.0, PATIENCE], ids=["at once", "one after another"])
 def test_random_starts_are_begun_first(alone, monkeypatch):
     monkeypatch.setattr(side_by_side, "ALONE", alone)

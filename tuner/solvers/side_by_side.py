@@ -51,7 +51,7 @@ def descents(
     begun: dict[int, Future[Minimum]] = {}
     wanted, short = count, True
     news = Event()
-    with _pool(problem, descend, threads, news) as begin:
+    with _pool(problem, descend, min(threads, count), news) as begin:
         for at in range(len(points)):
             while at not in begun or (not short and len(begun) < min(wanted, len(points))):
                 k = order[len(begun)]
@@ -70,17 +70,28 @@ def descents(
 def _pool(problem: Problem, descend: Descent, threads: int, long: Event) -> Iterator[Begin]:
     """Threads that make descents; once something is raised, none of them goes on.
 
-    ``long`` is set where evaluations are so long that descents will be, too.
+    All of them start before the first descent: one that starts while another computes begins its
+    work up to 5 ms late. ``long`` is set where evaluations are so long that descents will be, too.
     """
-    over, pool = Event(), ThreadPoolExecutor(threads, initializer=beside_others)
+    over, begun = Event(), Event()
+    pool = ThreadPoolExecutor(threads, initializer=beside_others)
     watched = cast("Problem", _Watched(problem, over, long))
+
+    def begin(z: np.ndarray) -> "Future[Minimum]":
+        descent = pool.submit(descend, watched, z)
+        begun.set()
+        return descent
+
+    for _ in range(threads - 1):
+        pool.submit(begun.wait)
     try:
-        yield lambda z: pool.submit(descend, watched, z)
+        yield begin
     except BaseException:
         over.set()
-        pool.shutdown(wait=False, cancel_futures=True)
         raise
-    pool.shutdown()
+    finally:
+        begun.set()
+        pool.shutdown(wait=not over.is_set(), cancel_futures=True)
 
 
 @dataclass(frozen=True, eq=False)
