@@ -269,6 +269,12 @@ def test_equal_problems_share_one_compilation():
     again().value(np.ones(2))
     again().value_and_gradient(np.ones(2))
     assert (value_of._cache_size(), value_and_gradient_of._cache_size()) == sizes
+    one = again()
+    one.value(np.ones(2))
+    given = one.score(one.parameters(np.ones(2)))
+    assert given == one.value(np.ones(2))
+    assert value_of._cache_size() == sizes[0]
+    assert one.scored is one.scored
     other = dataclasses.replace(again(), objective=lambda outputs, _: outputs.sum())
     other.value(np.ones(2))
     assert value_of._cache_size() == sizes[0] + 1

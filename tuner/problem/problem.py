@@ -129,18 +129,21 @@ class Problem:
         """The same by XLA; it may not be a number."""
         return self._scored(*self._at(z)[1:-1])
 
-    def _scored(self, z: np.ndarray, values: dict[str, np.ndarray], given: np.bool) -> float:
+    def _scored(self, z: np.ndarray, values: dict[str, Any], given: np.bool | Array) -> float:
         if self.in_lines is not None:
             return self.in_lines.value(z, values, bool(given))
         return float(value_of(self.scored, z, values, given, self.data))
 
     def _at(self, z: np.ndarray) -> tuple[Any, ...]:
         """The parameters and data from which the objective at z follows."""
-        return self.scored, np.asarray(z, float), self._begun, np.False_, self.data
+        return self.scored, np.asarray(z, float), *self._by_z, self.data
 
     @cached_property
-    def _begun(self) -> dict[str, np.ndarray]:
-        return self.parameters(self.space.start())
+    def _by_z(self) -> tuple[dict[str, Array], Array]:
+        """Values by name that are not meant, and that they are not; they lie where XLA reads."""
+        unused = self.parameters(self.space.start()), np.False_
+        on_device: tuple[dict[str, Array], Array] = jax.device_put(unused)
+        return on_device
 
     @cached_property
     def in_lines(self) -> Lines | None:
@@ -336,12 +339,12 @@ class Problem:
         wanted = self.steady is True
         return share_of_constant_gains(self.static, self.space.start(), self.data, wanted=wanted)
 
-    @property
+    @cached_property
     def scored(self) -> "Static":
         """The static part of its values and gradients."""
         return self.static._replace(steady=self.settled > 0)
 
-    @property
+    @cached_property
     def static(self) -> "Static":
         """The static part for which code is compiled: everything but the numbers."""
         build = Assemble(self.filter) if self.build is None else self.build
