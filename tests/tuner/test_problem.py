@@ -269,15 +269,16 @@ def test_equal_problems_share_one_compilation():
     again().value(np.ones(2))
     again().value_and_gradient(np.ones(2))
     assert (value_of._cache_size(), value_and_gradient_of._cache_size()) == sizes
-    one = again()
-    one.value(np.ones(2))
-    given = one.score(one.parameters(np.ones(2)))
-    assert given == one.value(np.ones(2))
-    assert value_of._cache_size() == sizes[0]
-    assert one.scored is one.scored
     other = dataclasses.replace(again(), objective=lambda outputs, _: outputs.sum())
     other.value(np.ones(2))
     assert value_of._cache_size() == sizes[0] + 1
+
+
+def test_what_a_problem_is_compiled_for_is_made_once():
+    one = problem(bowl)
+    assert one.scored is one.scored
+    assert one.static is one.static
+    assert dataclasses.replace(one, objective=hollow).static != one.static
 
 
 def test_new_numbers_in_the_data_need_no_new_compilation():
