@@ -9,13 +9,15 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from filters import LocalLevel, LocalLevelNoise, run
+from filters import Lanes, LocalLevel, LocalLevelNoise, run
 from filters.local_level import LevelSample
+from objectives import Data, InnovationLikelihood
 from tests.tuner.model.documents import SHORT, made
 from tests.tuner.stored import forget
-from tuner import code_version, programs_ahead, stored_programs
+from tuner import Positive, Problem, Space, code_version, programs_ahead, stored_programs
 from tuner.cached import digest, program_folder
-from tuner.problem.programs import run_filter
+from tuner.problem import lines
+from tuner.problem.programs import run_filter, sum_of
 from tuner.programs_ahead import Programs
 from tuner.stored_programs import StoredProgram, as_last_time, stored_text
 
@@ -68,6 +70,26 @@ def test_it_runs_on_other_numbers_than_those_it_was_made_with(filter, only_found
     only_found()
     found, exact = another()(filter, *other), run(filter, *other)[1]
     assert np.allclose(found.level, exact.level, rtol=1e-13)
+
+
+@pytest.mark.usefixtures("stored")
+def test_the_value_of_many_recordings_is_found(filter, only_found, monkeypatch):
+    monkeypatch.setattr(lines, "LEAST", 0)
+    side_by_side = LevelSample(np.sin(np.arange(60.0)).reshape(30, 2))
+    data = Data(side_by_side, side_by_side.z)
+    space = Space.of(q=Positive(0.3, 1e-3, 1e3), R=Positive(2.0, 1e-3, 1e3))
+
+    def value():
+        program = StoredProgram(sum_of.__wrapped__, 1, {})
+        program.traced = None  # of arguments that it cannot be stored for
+        monkeypatch.setattr(lines, "sum_of", program)
+        problem = Problem("two", space, Lanes(filter, 2), None, InnovationLikelihood(), data)
+        assert problem.in_lines is not None
+        return problem.value_by_xla(problem.space.start())
+
+    first = value()
+    only_found()
+    assert value() == first
 
 
 @pytest.mark.usefixtures("stored")

@@ -49,7 +49,7 @@ class Lines:
     static: Static
     parts: tuple[Data, ...]
 
-    def value(self, z: np.ndarray, values: dict[str, np.ndarray], given: bool) -> float:
+    def value(self, z: np.ndarray, values: dict[str, Array], given: Array) -> float:
         """The objective at z ``(n,)``, or of values by name where these are given."""
         totals = self._each(partial(sum_of, self.static, z, values, given))
         return float(judged_of(self.static.objective, _added(totals))[0])

@@ -10,7 +10,7 @@ import numpy as np
 from filters import Lanes
 from objectives import Data
 from tuner.problem.problem import Problem
-from tuner.problem.programs import value_of
+from tuner.problem.programs import by_name, value_of
 
 
 def mean_on(problem: Problem, parameters: Mapping[str, Any], data: Data) -> float:
@@ -34,6 +34,7 @@ def mean_on(problem: Problem, parameters: Mapping[str, Any], data: Data) -> floa
     if missing:
         raise ValueError(f"{problem.name} has no value for {', '.join(missing)}: give them all")
     values = {name: np.asarray(parameters[name], float) for name in problem.space.names}
+    given = by_name(values, given=True)
     records = np.shape(jax.tree.leaves(data)[0])[1]
     total: float = 0.0
     for first in range(0, records, problem.filter.count):
@@ -41,5 +42,5 @@ def mean_on(problem: Problem, parameters: Mapping[str, Any], data: Data) -> floa
         which = slice(first, first + count)
         part = jax.tree.map(lambda leaf, at=which: np.asarray(leaf)[:, at], data)
         static = problem.static._replace(filter=replace(problem.filter, count=count))
-        total += count * float(value_of(static, problem.space.start(), values, np.True_, part))
+        total += count * float(value_of(static, problem.space.start(), *given, part))
     return float(total / records)

@@ -31,6 +31,7 @@ from tuner.problem.programs import (
     Assemble,
     Build,
     Static,
+    by_name,
     excesses_of,
     finite,
     kept_bytes_of,
@@ -129,9 +130,9 @@ class Problem:
         """The same by XLA; it may not be a number."""
         return self._scored(*self._at(z)[1:-1])
 
-    def _scored(self, z: np.ndarray, values: dict[str, Any], given: np.bool | Array) -> float:
+    def _scored(self, z: np.ndarray, values: dict[str, Array], given: Array) -> float:
         if self.in_lines is not None:
-            return self.in_lines.value(z, values, bool(given))
+            return self.in_lines.value(z, values, given)
         return float(value_of(self.scored, z, values, given, self.data))
 
     def _at(self, z: np.ndarray) -> tuple[Any, ...]:
@@ -140,10 +141,8 @@ class Problem:
 
     @cached_property
     def _by_z(self) -> tuple[dict[str, Array], Array]:
-        """Values by name that are not meant, and that they are not; they lie where XLA reads."""
-        unused = self.parameters(self.space.start()), np.False_
-        on_device: tuple[dict[str, Array], Array] = jax.device_put(unused)
-        return on_device
+        """Values by name that are not given, and the fact."""
+        return by_name(self.parameters(self.space.start()), given=False)
 
     @cached_property
     def in_lines(self) -> Lines | None:
@@ -253,7 +252,7 @@ class Problem:
         if missing:
             raise ValueError(f"{self.name} has no value for {', '.join(missing)}: give them all")
         values = {name: np.asarray(parameters[name], float) for name in self.space.names}
-        return self._scored(self.space.start(), values, np.True_)
+        return self._scored(self.space.start(), *by_name(values, given=True))
 
     def parameters(self, z: np.ndarray) -> dict[str, np.ndarray]:
         """The parameters that z stands for, by name, fixed ones included."""

@@ -109,6 +109,12 @@ def value_of(static: Static, z: Array, values: dict[str, Array], given: Array, d
     return score(static.scored, static.objective, static.chosen(z, values, given), data)
 
 
+def by_name(values: dict[str, np.ndarray], *, given: bool) -> tuple[dict[str, Array], Array]:
+    """Values by name and whether they are given, as :func:`value_of` takes both: on the device."""
+    on_device: tuple[dict[str, Array], Array] = jax.device_put((values, np.bool_(given)))
+    return on_device
+
+
 @stored_jit(1)
 def sum_of(static: Static, z: Array, values: dict[str, Array], given: Array, data: Data) -> Any:
     """The sum of an objective that keeps nothing else; arguments as of :func:`value_of`."""
