@@ -32,31 +32,36 @@ class Usual:
     def __len__(self) -> int:
         return len(self.steps) - len(self.gaps)
 
-    def blocks(self, starts: Iterable[int]) -> Iterator[Floats]:
-        """The usual steps of blocks that have some; each is overwritten by the next one."""
+    def blocks(self, starts: Iterable[int], instead: float) -> Iterator[Floats]:
+        """The steps of blocks, with a number in place of gaps; each is overwritten by the next."""
         for start, block in self.steps.blocks(starts):
-            whole = self.steps.extremes[start // BLOCK, 1] <= self.limit
-            own = block if whole else block[block <= self.limit]
-            if len(own):
-                yield own
+            first, last = np.searchsorted(self.gaps, (start, start + len(block)))
+            block[self.gaps[first:last] - start] = instead
+            yield block
 
     @property
     def lowest(self) -> float:
         """The shortest one, s."""
         return self.steps.lowest
 
-    @cached_property
+    @property
     def highest(self) -> float:
         """The longest one, s."""
-        each = self.steps.extremes[:, 1]
-        known = float(each.max(initial=-np.inf, where=each <= self.limit))
-        starts = BLOCK * np.flatnonzero(each > self.limit)
-        return max([known, *(float(own.max()) for own in self.blocks(starts.tolist()))])
+        return float(self._highest.max())
+
+    @cached_property
+    def _highest(self) -> Floats:
+        """The longest one of each block, ``(blocks,)``; -inf where all are gaps."""
+        each = self.steps.extremes[:, 1].copy()
+        which = np.flatnonzero(each > self.limit)
+        blocks = self.blocks((BLOCK * which).tolist(), -np.inf)
+        each[which] = [block.max() for block in blocks]
+        return each
 
     @cached_property
     def mean(self) -> float:
         """The mean, s."""
-        sums = in_parts(lambda starts: [own.sum() for own in self.blocks(starts)], len(self.steps))
+        sums = in_parts(lambda starts: [b.sum() for b in self.blocks(starts, 0.0)], len(self.steps))
         return math.fsum(one for part in sums for one in part) / len(self)
 
     def mean_is_near(self, step: float, most: float) -> bool:
@@ -75,11 +80,12 @@ class Usual:
     def stray(self, far: float) -> float:
         """The share of those that are further from the median than far."""
         usual = self.steps.median
-        away = np.abs(self.steps.extremes - usual).max(axis=1) > far
+        ends = np.stack([self.steps.extremes[:, 0], self._highest], axis=1)
+        away = np.abs(ends - usual).max(axis=1) > far
 
         def of_part(starts: range) -> int:
-            blocks = self.blocks(start for start in starts if away[start // BLOCK])
-            return sum(_count_away(own, usual, far) for own in blocks)
+            blocks = self.blocks((start for start in starts if away[start // BLOCK]), usual)
+            return sum(_count_away(block, usual, far) for block in blocks)
 
         return sum(in_parts(of_part, len(self.steps))) / len(self) if away.any() else 0.0
 
