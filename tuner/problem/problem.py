@@ -141,7 +141,7 @@ class Problem:
 
     @cached_property
     def _by_z(self) -> tuple[dict[str, Array], Array]:
-        """Values by name that are not given, and the fact."""
+        """Values by name, and that they are not given: those at z are meant."""
         return by_name(self.parameters(self.space.start()), given=False)
 
     @cached_property
