@@ -8,7 +8,6 @@ import sys
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
-from functools import partial
 from pathlib import Path
 
 from rich.console import Console
@@ -95,7 +94,7 @@ def _measure(work: Work, limit: Baseline | None, said: Console) -> list[Row]:
         "gradients by size": lambda: gradients.rows(limit),
         "long records": long_records.rows,
         "many recordings": _as_users_do(recordings.rows),
-        "four starts": _as_users_do(_afresh(partial(starts.rows, (10_000, 300_000)))),
+        "four starts": _as_users_do(_afresh(starts.rows)),
         "the unscented filter": unscented.rows,
         "equations": equations.rows,
         "Tanaka's regression": tanaka.rows,

@@ -204,9 +204,9 @@ benchmarks.starts` measures both in turns:
 - A descent that ends within 20 ms is followed by the next one without threads, which is the case
   for up to about 1000 samples of a small filter: there Python, of which only one thread runs at a
   time, takes a third of the time, and threads would cost up to a fifth more. Once
-  evaluations of more than a quarter of a millisecond have taken a millisecond, the others begin, in
-  threads that started before the first descent: one that starts beside a computing one begins its
-  work .5 to 4.5 ms later.
+  evaluations of more than a quarter of a millisecond have taken half a millisecond, the others
+  begin, in threads that started before the first descent: one that starts beside a computing one
+  begins its work .5 to 4.5 ms later.
 - Starts as lanes of one call were measured and are not used. Four points in one call of XLA take
   twice the time of one, which would save 10 ms of 35 in four descents over 300 samples; the call
   takes half a second longer to compile. In C the derivatives of one point already fill a vector.

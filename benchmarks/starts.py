@@ -29,7 +29,7 @@ STARTS, SEEDS, ROUNDS = 4, (1, 2, 3), 9
 ENOUGH = 1.8
 LIMITS = {"gtol": 1e-8, "maxiter": 200}
 TRIALS = 60
-UNEQUAL = "the starts do not end together, and the last one leaves a processor idle"
+UNEQUAL = "others begin a millisecond or two after the first, and the last leaves a processor idle"
 SHORT = "so short descents run one after another: side by side they would wait for Python"
 Descent = Callable[[Problem, np.ndarray], Minimum]
 

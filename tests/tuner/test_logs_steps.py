@@ -165,6 +165,21 @@ def test_usual_steps_are_those_without_gaps(parts):
     assert not usual.mean_is_near(0.01, np.nextafter(off, 0.0))
 
 
+def test_blocks_of_gaps_alone_and_gaps_at_their_edges(parts):
+    lengths = drawn("gaps", 3 * BLOCK)
+    lengths[[0, BLOCK - 1, -1]] = lengths[BLOCK : 2 * BLOCK] = 5.0
+    steps = Steps(np.append(0.0, np.cumsum(lengths)))
+    limit = 1.0
+    found = np.diff(steps.seconds)
+    own = found[found <= limit]
+    usual = Usual(steps, limit, steps.above(limit))
+    assert len(usual) == len(own) < 2 * BLOCK
+    assert (usual.lowest, usual.highest) == (own.min(), own.max())
+    assert usual.mean == pytest.approx(own.mean(), rel=1e-13)
+    for far in (1e-5, 5e-5, 1.0):
+        assert usual.stray(far) == np.mean(np.abs(own - steps.median) > far)
+
+
 def test_the_mean_does_not_depend_on_the_number_of_processors(monkeypatch):
     times, means = np.cumsum(drawn("exponential", 7 * BLOCK)), set()
     monkeypatch.setattr(passes, "_LONG", 0)

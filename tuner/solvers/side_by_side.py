@@ -22,7 +22,7 @@ ALONE = 0.02
 their time goes to Python, which one thread runs at a time."""
 LONG = 2.5e-4
 """An evaluation that takes longer, s, is one of a long descent."""
-_ENOUGH = 1e-3
+_ENOUGH = 5e-4
 """Time in long evaluations, s, after which the others begin; one may be long for other reasons."""
 
 
