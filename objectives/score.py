@@ -57,6 +57,16 @@ class Data(NamedTuple):
     inputs: Any
     truth: Any
 
+    @property
+    def samples(self) -> int:
+        """Number of samples N of the inputs; 1 where there are none.
+
+        >>> Data((np.zeros((5, 2)), np.zeros(5)), None).samples, Data(None, None).samples
+        (5, 1)
+        """
+        leaves = jax.tree.leaves(self.inputs)
+        return len(leaves[0]) if leaves else 1
+
 
 @dataclass(frozen=True)
 class Folded:

@@ -13,7 +13,7 @@ import threading
 import time
 import zlib
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cache
 from hashlib import sha256
@@ -22,11 +22,11 @@ from typing import Any, TypeAlias
 
 import jax
 import numpy as np
-from jax import monitoring
 from jax.tree_util import PyTreeDef
 
 from tuner import code_version
 from tuner.cached import digest, keep, keep_alone, kept, own, processor, program_folder
+from tuner.not_by_jax import not_by_jax
 from tuner.plain import NotPlainError, described
 from tuner.programs_ahead import Program, Programs
 from tuner.written_trees import read, written
@@ -35,8 +35,6 @@ BEGUN = time.time()
 SETTLED = 5.0
 """Source files that changed later than so many seconds before this process began may be others
 than those that it has loaded: nothing is stored or looked up then."""
-_READ = "/jax/compilation_cache/cache_hits"
-_heard = threading.local()
 _programs = Programs()
 
 QUICKLY = {"xla_backend_optimization_level": 1}
@@ -151,16 +149,47 @@ class StoredProgram:
 
     def __call__(self, *arguments: Any) -> Any:
         """The function of its arguments."""
-        if not in_use():
+        found = self._stored(arguments)
+        if found is None:
             return self.traced(*arguments)
-        static, leaves, tree, shapes = self._split(arguments)
-        if None in shapes:  # inside another program
-            return self.traced(*arguments)
-        call = self._program(static, leaves, tree, shapes)
+        call, leaves = found
         try:
-            return self.traced(*arguments) if call is None else call(*leaves)
+            return call(*leaves)
         except jax.errors.JaxRuntimeError:  # a stored program that this machine cannot run
             return self.traced(*arguments)
+
+    def of_first(self, *arguments: Any) -> Call:
+        """The function of its first array alone, for arrays of its shape; it looks up nothing.
+
+        Args:
+            arguments: all of them. The others stay as they are, and are on the device from now on.
+        """
+        static, others = arguments[: self._statics], jax.device_put(arguments[self._statics + 1 :])
+        found, rest = self._stored(arguments), jax.tree.leaves(others)
+
+        def traced(array: Any) -> Any:
+            return self.traced(*static, array, *others)
+
+        if found is None:
+            return traced
+
+        def stored(array: Any) -> Any:
+            try:
+                return found[0](array, *rest)
+            except jax.errors.JaxRuntimeError:  # as above
+                return traced(array)
+
+        return stored
+
+    def _stored(self, arguments: tuple[Any, ...]) -> tuple[Call, list[Any]] | None:
+        """The program for the arguments and their leaves; None where JAX keeps it."""
+        if not in_use():
+            return None
+        static, leaves, tree, shapes = self._split(arguments)
+        if None in shapes:  # inside another program
+            return None
+        call = self._program(static, leaves, tree, shapes)
+        return None if call is None else (call, leaves)
 
     def digest(self, *arguments: Any) -> str:
         """The SHA-256 of the program's text with all its constants, for arrays of these shapes.
@@ -273,7 +302,7 @@ def _compiled(lowered: Any, program: Program) -> Any:
     """A program, compiled and stored."""
     from jax.experimental.serialize_executable import serialize
 
-    with _not_by_jax() as parts:
+    with not_by_jax() as parts:
         compiled = lowered.compile()
     if not parts:  # what JAX has read itself lacks some functions when it is written again
         with suppress(Exception):  # what cannot be stored is compiled in every run
@@ -308,32 +337,3 @@ def as_last_time(*things: Any) -> Iterator[None]:
     taken = json.dumps(list(_programs.taken)).encode()
     if _programs.taken and taken != known:  # a run that is only planned takes none
         keep_alone(program_folder(), key, taken)
-
-
-@contextmanager
-def _not_by_jax() -> Iterator[list[str]]:
-    """Keep JAX's own cache from writing what is compiled meanwhile; tells what it has read."""
-    _listen()
-    _heard.events = []
-    with _never_long():
-        yield _heard.events
-
-
-def _never_long() -> AbstractContextManager[Any]:
-    """Let JAX take each compilation of this thread for a short one, which it does not keep."""
-    with suppress(ImportError):
-        from jax._src.config import persistent_cache_min_compile_time_secs as least
-
-        never: AbstractContextManager[Any] = least(float("inf"))
-        return never
-    return nullcontext()
-
-
-@cache
-def _listen() -> None:
-    monitoring.register_event_listener(_hear)
-
-
-def _hear(event: str, **_: Any) -> None:
-    if event == _READ and hasattr(_heard, "events"):
-        _heard.events.append(event)

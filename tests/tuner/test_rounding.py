@@ -6,7 +6,7 @@ from zlib import crc32
 import numpy as np
 import pytest
 
-from objectives import InnovationLikelihood
+from objectives import Data, InnovationLikelihood
 from tuner.solvers.gradient import minimise
 from tuner.solvers.rounding import OnlyRoundingError, UntilRounding
 
@@ -37,7 +37,7 @@ class Bowl(SimpleNamespace):
 
 
 def bowl(noise, samples=SAMPLES):
-    return Bowl(noise=noise, evaluations=0, data=np.zeros((samples, 1)))
+    return Bowl(noise=noise, evaluations=0, data=Data(np.zeros((samples, 1)), None))
 
 
 def descend(problem, z):

@@ -73,6 +73,36 @@ def test_it_runs_on_other_numbers_than_those_it_was_made_with(filter, only_found
 
 
 @pytest.mark.usefixtures("stored")
+@pytest.mark.parametrize("kept", [True, False], ids=["kept", "traced"])
+def test_of_the_first_array_alone_nothing_is_looked_up(kept, filter, monkeypatch):
+    if not kept:
+        monkeypatch.delenv("TUNER_PROGRAMS")
+    level = StoredProgram(lambda filter, q, R, z: run(filter, LocalLevelNoise(q, R), z)[1], 1, {})
+    of_q = level.of_first(filter, np.array(0.3), np.array(2.0), SAMPLES)
+
+    def refused(*_):
+        raise AssertionError("looked up")
+
+    monkeypatch.setattr(StoredProgram, "_split", refused)
+    for q in (0.3, 3.0):
+        exact = run(filter, LocalLevelNoise(jnp.array(q), NOISE.R), SAMPLES)[1]
+        assert np.allclose(of_q(np.array(q)).level, exact.level, rtol=1e-13)
+
+
+@pytest.mark.usefixtures("stored")
+def test_a_stored_program_that_fails_here_is_traced(filter, monkeypatch):
+    def fails(*_):
+        raise jax.errors.JaxRuntimeError("of another machine")
+
+    monkeypatch.setattr(StoredProgram, "_program", lambda *_: fails)
+    level = StoredProgram(lambda filter, q, R, z: run(filter, LocalLevelNoise(q, R), z)[1], 1, {})
+    given = filter, *map(np.asarray, NOISE), SAMPLES
+    exact = run(filter, NOISE, SAMPLES)[1]
+    for found in (level(*given), level.of_first(*given)(given[1])):
+        assert np.allclose(found.level, exact.level, rtol=1e-13)
+
+
+@pytest.mark.usefixtures("stored")
 def test_the_value_of_many_recordings_is_found(filter, only_found, monkeypatch):
     monkeypatch.setattr(lines, "LEAST", 0)
     side_by_side = LevelSample(np.sin(np.arange(60.0)).reshape(30, 2))

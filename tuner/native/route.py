@@ -6,7 +6,6 @@ from functools import cached_property
 from threading import Lock, RLock
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-import jax
 import numpy as np
 
 from objectives import Data, is_fold
@@ -235,7 +234,7 @@ class Route:
         return self._priced[1] > 0
 
     def _pays(self, shapes: Shapes, points: int) -> bool:
-        samples = len(jax.tree.leaves(self.data.inputs)[0])
+        samples = self.data.samples
         least = KEPT_PAYS if in_use() and key_of(self.static) is not None else PAYS
         if (samples * points * max(1 + self.size, *PRICES.values()) - COMPILED) * _MOST < least:
             return False

@@ -32,7 +32,7 @@ def share_of_constant_gains(
     linear = isinstance(inner, LinearKalman) or hasattr(inner, "linear")
     if not linear or not isinstance(static.objective, InnovationLikelihood):
         return 0.0
-    samples = len(jax.tree.leaves(data.inputs)[0])
+    samples = data.samples
     if not wanted and samples * (2 + _states(static, z)) ** 2 < WORTH:
         return 0.0
     share = float(_short(static, z, data)) / samples

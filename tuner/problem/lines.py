@@ -95,7 +95,7 @@ def lines_of(static: Static, data: Data) -> Lines | None:
         return None
     if type(jax.eval_shape(cast("Fold", objective).init)) not in (Likely, Squares):
         return None
-    samples, leaves = len(jax.tree.leaves(data.inputs)[0]), jax.tree.leaves(data.truth)
+    samples, leaves = data.samples, jax.tree.leaves(data.truth)
     if samples * filter.count < LEAST or not all(_has_lanes(leaf, filter) for leaf in leaves):
         return None
     lengths = _lengths(leaves)

@@ -43,6 +43,7 @@ from tuner.problem.shape_checks import check_shapes
 from tuner.problem.shared_gradients import SharedGradients
 from tuner.problem.space import Space
 from tuner.problem.steady_form import steady_form_of
+from tuner.stored_programs import Call
 
 NO_DATA = Data(None, None)
 """The empty data of a design."""
@@ -95,6 +96,7 @@ class Problem:
     gradients: SharedGradients | None = None
     _runs: dict[bytes, Any] = field(default_factory=dict, init=False, repr=False)
     _routes: list[Route] = field(default_factory=list, init=False, repr=False)
+    _along_at: dict[Way, Call] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
         check_data(self.name, self.data)
@@ -115,8 +117,7 @@ class Problem:
 
         It does not depend on names, solvers or their starts.
         """
-        at = self.static, *self._at(self.space.start())[1:]
-        programs = [value_of.digest(*at)]
+        programs = [value_of.digest(self.static, *self._at(self.space.start())[1:])]
         if self.constraints:
             programs.append(excesses_of.digest(self.static, self.space.start(), self.data))
         return identity_of(programs, self.space, self.data)
@@ -128,12 +129,13 @@ class Problem:
 
     def value_by_xla(self, z: np.ndarray) -> float:
         """The same by XLA; it may not be a number."""
-        return self._scored(*self._at(z)[1:-1])
-
-    def _scored(self, z: np.ndarray, values: dict[str, Array], given: Array) -> float:
         if self.in_lines is not None:
-            return self.in_lines.value(z, values, given)
-        return float(value_of(self.scored, z, values, given, self.data))
+            return self.in_lines.value(np.asarray(z, float), *self._by_z)
+        return float(np.asarray(self._value_at(np.asarray(z, float))))
+
+    @cached_property
+    def _value_at(self) -> Call:
+        return value_of.of_first(*self._at(self.space.start()))
 
     def _at(self, z: np.ndarray) -> tuple[Any, ...]:
         """The parameters and data from which the objective at z follows."""
@@ -193,8 +195,10 @@ class Problem:
             return self.in_lines.value_and_gradient(way, z)
         if self.gradients is not None:
             return self.gradients.value_and_gradient(self.static, way, z, self.data)
-        value, gradient = value_and_gradient_of(self.scored, way, z, self.data)
-        return float(value), np.asarray(gradient)
+        if way not in self._along_at:
+            self._along_at[way] = value_and_gradient_of.of_first(self.scored, way, z, self.data)
+        value, gradient = self._along_at[way](z)
+        return float(np.asarray(value)), np.asarray(gradient)
 
     @cached_property
     def gradient_way(self) -> Way:
@@ -237,8 +241,7 @@ class Problem:
 
         A design's step is smaller: it has no noise, and may lie close to instability.
         """
-        if self.filter is None:
-            step = 1e-2 * step
+        step = step if self.filter is not None else 1e-2 * step
         return differences(lambda at: weights @ self.excesses(at)[1], z, step)
 
     def score(self, parameters: Mapping[str, Any]) -> float:
@@ -247,12 +250,10 @@ class Problem:
         Raises:
             ValueError: for unknown or missing names, or values outside their constraints.
         """
-        self.space.unconstrain(parameters)
-        missing = [name for name in self.space.names if name not in parameters]
-        if missing:
-            raise ValueError(f"{self.name} has no value for {', '.join(missing)}: give them all")
-        values = {name: np.asarray(parameters[name], float) for name in self.space.names}
-        return self._scored(self.space.start(), *by_name(values, given=True))
+        given = by_name(self.space.complete(parameters, self.name), given=True)
+        if self.in_lines is not None:
+            return self.in_lines.value(self.space.start(), *given)
+        return float(value_of(self.scored, self.space.start(), *given, self.data))
 
     def parameters(self, z: np.ndarray) -> dict[str, np.ndarray]:
         """The parameters that z stands for, by name, fixed ones included."""
@@ -320,9 +321,8 @@ class Problem:
     def quantities(self, solution: Solution) -> tuple[Quantity, ...]:
         """The quantities to export for a solution: its parameters, the filter's, and derived ones.
 
-        No name occurs twice: the first one stays. Names that differ in case only cannot stand
-        in one C header; the later one, such as the variance per sample Q besides the density q,
-        is called ``Q_derived``.
+        No name occurs twice. Of names that differ in case only, which one C header cannot hold,
+        the later one, as the variance per sample Q besides the density q, is ``Q_derived``.
         """
         params = self.params(solution)
         return quantities_of(self.space, solution, self.filter, params, self.what_is_exported())

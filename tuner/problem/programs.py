@@ -1,5 +1,6 @@
 """The compiled programs of problems: functions of a static part, shared by equal problems."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias, cast
@@ -158,4 +159,4 @@ def excesses_of(static: Static, z: Array, data: Data) -> tuple[Array, Array]:
 
 def finite(value: float) -> float:
     """A value, or infinity where it is not a number."""
-    return value if np.isfinite(value) else float("inf")
+    return value if math.isfinite(value) else math.inf

@@ -100,6 +100,22 @@ class Space:
                 raise ValueError(f"{name} {error}") from None
         return np.concatenate(parts)
 
+    def complete(self, values: Mapping[str, Any], whose: str) -> dict[str, np.ndarray]:
+        """Parameters given by name, in order, exactly as they are.
+
+        Args:
+            values: by name.
+            whose: what has them, for the message.
+
+        Raises:
+            ValueError: for unknown or missing names, or values outside their constraints.
+        """
+        self.unconstrain(values)
+        missing = [name for name in self.names if name not in values]
+        if missing:
+            raise ValueError(f"{whose} has no value for {', '.join(missing)}: give them all")
+        return {name: np.asarray(values[name], float) for name in self.names}
+
     def start(self) -> np.ndarray:
         """The z of the initial values, ``(size,)``."""
         return self.unconstrain({})

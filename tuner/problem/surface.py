@@ -94,13 +94,8 @@ def _batches(problem: Problem, Z: np.ndarray, evaluate: Callable[..., T]) -> lis
 def _lanes(problem: Problem, threads: int, points: int) -> int:
     kept = problem.kept_bytes
     affordable = int(MEMORY / threads / _TRANSFORMS / kept) if kept else _LANES
-    long = points * _samples(problem) > _SHORT
+    long = points * problem.data.samples > _SHORT
     return max(1, min(_LANES, affordable, -(-points // threads) if long else points))
-
-
-def _samples(problem: Problem) -> int:
-    leaves = jax.tree.leaves(problem.data.inputs)
-    return len(leaves[0]) if leaves else 1
 
 
 # XLA uses a wider vector unit only on request, and only side-by-side points fill it.

@@ -4,6 +4,7 @@ import json
 import time
 from collections.abc import Mapping
 from concurrent.futures import Future, as_completed
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -280,9 +281,8 @@ def _begun(problem: Any) -> None:
 
 def _solved(task: Task, several: bool) -> tuple[Solution, str]:
     """The solution of a task, which may be one of several; and the identity of its problem."""
-    if several:
-        beside_others()
-    return task.solver(task.problem), problem_identity(task)
+    with beside_others() if several else nullcontext():
+        return task.solver(task.problem), problem_identity(task)
 
 
 def _agreement(solutions: Solutions) -> dict[tuple[str, str], Solution]:

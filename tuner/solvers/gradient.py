@@ -1,7 +1,8 @@
 """Gradient methods of scipy on exact JAX gradients: L-BFGS-B and trust-constr."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -74,6 +75,8 @@ class Gradient:
         return minimise(problem, z, self.name, limits, problem.space.box())
 
 
+Evaluate: TypeAlias = Callable[[np.ndarray], tuple[float, np.ndarray]]
+"""An objective and its gradient at z ``(n,)``."""
 _TOLERANCE = {"l-bfgs-b": {"ftol": 1e-15}, "trust-constr": {"xtol": 1e-9}}
 """Each method's name for the least progress worth another iteration."""
 
@@ -130,21 +133,12 @@ def _once(
 
     second = method == "trust-constr"
     low, high = box
-    evaluate = problem.value_and_gradient if second else UntilRounding(problem, box)
-    lowest = (np.inf, z)
-
-    def value_and_gradient(point: np.ndarray) -> tuple[float, np.ndarray]:
-        nonlocal lowest
-        value, gradient = evaluate(point)
-        if value < lowest[0]:
-            lowest = value, point.copy()
-        return value / scale, gradient / scale
-
+    scaled = _Scaled(problem.value_and_gradient if second else UntilRounding(problem, box), scale)
     try:
         ended = minimize(
-            value_and_gradient,
+            scaled.value,
             np.clip(z, low, high),
-            jac=True,
+            jac=scaled.gradient,
             hess=(lambda point: problem.hessian(point) / scale) if second else None,
             method=method,
             bounds=Bounds(low, high),
@@ -160,5 +154,36 @@ def _once(
     if second or ended.status != 2:
         return end
     # L-BFGS-B gives the last point tried then, be it ever so high.
-    value, at = lowest
+    value, at = scaled.lowest
     return replace(end, z=at, value=value, blocked=True)
+
+
+class _Scaled:
+    """An objective over its scale, whose gradient comes with its value: each point is asked once.
+
+    Args:
+        evaluate: the objective and its gradient at z ``(n,)``.
+        scale: what both are divided by.
+
+    Attributes:
+        lowest: the lowest value, not scaled, and its z.
+    """
+
+    def __init__(self, evaluate: Evaluate, scale: float) -> None:
+        self._evaluate, self._scale = evaluate, scale
+        self._at, self._gradient = b"", np.empty(0)
+        self.lowest: tuple[float, np.ndarray] = np.inf, np.empty(0)
+
+    def value(self, z: np.ndarray) -> float:
+        """The value at z ``(n,)``."""
+        value, gradient = self._evaluate(z)
+        self._at, self._gradient = z.tobytes(), gradient / self._scale
+        if value < self.lowest[0]:
+            self.lowest = value, z.copy()
+        return value / self._scale
+
+    def gradient(self, z: np.ndarray) -> np.ndarray:
+        """The gradient at z ``(n,)``, for which the value is mostly asked first."""
+        if z.tobytes() != self._at:
+            self.value(z)
+        return self._gradient

@@ -2,7 +2,6 @@
 
 from typing import NamedTuple
 
-import jax
 import numpy as np
 
 from objectives import kind_of
@@ -28,11 +27,11 @@ class OnlyRoundingError(Exception):
 
 
 class _Point(NamedTuple):
-    """A point ``(n,)``, its value, and the largest component of its gradient within the box."""
+    """A point ``(n,)``, its value, and its gradient ``(n,)``."""
 
     z: np.ndarray
     value: float
-    slope: float
+    gradient: np.ndarray
 
 
 class UntilRounding:
@@ -51,7 +50,7 @@ class UntilRounding:
     def __init__(self, problem: Problem, box: tuple[np.ndarray, np.ndarray]) -> None:
         self._problem, self._box = problem, box
         self._least = 1.0 if kind_of(problem.objective) == "likelihood" else 0.0
-        self._noise = _NOISE * np.sqrt(_samples(problem))
+        self._noise = _NOISE * np.sqrt(problem.data.samples)
         self._best: _Point | None = None
         self._lowest = np.inf
         self._still = self._evaluations = 0
@@ -64,10 +63,13 @@ class UntilRounding:
         """
         value, gradient = self._problem.value_and_gradient(z)
         self._evaluations += 1
-        low, high = self._box
-        slope = np.abs(np.clip(z - gradient, low, high) - z).max(initial=0.0)
-        self._take(_Point(z.copy(), value, float(slope)))
+        self._take(_Point(z.copy(), value, gradient))
         return value, gradient
+
+    def _slope(self, point: _Point) -> float:
+        """The largest component of the gradient at a point, within the box."""
+        z, (low, high) = point.z, self._box
+        return float(np.abs(np.clip(z - point.gradient, low, high) - z).max(initial=0.0))
 
     def _take(self, point: _Point) -> None:
         best, noise = self._best, self._noise * max(abs(point.value), self._least)
@@ -79,15 +81,9 @@ class UntilRounding:
                 self._best = point
             return
         self._still += 1
-        if point.slope < best.slope:
+        if self._slope(point) < self._slope(best):
             self._best = best = point
         if self._still >= _STILL:
             message = "values that differ by rounding only"
             end = Minimum(best.z, best.value, self._evaluations, finished=True, message=message)
             raise OnlyRoundingError(end)
-
-
-def _samples(problem: Problem) -> int:
-    """Number of samples that a value is a sum of; 1 where it is none."""
-    leaves = jax.tree.leaves(problem.data)
-    return max([len(leaf) for leaf in leaves if np.ndim(leaf)], default=1)

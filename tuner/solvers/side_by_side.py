@@ -2,28 +2,30 @@
 
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Future
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
+from queue import Empty, SimpleQueue
 from threading import Event
 from typing import Any, TypeAlias, TypeVar, cast
 
 import numpy as np
 
 from tuner.problem.problem import Problem
-from tuner.processors import beside_others
+from tuner.processors import carry_out, helped
 from tuner.solvers.minimum import Descent, Minimum
 
-Begin: TypeAlias = Callable[[np.ndarray], "Future[Minimum]"]
-"""Begins a descent from a start ``(n,)``."""
 T = TypeVar("T")
-ALONE = 0.02
-"""A descent that takes longer, s, gets others beside it. Shorter ones gain nothing by it: much of
-their time goes to Python, which one thread runs at a time."""
-LONG = 2.5e-4
-"""An evaluation that takes longer, s, is one of a long descent."""
-_ENOUGH = 5e-4
-"""Time in long evaluations, s, after which the others begin; one may be long for other reasons."""
+Queue: TypeAlias = "SimpleQueue[int | None]"
+"""Starts that nobody has begun; None ends a thread."""
+LONG = 1.25e-4
+"""Evaluations that take longer, s, are worth a thread. Much of the time of shorter ones goes to
+Python, which one thread runs at a time: their descents gain nothing by running side by side."""
+_IN_A_ROW, _TRIALS = 2, 8
+"""So many long ones in a row decide, of so many; one may be long for other reasons."""
+MANY = 10_000
+"""Samples from which evaluations are taken for long ones."""
 
 
 def descents(
@@ -41,73 +43,80 @@ def descents(
         descend: one descent from one start.
         points: the starts, ``(m, n)``; no more are taken than it needs.
         count: how many ends are to be finite.
-        threads: how many descents run at the same time.
+        threads: how many descents run at the same time, the caller's among them.
     """
     if threads < 2 or count < 2:
         yield from (descend(problem, z) for z in points)
         return
     first, likely = min(count, len(points)), 1 + len(problem.known_starts)
-    order = [*range(likely, first), *range(min(likely, first)), *range(first, len(points))]
-    begun: dict[int, Future[Minimum]] = {}
-    wanted, short = count, True
-    news = Event()
-    with _pool(problem, descend, min(threads, count), news) as begin:
-        for at in range(len(points)):
-            while at not in begun or (not short and len(begun) < min(wanted, len(points))):
-                k = order[len(begun)]
-                begun[k] = begin(points[k])
-                if short:
-                    begun[k].add_done_callback(lambda _: news.set())
-                    news.wait(ALONE)
-                    short = begun[k].done()
-                    news.clear()
-            end = begun[at].result()
-            wanted += not np.isfinite(end.value)
-            yield end
+    more = iter(range(first, len(points)))
+    ends: list[Future[Minimum]] = [Future() for _ in points]
+    waiting: Queue = SimpleQueue()
+    for k in (*range(likely, first), *range(min(likely, first))):
+        waiting.put(k)
+    over = Event()
+
+    def make(k: int) -> None:
+        carry_out(ends[k], partial(descend, cast("Problem", evaluated)), points[k])
+
+    def help() -> None:
+        while (k := waiting.get()) is not None and not over.is_set():
+            make(k)
+
+    helpers = min(threads, count) - 1
+    with helped(help, helpers) as ask, _ending(waiting, helpers, over):
+        evaluated = _Evaluated(problem, over, ask)
+        if problem.data.samples >= MANY:
+            ask()
+        for end in ends:
+            while not end.done() and (k := _next(waiting)) is not None:
+                make(k)
+            found = end.result()
+            yield found
+            if not np.isfinite(found.value):
+                waiting.put(next(more, None))
+                continue
+            count -= 1
+            if not count:
+                break
+
+
+def _next(waiting: Queue) -> int | None:
+    try:
+        return waiting.get_nowait()
+    except Empty:
+        return None
 
 
 @contextmanager
-def _pool(problem: Problem, descend: Descent, threads: int, long: Event) -> Iterator[Begin]:
-    """Threads that make descents; once something is raised, none of them goes on.
-
-    All of them start before the first descent: one that starts while another computes begins its
-    work up to 5 ms late. ``long`` is set where evaluations are so long that descents will be, too.
-    """
-    over, begun = Event(), Event()
-    pool = ThreadPoolExecutor(threads, initializer=beside_others)
-    watched = cast("Problem", _Watched(problem, over, long))
-
-    def begin(z: np.ndarray) -> "Future[Minimum]":
-        descent = pool.submit(descend, watched, z)
-        begun.set()
-        return descent
-
-    for _ in range(threads - 1):
-        pool.submit(begun.wait)
+def _ending(waiting: Queue, helpers: int, over: Event) -> Iterator[None]:
+    """A search, at whose end the threads end, too: within a descent where something is raised."""
     try:
-        yield begin
+        yield
     except BaseException:
         over.set()
         raise
     finally:
-        begun.set()
-        pool.shutdown(wait=not over.is_set(), cancel_futures=True)
+        for _ in range(helpers):
+            waiting.put(None)
 
 
-@dataclass(frozen=True, eq=False)
-class _Watched:
+@dataclass(eq=False)
+class _Evaluated:
     """A problem that is evaluated until its search is given up.
 
     Attributes:
         problem: the problem.
         over: set where the search is given up.
-        long: set once long evaluations have taken a while.
+        ask: asks others to make descents, too; called where evaluations are long.
     """
 
     problem: Problem
     over: Event
-    long: Event
-    _spent: list[float] = field(default_factory=lambda: [0.0])
+    ask: Callable[[], None]
+    _before: set[str] = field(default_factory=set)
+    _long: int = 0
+    _trials: int = _TRIALS
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.problem, name)
@@ -123,11 +132,15 @@ class _Watched:
     def _timed(self, evaluate: Callable[[np.ndarray], T], z: np.ndarray) -> T:
         if self.over.is_set():
             raise CancelledError("the search was given up")
+        if self._trials <= 0:
+            return evaluate(z)
         start = time.perf_counter()
         found = evaluate(z)
         took = time.perf_counter() - start
-        if self._spent[0] <= _ENOUGH and took > LONG:
-            self._spent[0] += took
-            if self._spent[0] > _ENOUGH:
-                self.long.set()
+        self._trials -= 1
+        if evaluate.__name__ in self._before:
+            self._long = self._long + 1 if took > LONG else 0
+            if self._long == _IN_A_ROW:
+                self.ask()
+        self._before.add(evaluate.__name__)  # the first of a kind may be long as it is compiled
         return found
