@@ -61,7 +61,7 @@ class Data(NamedTuple):
     def samples(self) -> int:
         """Number of samples N of the inputs; 1 where there are none.
 
-        >>> Data((np.zeros((5, 2)), np.zeros(5)), None).samples, Data(None, None).samples
+        >>> Data((jnp.zeros((5, 2)), jnp.zeros(5)), None).samples, Data(None, None).samples
         (5, 1)
         """
         leaves = jax.tree.leaves(self.inputs)

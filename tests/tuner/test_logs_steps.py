@@ -5,6 +5,7 @@ import pytest
 
 from tests.tuner.recordings import refusal
 from tuner.data.logs import passes
+from tuner.data.logs import steps as steps_module
 from tuner.data.logs.clock import judged
 from tuner.data.logs.digits import Resolution
 from tuner.data.logs.passes import BLOCK, in_parts
@@ -66,6 +67,30 @@ def test_times_and_extremes_of_their_steps(parts, rows):
         np.testing.assert_array_equal((again.lowest, again.highest), (steps.lowest, steps.highest))
 
 
+@pytest.mark.parametrize("sampled", [40_000, 200, 3], ids=["all", "some", "too few"])
+def test_the_median_is_looked_for_as_times_are_made(parts, sampled, monkeypatch):
+    monkeypatch.setattr(steps_module, "_LONG", BLOCK)
+    monkeypatch.setattr(steps_module, "_SAMPLED", sampled)
+    ahead = set()
+    for name, column, scale in columns(3 * BLOCK + 5):
+        steps = since_first(column, scale)
+        ahead |= {name} if steps.close is not None else set()
+        if np.isfinite(steps.seconds).all():
+            assert steps.median == np.median(np.diff(steps.seconds)), name
+    assert {"uneven", "microseconds"} <= ahead
+    assert not {"seconds", "backwards", "missing", "infinite", "unsigned"} & ahead
+
+
+def test_a_median_that_its_limits_miss_is_found_in_all_steps(monkeypatch):
+    """A sample that knows nothing of most steps: those at odd rows are a hundred times longer."""
+    monkeypatch.setattr(steps_module, "_every", lambda rows: 2)
+    draw = np.random.default_rng(0)
+    lengths = np.where(np.arange(200_000) % 2, 1.0, 0.01) * draw.uniform(1, 1.1, 200_000)
+    steps = since_first(1.0 + np.append(0.0, np.cumsum(lengths)), 1.0)
+    assert steps.close is not None
+    assert steps.median == np.median(np.diff(steps.seconds))
+
+
 def test_a_single_time_has_no_steps():
     assert since_first(np.array([7]), 0.1).seconds.tolist() == [0.0]
 
@@ -73,7 +98,7 @@ def test_a_single_time_has_no_steps():
 def test_blocks_are_the_same_for_any_number_of_parts(parts):
     for rows in SIZES:
         starts = in_parts(list, rows)
-        assert len(starts) <= parts
+        assert len(starts) <= (1 if parts == 1 else passes._SHARES * parts)
         assert [at for part in starts for at in part] == list(range(0, rows, BLOCK))
 
 

@@ -16,6 +16,8 @@ BLOCK = 1 << 15
 """Rows that fit in the cache with what is made of them."""
 _LONG = 1 << 21
 """Rows from which a thread is worth its start."""
+_SHARES = 4
+"""Parts for each processor: one that has other work, as the digest of the file, takes fewer."""
 
 A = TypeVar("A")
 
@@ -28,7 +30,8 @@ def in_parts(function: Callable[[range], A], rows: int) -> list[A]:
     >>> in_parts(list, 70_000), in_parts(list, 0)
     ([[0, 32768, 65536]], [[0]])
     """
-    parts = (os.cpu_count() or 1) if rows >= _LONG else 1
+    processors = os.cpu_count() or 1
+    parts = _SHARES * processors if rows >= _LONG and processors > 1 else 1
     blocks = max(1, -(-rows // BLOCK))
     ends = [BLOCK * (blocks * part // parts) for part in range(parts + 1)]
     ranges = [range(*pair, BLOCK) for pair in pairwise(ends)]

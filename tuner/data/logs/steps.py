@@ -4,10 +4,10 @@ The steps of a long record fill as much memory as its times: they are made block
 for what nothing else settles.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ class Steps:
     Attributes:
         seconds: the times, ``(N,)`` with N of at least 2.
         known: ``extremes``, where they were found as the times were made.
+        close: those close to the median, where these were.
 
     >>> steps = Steps(np.array([0.0, 1.0, 2.0, 5.0]))
     >>> len(steps), steps.lowest, steps.highest, steps.median
@@ -35,6 +36,7 @@ class Steps:
 
     seconds: Floats
     known: Floats | None = None
+    close: "_Close | None" = None
 
     def __len__(self) -> int:
         return len(self.seconds) - 1
@@ -73,35 +75,22 @@ class Steps:
     @cached_property
     def median(self) -> float:
         """The median; of a long record it is looked for among the steps that are close to it."""
-        close = self._close() if len(self) >= _LONG else None
-        return float(np.median(np.diff(self.seconds))) if close is None else close
+        close = self.close
+        if close is None and len(self) >= _LONG:
+            close = self._found_close(_limits(self.seconds))
+        median = None if close is None else close.median(len(self))
+        return float(np.median(np.diff(self.seconds))) if median is None else median
 
     @cached_property
     def mean(self) -> float:
         """The mean."""
         return float(self.seconds[-1] - self.seconds[0]) / len(self)
 
-    def _close(self) -> float | None:
-        """The median by those between two limits and the number below; None where it is no such."""
-        every = len(self) // _SAMPLED | 1  # odd, for steps that alternate
-        some = self.seconds[1::every] - self.seconds[:-1:every]
-        low, high = np.quantile(some, _AROUND, method="nearest")
+    def _found_close(self, limits: tuple[float, float]) -> "_Close":
+        def of_part(starts: range) -> list[tuple[int, Floats]]:
+            return [_parted(block, limits) for _, block in self.blocks(starts)]
 
-        def of_part(starts: range) -> tuple[int, Floats]:
-            below, close = 0, [np.empty(0)]
-            for _, block in self.blocks(starts):
-                near = block >= low
-                below += len(near) - int(np.count_nonzero(near))
-                near &= block <= high
-                close.append(block.compress(near))
-            return below, np.concatenate(close)
-
-        counts, parts = zip(*in_parts(of_part, len(self)), strict=True)
-        among = np.concatenate(parts)
-        both = np.array([(len(self) - 1) // 2, len(self) // 2]) - sum(counts)
-        if not 0 <= both[0] <= both[1] < len(among):
-            return None
-        return float(low if low == high else np.partition(among, both)[both].mean())
+        return _Close.of(limits, [one for part in in_parts(of_part, len(self)) for one in part])
 
     def above(self, limit: float) -> NDArray[np.intp]:
         """The rows of longer steps."""
@@ -114,6 +103,58 @@ class Steps:
 
         found = [rows for part in in_parts(of_part, len(self)) for rows in part]
         return np.concatenate([np.empty(0, np.intp), *found])
+
+
+class _Close(NamedTuple):
+    """Steps between two limits, between which the median is looked for.
+
+    Attributes:
+        limits: the lowest and the highest of them.
+        below: number of the shorter ones.
+        among: all between, ``(n,)``, in any order.
+    """
+
+    limits: tuple[float, float]
+    below: int
+    among: Floats
+
+    @classmethod
+    def of(cls, limits: tuple[float, float], parts: Sequence[tuple[int, Floats]]) -> "_Close":
+        """Those of parts."""
+        counts, among = zip(*parts, strict=True)
+        return cls(limits, sum(counts), np.concatenate(among))
+
+    def median(self, count: int) -> float | None:
+        """The median of so many steps; None where it is none of these."""
+        both = np.array([(count - 1) // 2, count // 2]) - self.below
+        if not 0 <= both[0] <= both[1] < len(self.among):
+            return None
+        low, high = self.limits
+        return low if low == high else float(np.partition(self.among, both)[both].mean())
+
+
+def _limits(seconds: Floats) -> tuple[float, float]:
+    """Two steps between which the median nearly always is, by a sample of times ``(N,)``."""
+    every = _every(len(seconds))
+    return _around(seconds[1::every] - seconds[:-1:every])
+
+
+def _every(rows: int) -> int:
+    """Every which step is one of a sample: an odd one, for steps that alternate."""
+    return (rows - 1) // _SAMPLED | 1
+
+
+def _around(some: Floats) -> tuple[float, float]:
+    low, high = np.quantile(some, _AROUND, method="nearest")
+    return float(low), float(high)
+
+
+def _parted(steps: Floats, limits: tuple[float, float]) -> tuple[int, Floats]:
+    """The number of steps below two limits, and those between."""
+    near = steps >= limits[0]
+    below = len(near) - int(np.count_nonzero(near))
+    near &= steps <= limits[1]
+    return below, steps.compress(near)
 
 
 def since_first(column: Raw, scale: float) -> Steps:
@@ -132,23 +173,57 @@ def since_first(column: Raw, scale: float) -> Steps:
     if plain and column.dtype == np.float64:
         return Steps(np.ascontiguousarray(column))
     seconds = np.empty(len(column))
+    limits = _limits_ahead(column, first, scale)
 
-    def made(starts: range) -> Floats:
+    def made(starts: range) -> list[_Seen]:
         memory, found = np.empty(BLOCK), []
         with np.errstate(invalid="ignore", over="ignore"):
             for start in starts:
                 block = seconds[start : start + BLOCK]
                 _write(column[start : start + BLOCK], first, scale, block)
                 steps = np.subtract(block[1:], block[:-1], out=memory[: len(block) - 1])
-                found.append(_ends(steps))
-        return np.array(found)
+                found.append(_seen(steps, limits))
+        return found
 
-    extremes = np.concatenate(in_parts(made, len(column)))
+    seen = [block for part in in_parts(made, len(column)) for block in part]
     with np.errstate(invalid="ignore", over="ignore"):
         between = seconds[BLOCK::BLOCK] - seconds[BLOCK - 1 : -1 : BLOCK]
+    extremes = np.array([block.ends for block in seen])
     np.minimum(extremes[: len(between), 0], between, out=extremes[: len(between), 0])
     np.maximum(extremes[: len(between), 1], between, out=extremes[: len(between), 1])
-    return Steps(seconds, extremes)
+    if limits is None:
+        return Steps(seconds, extremes)
+    close = [block.parted for block in (*seen, _seen(between, limits))]
+    return Steps(seconds, extremes, _Close.of(limits, close))
+
+
+class _Seen(NamedTuple):
+    """What a block of steps tells: its ends, and its part around the median where that is asked."""
+
+    ends: tuple[float, float]
+    parted: tuple[int, Floats]
+
+
+def _seen(steps: Floats, limits: tuple[float, float] | None) -> _Seen:
+    return _Seen(_ends(steps), (0, steps[:0]) if limits is None else _parted(steps, limits))
+
+
+def _limits_ahead(column: Raw, first: Any, scale: float) -> tuple[float, float] | None:
+    """The limits of times that are yet to be made; None where no median is looked for by them.
+
+    That of equal steps costs less than to look for it.
+    """
+    if len(column) <= _LONG:
+        return None
+    every = _every(len(column))
+    later, earlier = column[1::every], column[:-1:every]
+    times = np.empty((2, len(later)))
+    with np.errstate(invalid="ignore", over="ignore"):
+        for rows, seconds in zip((later, earlier), times, strict=True):
+            _write(rows, first, scale, seconds)
+        some = times[0] - times[1]
+    limits = _around(some) if np.isfinite(some).all() else (0.0, 0.0)
+    return limits if limits[0] < limits[1] else None
 
 
 def _ends(steps: Floats) -> tuple[float, float]:
