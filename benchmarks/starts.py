@@ -30,7 +30,7 @@ ENOUGH = 1.8
 LIMITS = {"gtol": 1e-8, "maxiter": 200}
 TRIALS = 60
 UNEQUAL = "the last descent leaves a processor idle"
-SHORT = "the others begin a millisecond or two after the first, and wait for Python"
+SHORT = "a third of the time goes to Python, for which the threads wait"
 Descent = Callable[[Problem, np.ndarray], Minimum]
 
 

@@ -52,7 +52,7 @@ def test_the_textbooks_mean_also_where_the_last_lanes_are_fewer(count):
 
 def test_as_many_records_as_the_problem_has_need_no_compilation():
     problem = posed(made(3, 0))
-    problem.value(problem.space.start())
+    problem.score(problem.parameters(problem.space.start()))
     before = value_of._cache_size()
     mean_on(problem, {"tau": 20.0, "angle0": 0.0}, made(6, 1))
     assert value_of._cache_size() == before

@@ -71,8 +71,7 @@ def test_the_first_error_is_raised_and_nothing_else_begins(processors):
 def test_it_goes_on_without_threads_that_have_other_work(monkeypatch):
     monkeypatch.setattr("os.cpu_count", lambda: 2)
     over = threading.Event()
-    with helped(lambda: over.wait(PATIENCE), 1) as ask:
-        ask()
+    with helped(lambda: over.wait(PATIENCE), 1):
         assert (
             side_by_side(lambda _: threading.get_ident(), range(3)) == [threading.get_ident()] * 3
         )
@@ -90,8 +89,7 @@ def test_helpers_are_not_waited_for_where_something_is_raised(error, monkeypatch
         ended.set()
 
     def raising():
-        with helped(work, 3) as ask:
-            ask()
+        with helped(work, 3):
             assert begun.wait(PATIENCE)
             raise error
 
@@ -102,16 +100,15 @@ def test_helpers_are_not_waited_for_where_something_is_raised(error, monkeypatch
     assert ended.wait(PATIENCE)
 
 
-def test_helpers_work_once_and_only_when_they_are_asked(monkeypatch):
+def test_helpers_that_are_free_work_once_and_are_waited_for(monkeypatch):
     monkeypatch.setattr("os.cpu_count", lambda: 3)
-    begun = []
-    with helped(lambda: begun.append(0), 2):
+    begun, ended = threading.Barrier(3), []
+
+    def work():
+        begun.wait(PATIENCE)
         time.sleep(0.01)
-    assert begun == []
-    with helped(lambda: begun.append(0), 2) as ask:
-        ask()
-        ask()
-        until = time.monotonic() + PATIENCE
-        while len(begun) < 2 and time.monotonic() < until:
-            time.sleep(1e-3)
-    assert begun == [0, 0]
+        ended.append(0)
+
+    with helped(work, 2):
+        begun.wait(PATIENCE)
+    assert ended == [0, 0]

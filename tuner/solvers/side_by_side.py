@@ -1,14 +1,14 @@
 """Descents from several starts at the same time, on as many processors as there are."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Generator, Iterator
 from concurrent.futures import CancelledError, Future
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
 from functools import partial
 from queue import Empty, SimpleQueue
 from threading import Event
-from typing import Any, TypeAlias, TypeVar, cast
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 
@@ -16,16 +16,13 @@ from tuner.problem.problem import Problem
 from tuner.processors import carry_out, helped
 from tuner.solvers.minimum import Descent, Minimum
 
-T = TypeVar("T")
 Queue: TypeAlias = "SimpleQueue[int | None]"
 """Starts that nobody has begun; None ends a thread."""
 LONG = 1.25e-4
 """Evaluations that take longer, s, are worth a thread. Much of the time of shorter ones goes to
 Python, which one thread runs at a time: their descents gain nothing by running side by side."""
-_IN_A_ROW, _TRIALS = 2, 8
-"""So many long ones in a row decide, of so many; one may be long for other reasons."""
 MANY = 10_000
-"""Samples from which evaluations are taken for long ones."""
+"""Samples from which evaluations are long."""
 
 
 def descents(
@@ -33,10 +30,11 @@ def descents(
 ) -> Iterator[Minimum]:
     """The ends of descents, in the order of their starts, until so many of them are finite.
 
-    The threads compute without the interpreter's lock, and none of them changes what another
-    computes: the ends are the same for any number of threads, to the last bit. Random starts are
-    begun before the initial values and the known ones: descents from these are mostly the shortest,
-    and short ones at the end let the processors end together.
+    Where evaluations are long, other threads make descents, too. They compute without the
+    interpreter's lock, and none of them changes what another computes: the ends are the same for
+    any number of threads, to the last bit. Random starts are begun before the initial values and
+    the known ones: descents from these are mostly the shortest, and short ones at the end let the
+    processors end together.
 
     Args:
         problem: what is minimised.
@@ -45,9 +43,32 @@ def descents(
         count: how many ends are to be finite.
         threads: how many descents run at the same time, the caller's among them.
     """
-    if threads < 2 or count < 2:
-        yield from (descend(problem, z) for z in points)
-        return
+    helpers = min(threads, count) - 1
+    if helpers < 1 or not _are_long(problem, points[0]):
+        ends = (descend(problem, z) for z in points)
+    else:
+        ends = _side_by_side(problem, descend, points, count, helpers)
+    with closing(ends):
+        for end in ends:
+            yield end
+            count -= bool(np.isfinite(end.value))
+            if not count:
+                break
+
+
+def _are_long(problem: Problem, z: np.ndarray) -> bool:
+    """Whether evaluations are; where that is not known, by the second one, which is compiled."""
+    if problem.data.samples >= MANY:
+        return True
+    problem.value(z)
+    start = time.perf_counter()
+    problem.value(z)
+    return time.perf_counter() - start > LONG
+
+
+def _side_by_side(
+    problem: Problem, descend: Descent, points: np.ndarray, count: int, helpers: int
+) -> Generator[Minimum, None, None]:
     first, likely = min(count, len(points)), 1 + len(problem.known_starts)
     more = iter(range(first, len(points)))
     ends: list[Future[Minimum]] = [Future() for _ in points]
@@ -55,30 +76,23 @@ def descents(
     for k in (*range(likely, first), *range(min(likely, first))):
         waiting.put(k)
     over = Event()
+    evaluated = cast("Problem", _Evaluated(problem, over))
 
     def make(k: int) -> None:
-        carry_out(ends[k], partial(descend, cast("Problem", evaluated)), points[k])
+        carry_out(ends[k], partial(descend, evaluated), points[k])
 
     def help() -> None:
         while (k := waiting.get()) is not None and not over.is_set():
             make(k)
 
-    helpers = min(threads, count) - 1
-    with helped(help, helpers) as ask, _ending(waiting, helpers, over):
-        evaluated = _Evaluated(problem, over, ask)
-        if problem.data.samples >= MANY:
-            ask()
+    with helped(help, helpers), _ending(waiting, helpers, over):
         for end in ends:
             while not end.done() and (k := _next(waiting)) is not None:
                 make(k)
             found = end.result()
-            yield found
             if not np.isfinite(found.value):
                 waiting.put(next(more, None))
-                continue
-            count -= 1
-            if not count:
-                break
+            yield found
 
 
 def _next(waiting: Queue) -> int | None:
@@ -90,7 +104,7 @@ def _next(waiting: Queue) -> int | None:
 
 @contextmanager
 def _ending(waiting: Queue, helpers: int, over: Event) -> Iterator[None]:
-    """A search, at whose end the threads end, too: within a descent where something is raised."""
+    """A search, at whose end the threads end, too: within a descent where it is given up."""
     try:
         yield
     except BaseException:
@@ -101,46 +115,31 @@ def _ending(waiting: Queue, helpers: int, over: Event) -> Iterator[None]:
             waiting.put(None)
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class _Evaluated:
     """A problem that is evaluated until its search is given up.
 
     Attributes:
         problem: the problem.
         over: set where the search is given up.
-        ask: asks others to make descents, too; called where evaluations are long.
     """
 
     problem: Problem
     over: Event
-    ask: Callable[[], None]
-    _before: set[str] = field(default_factory=set)
-    _long: int = 0
-    _trials: int = _TRIALS
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.problem, name)
 
     def value(self, z: np.ndarray) -> float:
         """The objective at z ``(n,)``."""
-        return self._timed(self.problem.value, z)
+        self._check()
+        return self.problem.value(z)
 
     def value_and_gradient(self, z: np.ndarray) -> tuple[float, np.ndarray]:
         """The objective and its gradient at z ``(n,)``."""
-        return self._timed(self.problem.value_and_gradient, z)
+        self._check()
+        return self.problem.value_and_gradient(z)
 
-    def _timed(self, evaluate: Callable[[np.ndarray], T], z: np.ndarray) -> T:
+    def _check(self) -> None:
         if self.over.is_set():
             raise CancelledError("the search was given up")
-        if self._trials <= 0:
-            return evaluate(z)
-        start = time.perf_counter()
-        found = evaluate(z)
-        took = time.perf_counter() - start
-        self._trials -= 1
-        if evaluate.__name__ in self._before:
-            self._long = self._long + 1 if took > LONG else 0
-            if self._long == _IN_A_ROW:
-                self.ask()
-        self._before.add(evaluate.__name__)  # the first of a kind may be long as it is compiled
-        return found
