@@ -14,6 +14,7 @@ from rich.console import Console
 
 from benchmarks import (
     accuracy,
+    array_logs,
     batch,
     cliff,
     equations,
@@ -30,6 +31,7 @@ from benchmarks import (
     starts,
     startup,
     tanaka,
+    text_logs,
     unscented,
 )
 from benchmarks.baseline import Baseline, NoCompilerError, baseline
@@ -89,6 +91,7 @@ def _measure(work: Work, limit: Baseline | None, said: Console) -> list[Row]:
         "compilation and start": lambda: startup.rows(work),
         "a first fit": first_fit.rows,
         "a record at rest": rest_record.rows,
+        "long logs": _as_users_do(_afresh(_logs)),
         "the extended filter": lambda: extended.rows(limit),
         "compiled C": native.rows,
         "gradients by size": lambda: gradients.rows(limit),
@@ -107,6 +110,10 @@ def _measure(work: Work, limit: Baseline | None, said: Console) -> list[Row]:
         said.print(f"measuring {name} ...", highlight=False)
         rows += section()
     return rows
+
+
+def _logs() -> list[Row]:
+    return [*text_logs.rows(), *array_logs.rows()]
 
 
 def _as_users_do(rows: Callable[[], list[Row]]) -> Callable[[], list[Row]]:

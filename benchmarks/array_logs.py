@@ -1,17 +1,21 @@
 """Time for an NPZ log of 10^7 times and numbers, beside numpy: python -m benchmarks.array_logs."""
 
+import sys
 import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from rich.console import Console
 
+from benchmarks.table import Row, duration, show
 from benchmarks.timing import interleave
 from tuner.data.reading import read_record
 from tuner.data.source import file_digest
 
-SAMPLES, ROUNDS = 10_000_000, 9
+PART = "Long logs"
+SAMPLES, ROUNDS, WORKS = 10_000_000, 9, 3
 MOST = 1.5
 """Times as long as ``numpy.load``, which reads the arrays and compares their checksums."""
 
@@ -38,30 +42,45 @@ def by_numpy(path: Path) -> list[np.ndarray]:
         return [held[name] for name in held.files]
 
 
-def main() -> None:
-    """Print the best of all rounds: what runs beside it takes one of the two processors."""
+def rows() -> list[Row]:
+    """Each clock, by wall time; what runs beside it takes one of the processors."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "log.npz")
-        for name, times in clocks():
-            np.savez(path, t=times, x=np.random.default_rng(1).standard_normal(SAMPLES))
-            calls = {
-                "ours": lambda: read_record(path, ["x=x"]),
-                "numpy": lambda: by_numpy(path),
-            }
-            wall = interleave(calls, ROUNDS)
-            work = interleave(calls, ROUNDS, clock=time.process_time)
-            ratio, own = wall.ratio("ours", "numpy").best, work.best("ours")
-            print(
-                f"{name}: {wall.best('ours'):.3f} s at best, {ratio:.2f} x numpy's, not above "
-                f"{MOST:g}; {own:.3f} s of work, {_digested(path):.3f} s of it the digest"
-            )
+        return [_row(path, name, times) for name, times in clocks()]
+
+
+def _row(path: Path, name: str, times: np.ndarray) -> Row:
+    np.savez(path, t=times, x=np.random.default_rng(1).standard_normal(SAMPLES))
+    calls = {
+        "ours": lambda: read_record(path, ["x=x"]),
+        "numpy": lambda: by_numpy(path),
+    }
+    wall = interleave(calls, ROUNDS)
+    work = interleave(calls, WORKS, clock=time.process_time)
+    ratio = wall.ratio("ours", "numpy")
+    return Row(
+        part=PART,
+        what=f"NPZ of 10^7 times and numbers, {name}",
+        ours=duration(wall.median("ours")),
+        against=f"numpy.load: {duration(wall.median('numpy'))}",
+        figure=ratio.median,
+        best=ratio.best,
+        target=MOST,
+        note=f"{duration(work.best('ours'))} of work, {duration(_digested(path))} of it the "
+        "SHA-256 of the file, which numpy does not compute",
+        why="the digest is half of the work, and one processor has to make all of it",
+    )
+
+
+def main() -> None:
+    """Print the table."""
+    show(rows(), Console(width=None if sys.stdout.isatty() else 160))
 
 
 def _digested(path: Path) -> float:
     """The work of the SHA-256, which numpy does not compute, s."""
-    return interleave({"digest": lambda: file_digest(path)}, 3, clock=time.process_time).best(
-        "digest"
-    )
+    calls = {"digest": lambda: file_digest(path)}
+    return interleave(calls, WORKS, clock=time.process_time).best("digest")
 
 
 if __name__ == "__main__":

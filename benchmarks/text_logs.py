@@ -14,15 +14,21 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from benchmarks.table import Row, duration
+from benchmarks.timing import Call, interleave
 from tuner.data.logs import parts
 from tuner.data.logs.compiled import PAYS, Form, reader
 from tuner.data.logs.csv import open_csv
 
+PART = "Long logs"
 ROWS, COLUMNS, TIMES = 1_000_000, 10, 9
+MOST = 2.0
+"""Times as long as pandas."""
 Read = Callable[[Path], object]
 
 
@@ -69,6 +75,33 @@ def timed(read: Read, path: Path) -> tuple[float, float]:
     start, work = time.perf_counter(), time.process_time()
     read(path)
     return time.perf_counter() - start, time.process_time() - work
+
+
+def rows() -> list[Row]:
+    """The log, where pandas is there to read it, too."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "log.csv")
+        written(path)
+        known = others()
+        times = interleave({"ours": partial(ours, path), **_reading(known, path)}, TIMES)
+    return [
+        Row(
+            part=PART,
+            what=f"CSV of 10^6 rows x {COLUMNS} columns",
+            ours=duration(times.median("ours")),
+            against=f"{name}: {duration(times.median(name))}",
+            figure=times.ratio("ours", name).median,
+            best=times.ratio("ours", name).best,
+            target=MOST if name.startswith("pandas") else None,
+        )
+        for name in known
+    ] or [
+        Row(part=PART, what=f"CSV of 10^6 rows x {COLUMNS} columns", note="there is no pandas here")
+    ]
+
+
+def _reading(readers: dict[str, Read], path: Path) -> dict[str, Call]:
+    return {name: partial(read, path) for name, read in readers.items()}
 
 
 def main() -> None:

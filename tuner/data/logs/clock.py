@@ -120,14 +120,13 @@ def _judged(steps: Steps, resolution: Resolution) -> Clock:
 
 def _uneven(steps: Steps, since: Floats, resolution: Resolution, rounding: float) -> Clock:
     """The clock of steps that differ by more than the rounding of their digits."""
-    limit = _GAP * steps.median
-    rows = steps.above(limit)
+    rows, longest = steps.parted(_GAP * steps.median)
     many = len(rows) > _SHARE * len(steps)
     if many or (len(rows) >= _MANY and _straight(steps, resolution, rounding)):
         # So many are not gaps but normal for the clock; steps of one and two last digits are a
         # coarse clock, not lost samples.
-        rows, limit = rows[:0], np.inf
-    usual = Usual(steps, limit, rows)
+        rows, longest = rows[:0], steps.extremes[:, 1]
+    usual = Usual(steps, rows, longest)
     rounded = resolution.explains(usual.highest - usual.lowest, rounding)
     steady = rounded or usual.stray(_STRAY * steps.median) <= _SHARE
     close = steady and not rounded and usual.mean_is_near(steps.median, _DRIFT * steps.median)

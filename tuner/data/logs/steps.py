@@ -92,17 +92,38 @@ class Steps:
 
         return _Close.of(limits, [one for part in in_parts(of_part, len(self)) for one in part])
 
-    def above(self, limit: float) -> NDArray[np.intp]:
-        """The rows of longer steps."""
-        if self.highest <= limit:
-            return np.empty(0, np.intp)
+    def parted(self, limit: float) -> "Parted":
+        """The rows of longer steps, and the longest of the others."""
 
         def of_part(starts: range) -> list[NDArray[np.intp]]:
-            blocks = self.blocks(at for at in starts if self.extremes[at // BLOCK, 1] > limit)
-            return [at + np.flatnonzero(block > limit) for at, block in blocks]
+            longer = (at for at in starts if self.extremes[at // BLOCK, 1] > limit)
+            return [at + _taken_out(block, limit, others, at) for at, block in self.blocks(longer)]
 
+        others = self.extremes[:, 1].copy()
+        if self.highest <= limit:
+            return Parted(np.empty(0, np.intp), others)
         found = [rows for part in in_parts(of_part, len(self)) for rows in part]
-        return np.concatenate([np.empty(0, np.intp), *found])
+        return Parted(np.concatenate([np.empty(0, np.intp), *found]), others)
+
+
+class Parted(NamedTuple):
+    """Steps parted by a limit.
+
+    Attributes:
+        rows: of the longer ones.
+        others: the longest other one of each block, ``(blocks,)``; -inf where there is none.
+    """
+
+    rows: NDArray[np.intp]
+    others: Floats
+
+
+def _taken_out(block: Floats, limit: float, others: Floats, at: int) -> NDArray[np.intp]:
+    """The rows of longer steps of a block, and the longest other one."""
+    rows = np.flatnonzero(block > limit)
+    block[rows] = -np.inf
+    others[at // BLOCK] = block.max()
+    return rows
 
 
 class _Close(NamedTuple):

@@ -21,13 +21,13 @@ class Usual:
 
     Attributes:
         steps: all steps.
-        limit: the longest that may be usual, s.
-        gaps: the rows of the longer ones.
+        gaps: the rows of those that are.
+        longest: the longest other one of each block, ``(blocks,)``; -inf where all are gaps.
     """
 
     steps: Steps
-    limit: float
     gaps: NDArray[np.intp]
+    longest: Floats
 
     def __len__(self) -> int:
         return len(self.steps) - len(self.gaps)
@@ -47,16 +47,7 @@ class Usual:
     @property
     def highest(self) -> float:
         """The longest one, s."""
-        return float(self._highest.max())
-
-    @cached_property
-    def _highest(self) -> Floats:
-        """The longest one of each block, ``(blocks,)``; -inf where all are gaps."""
-        each = self.steps.extremes[:, 1].copy()
-        which = np.flatnonzero(each > self.limit)
-        blocks = self.blocks((BLOCK * which).tolist(), -np.inf)
-        each[which] = [block.max() for block in blocks]
-        return each
+        return float(self.longest.max())
 
     @cached_property
     def mean(self) -> float:
@@ -80,7 +71,7 @@ class Usual:
     def stray(self, far: float) -> float:
         """The share of those that are further from the median than far."""
         usual = self.steps.median
-        ends = np.stack([self.steps.extremes[:, 0], self._highest], axis=1)
+        ends = np.stack([self.steps.extremes[:, 0], self.longest], axis=1)
         away = np.abs(ends - usual).max(axis=1) > far
 
         def of_part(starts: range) -> int:
