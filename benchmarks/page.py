@@ -204,10 +204,11 @@ benchmarks.starts` measures both in turns:
 - The calling thread makes descents itself, and the threads of the other processors, which are kept
   from one search or reading to the next, make others: starting a thread takes .1 to .3 ms, and one
   that starts beside a computing one begins its work .5 to 4.5 ms later.
-- They do so over records of 10 000 samples or more, and over shorter ones where the second of two
-  evaluations, which is compiled, takes more than an eighth of a millisecond. A third of the time of
-  shorter ones goes to Python, of which only one thread runs at a time: over 300 samples of a
-  small filter two threads gained .9 to 1.1 x, over 100 they took half as long again.
+- They begin at once over records of 10 000 samples or more, and over shorter ones where the
+  shortest of a problem's first five evaluations takes more than an eighth of a millisecond; a
+  problem that was searched before is known. A third of the time of shorter evaluations goes to
+  Python, of which only one thread runs at a time: over 300 samples of a small filter two threads
+  gained .9 to 1.1 x, over 100 they took half as long again.
 - Starts as lanes of one call were measured and are not used. Four points in one call of XLA take
   twice the time of one, which would save 10 ms of 35 in four descents over 300 samples; the call
   takes half a second longer to compile. In C the derivatives of one point already fill a vector.

@@ -51,8 +51,8 @@ def carry_out(end: "Future[B]", function: Callable[[A], B], given: A) -> None:
 
 
 @contextmanager
-def helped(work: Callable[[], None], helpers: int) -> Iterator[None]:
-    """Have other threads do a work, too, which takes from the calling one what is left to do.
+def helped(work: Callable[[], None], helpers: int) -> Iterator[Callable[[], None]]:
+    """Let other threads do a work, too, which takes from the calling one what is left to do.
 
     Those that are free begin it; they are one fewer than the processors, and other work may have
     them all. At the end those that have begun are waited for, unless something is raised.
@@ -60,11 +60,19 @@ def helped(work: Callable[[], None], helpers: int) -> Iterator[None]:
     Args:
         work: returns where nothing is left to do.
         helpers: how many other threads are asked.
+
+    Yields:
+        What asks them, where it is called for the first time.
     """
     threads = _kept_threads(os.getpid(), os.cpu_count() or 1)
-    asked = [threads.submit(work) for _ in range(helpers)]
+    asked: list[Future[None]] = []
+
+    def ask() -> None:
+        if not asked:
+            asked.extend(threads.submit(work) for _ in range(helpers))
+
     try:
-        yield
+        yield ask
     except BaseException:
         for one in asked:
             one.cancel()
@@ -106,7 +114,8 @@ def side_by_side(function: Callable[[A], B], given: Sequence[A]) -> list[B]:
             if end.exception() is not None:
                 list(left)
 
-    with helped(work, count - 1):
+    with helped(work, count - 1) as ask:
+        ask()
         try:
             work()
         finally:

@@ -71,7 +71,8 @@ def test_the_first_error_is_raised_and_nothing_else_begins(processors):
 def test_it_goes_on_without_threads_that_have_other_work(monkeypatch):
     monkeypatch.setattr("os.cpu_count", lambda: 2)
     over = threading.Event()
-    with helped(lambda: over.wait(PATIENCE), 1):
+    with helped(lambda: over.wait(PATIENCE), 1) as ask:
+        ask()
         assert (
             side_by_side(lambda _: threading.get_ident(), range(3)) == [threading.get_ident()] * 3
         )
@@ -89,7 +90,8 @@ def test_helpers_are_not_waited_for_where_something_is_raised(error, monkeypatch
         ended.set()
 
     def raising():
-        with helped(work, 3):
+        with helped(work, 3) as ask:
+            ask()
             assert begun.wait(PATIENCE)
             raise error
 
@@ -100,7 +102,7 @@ def test_helpers_are_not_waited_for_where_something_is_raised(error, monkeypatch
     assert ended.wait(PATIENCE)
 
 
-def test_helpers_that_are_free_work_once_and_are_waited_for(monkeypatch):
+def test_helpers_work_once_when_they_are_asked_and_are_waited_for(monkeypatch):
     monkeypatch.setattr("os.cpu_count", lambda: 3)
     begun, ended = threading.Barrier(3), []
 
@@ -110,5 +112,10 @@ def test_helpers_that_are_free_work_once_and_are_waited_for(monkeypatch):
         ended.append(0)
 
     with helped(work, 2):
+        pass
+    assert ended == []
+    with helped(work, 2) as ask:
+        ask()
+        ask()
         begun.wait(PATIENCE)
     assert ended == [0, 0]

@@ -34,7 +34,7 @@ def processors(monkeypatch):
 
 def stub(value=lambda z: 0.0, data=NO_DATA):
     """A problem that has nothing but values."""
-    return SimpleNamespace(known_starts=(), data=data, value=value)
+    return SimpleNamespace(known_starts=(), data=data, value=value, seconds=[])
 
 
 @pytest.fixture
@@ -76,18 +76,61 @@ def test_long_descents_run_at_the_same_time(processors):
     assert [found.z.item() for found in ends] == [0, 1, 2, 3]
 
 
-@pytest.mark.parametrize(
-    ("seconds", "threads"), [((0.2, 1e-5), 1), ((1e-5, 1e-3), 2)], ids=["compiled", "long"]
-)
-def test_others_begin_where_the_second_evaluation_is_long(
-    seconds, threads, processors, monkeypatch
-):
-    processors(2)
-    clock, each, used = [0.0], iter(seconds), set()
-    monkeypatch.setattr(side_by_side, "time", SimpleNamespace(perf_counter=lambda: clock[0]))
+SHORT, LONG = 1e-5, 1e-3
 
-    def value(z):
-        clock[0] += next(each)
+
+@pytest.fixture
+def clock(monkeypatch):
+    """A clock that only evaluations move, which take so long one after another."""
+    time = [0.0]
+    monkeypatch.setattr(side_by_side, "time", SimpleNamespace(perf_counter=lambda: time[0]))
+
+    def posed(seconds):
+        each = iter(seconds)
+
+        def value(z):
+            time[0] += next(each)
+
+        return stub(value)
+
+    return posed
+
+
+@pytest.mark.parametrize(
+    ("seconds", "threads"),
+    [
+        ([0.2, 0.9, LONG, LONG, LONG], 2),
+        ([0.2, 0.9, LONG, LONG], 1),
+        ([0.2, 0.9, LONG, SHORT, LONG, LONG, LONG], 1),
+        ([SHORT] * 20, 1),
+    ],
+    ids=["long", "not known yet", "short", "all short"],
+)
+def test_others_begin_where_the_shortest_of_the_first_is_long(seconds, threads, clock, processors):
+    processors(2)
+    used, first = set(), threading.Event()
+
+    def descend(problem, z):
+        used.add(threading.get_ident())
+        if not first.is_set():
+            first.set()
+            for _ in seconds:
+                problem.value(z)
+            until = time.monotonic() + (PATIENCE if threads == 2 else 0.05)
+            while len(used) < 2 and time.monotonic() < until:
+                time.sleep(1e-3)
+        return end(z)
+
+    ends = list(descents(clock(seconds), descend, np.arange(8.0), 4, threads=2))
+    assert [found.z.item() for found in ends] == [0, 1, 2, 3]
+    assert len(used) == threads
+
+
+@pytest.mark.parametrize(("second", "threads"), [(LONG, 2), (SHORT, 1)])
+def test_what_an_earlier_search_has_seen_is_known(second, threads, processors):
+    processors(2)
+    known, used = stub(), set()
+    known.seconds.extend([second] * 5)
 
     def descend(problem, z):
         used.add(threading.get_ident())
@@ -96,10 +139,9 @@ def test_others_begin_where_the_second_evaluation_is_long(
             time.sleep(1e-3)
         return end(z)
 
-    timed = stub(value)
-    ends = list(descents(timed, descend, np.arange(8.0), 4, threads=2))
-    assert [found.z.item() for found in ends] == [0, 1, 2, 3]
+    list(descents(known, descend, np.arange(8.0), 4, threads=2))
     assert len(used) == threads
+    assert known.seconds == [second] * 5
 
 
 def test_the_record_tells_without_an_evaluation_where_it_is_long(processors):
@@ -122,7 +164,7 @@ def test_random_starts_are_begun_first(many, processors, monkeypatch):
 
     ends = descents(stub(), descend, np.arange(20.0), 4, threads=2)
     assert [found.z.item() for found in ends] == [0, 1, 2, 3, 4]
-    assert made[:2] == [0, 1] if many else set(made[:2]) <= {1, 2, 3}
+    assert set(made[:2]) <= {1, 2, 3}
     assert sorted(made) == [0, 1, 2, 3, 4]
     few = descents(stub(), descend, np.arange(3.0), 4, threads=2)
     assert [found.z.item() for found in few] == [0, 1, 2]

@@ -72,6 +72,7 @@ class Problem:
         steady: whether a likelihood goes on with constant gains where they have settled, which is
             exact (:class:`filters.Settling`); None: where a long record makes it pay.
         gradients: a program for gradients that problems with other parameters share; None: its own.
+        seconds: durations of the first evaluations in a search.
 
     Raises:
         ValueError: where the data hold single precision, anything but real numbers, infinities,
@@ -96,6 +97,7 @@ class Problem:
     gradients: SharedGradients | None = None
     _runs: dict[bytes, Any] = field(default_factory=dict, init=False, repr=False)
     _routes: list[Route] = field(default_factory=list, init=False, repr=False)
+    seconds: list[float] = field(default_factory=list, init=False, repr=False)
     _along_at: dict[Way, Call] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -225,10 +227,7 @@ class Problem:
         return differences(lambda at: self.by_xla(at)[1], z, step)
 
     def excesses(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Relative excess of each constraint at z, ``(m,)``, and its Jacobian ``(m, n)``.
-
-        Negative where a constraint is satisfied.
-        """
+        """Relative excess of each constraint ``(m,)``, negative if kept; Jacobian ``(m, n)``."""
         if not self.constraints:
             return np.zeros(0), np.zeros((0, self.space.size))
         excess, slopes = excesses_of(self.static, np.asarray(z, float), self.data)

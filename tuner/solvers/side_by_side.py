@@ -1,14 +1,14 @@
 """Descents from several starts at the same time, on as many processors as there are."""
 
 import time
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import CancelledError, Future
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from queue import Empty, SimpleQueue
 from threading import Event
-from typing import Any, TypeAlias, cast
+from typing import Any, TypeAlias, TypeVar, cast
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from tuner.problem.problem import Problem
 from tuner.processors import carry_out, helped
 from tuner.solvers.minimum import Descent, Minimum
 
+T = TypeVar("T")
 Queue: TypeAlias = "SimpleQueue[int | None]"
 """Starts that nobody has begun; None ends a thread."""
 LONG = 1.25e-4
@@ -23,6 +24,8 @@ LONG = 1.25e-4
 Python, which one thread runs at a time: their descents gain nothing by running side by side."""
 MANY = 10_000
 """Samples from which evaluations are long."""
+_FIRST = 5
+"""So many evaluations of a problem tell by the shortest: others may be long as they compile."""
 
 
 def descents(
@@ -44,7 +47,7 @@ def descents(
         threads: how many descents run at the same time, the caller's among them.
     """
     helpers = min(threads, count) - 1
-    if helpers < 1 or not _are_long(problem, points[0]):
+    if helpers < 1 or _are_long(problem) is False:
         ends = (descend(problem, z) for z in points)
     else:
         ends = _side_by_side(problem, descend, points, count, helpers)
@@ -56,14 +59,11 @@ def descents(
                 break
 
 
-def _are_long(problem: Problem, z: np.ndarray) -> bool:
-    """Whether evaluations are; where that is not known, by the second one, which is compiled."""
+def _are_long(problem: Problem) -> bool | None:
+    """Whether evaluations are; None where that is not known yet."""
     if problem.data.samples >= MANY:
         return True
-    problem.value(z)
-    start = time.perf_counter()
-    problem.value(z)
-    return time.perf_counter() - start > LONG
+    return min(problem.seconds) > LONG if len(problem.seconds) >= _FIRST else None
 
 
 def _side_by_side(
@@ -76,16 +76,18 @@ def _side_by_side(
     for k in (*range(likely, first), *range(min(likely, first))):
         waiting.put(k)
     over = Event()
-    evaluated = cast("Problem", _Evaluated(problem, over))
 
     def make(k: int) -> None:
-        carry_out(ends[k], partial(descend, evaluated), points[k])
+        carry_out(ends[k], partial(descend, cast("Problem", watched)), points[k])
 
     def help() -> None:
         while (k := waiting.get()) is not None and not over.is_set():
             make(k)
 
-    with helped(help, helpers), _ending(waiting, helpers, over):
+    with helped(help, helpers) as ask, _ending(waiting, helpers, over):
+        watched = _Watched(problem, over, ask)
+        if _are_long(problem):
+            ask()
         for end in ends:
             while not end.done() and (k := _next(waiting)) is not None:
                 make(k)
@@ -116,30 +118,39 @@ def _ending(waiting: Queue, helpers: int, over: Event) -> Iterator[None]:
 
 
 @dataclass(frozen=True, eq=False)
-class _Evaluated:
+class _Watched:
     """A problem that is evaluated until its search is given up.
 
     Attributes:
         problem: the problem.
         over: set where the search is given up.
+        ask: asks others to make descents, too, where evaluations turn out to be long.
     """
 
     problem: Problem
     over: Event
+    ask: Callable[[], None]
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.problem, name)
 
     def value(self, z: np.ndarray) -> float:
         """The objective at z ``(n,)``."""
-        self._check()
-        return self.problem.value(z)
+        return self._made(self.problem.value, z)
 
     def value_and_gradient(self, z: np.ndarray) -> tuple[float, np.ndarray]:
         """The objective and its gradient at z ``(n,)``."""
-        self._check()
-        return self.problem.value_and_gradient(z)
+        return self._made(self.problem.value_and_gradient, z)
 
-    def _check(self) -> None:
+    def _made(self, evaluate: Callable[[np.ndarray], T], z: np.ndarray) -> T:
         if self.over.is_set():
             raise CancelledError("the search was given up")
+        seconds = self.problem.seconds
+        if len(seconds) >= _FIRST:
+            return evaluate(z)
+        start = time.perf_counter()
+        found = evaluate(z)
+        seconds.append(time.perf_counter() - start)
+        if _are_long(self.problem):
+            self.ask()
+        return found

@@ -81,7 +81,7 @@ def nelder_mead(
         return function(point)
 
     def inside(point: np.ndarray) -> np.ndarray:
-        return point if box is None else np.clip(point, *box)
+        return point if box is None else np.minimum(np.maximum(point, box[0]), box[1])
 
     points = inside(np.array(simplex, dtype=float))
     values = np.array([value(point) for point in points])
