@@ -91,7 +91,8 @@ def _measure(work: Work, limit: Baseline | None, said: Console) -> list[Row]:
         "compilation and start": lambda: startup.rows(work),
         "a first fit": first_fit.rows,
         "a record at rest": rest_record.rows,
-        "long logs": _as_users_do(_afresh(_logs)),
+        "a long text log": _as_users_do(_afresh(text_logs.rows)),
+        "long logs of arrays": _as_users_do(_afresh(array_logs.rows)),
         "the extended filter": lambda: extended.rows(limit),
         "compiled C": native.rows,
         "gradients by size": lambda: gradients.rows(limit),
@@ -110,10 +111,6 @@ def _measure(work: Work, limit: Baseline | None, said: Console) -> list[Row]:
         said.print(f"measuring {name} ...", highlight=False)
         rows += section()
     return rows
-
-
-def _logs() -> list[Row]:
-    return [*text_logs.rows(), *array_logs.rows()]
 
 
 def _as_users_do(rows: Callable[[], list[Row]]) -> Callable[[], list[Row]]:
