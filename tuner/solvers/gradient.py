@@ -129,33 +129,70 @@ def _once(
     box: tuple[np.ndarray, np.ndarray],
     scale: float,
 ) -> Minimum:
-    from scipy.optimize import Bounds, minimize
+    descend = _in_trust_region if method == "trust-constr" else _quasi_newton
+    return descend(problem, np.clip(z, *box), limits, box, scale)
 
-    second = method == "trust-constr"
-    low, high = box
-    scaled = _Scaled(problem.value_and_gradient if second else UntilRounding(problem, box), scale)
+
+def _quasi_newton(
+    problem: Problem,
+    z: np.ndarray,
+    limits: dict[str, Any],
+    box: tuple[np.ndarray, np.ndarray],
+    scale: float,
+) -> Minimum:
+    # scipy.optimize.minimize would convert the bounds three times, which takes as long as several
+    # evaluations of a short record.
+    from scipy.optimize import fmin_l_bfgs_b
+
+    scaled = _Scaled(UntilRounding(problem, box), scale)
     try:
-        ended = minimize(
+        z, value, told = fmin_l_bfgs_b(
             scaled.value,
-            np.clip(z, low, high),
-            jac=scaled.gradient,
-            hess=(lambda point: problem.hessian(point) / scale) if second else None,
-            method=method,
-            bounds=Bounds(low, high),
-            options=limits | _TOLERANCE[method],
+            z,
+            scaled.gradient,
+            bounds=np.stack(box, axis=1),
+            factr=_TOLERANCE["l-bfgs-b"]["ftol"] / np.finfo(float).eps,
+            pgtol=limits["gtol"],
+            maxiter=limits["maxiter"],
         )
     except OnlyRoundingError as error:
         return error.end
-    # Every Hessian costs two gradients per coordinate.
-    extra = 2 * len(z) * ended.nhev if second else 0
-    finished = ended.status in (1, 2) if second else ended.status != 1
-    message = str(ended.message).strip().lower().rstrip(".")
-    end = Minimum(ended.x, float(ended.fun * scale), ended.nfev + extra, finished, message)
-    if second or ended.status != 2:
+    status, message = told["warnflag"], _words(told["task"])
+    end = Minimum(z, float(value * scale), told["funcalls"], status != 1, message)
+    if status != 2:
         return end
     # L-BFGS-B gives the last point tried then, be it ever so high.
-    value, at = scaled.lowest
-    return replace(end, z=at, value=value, blocked=True)
+    lowest, at = scaled.lowest
+    return replace(end, z=at, value=lowest, blocked=True)
+
+
+def _in_trust_region(
+    problem: Problem,
+    z: np.ndarray,
+    limits: dict[str, Any],
+    box: tuple[np.ndarray, np.ndarray],
+    scale: float,
+) -> Minimum:
+    from scipy.optimize import Bounds, minimize
+
+    scaled = _Scaled(problem.value_and_gradient, scale)
+    ended = minimize(
+        scaled.value,
+        z,
+        jac=scaled.gradient,
+        hess=lambda point: problem.hessian(point) / scale,
+        method="trust-constr",
+        bounds=Bounds(*box),
+        options=limits | _TOLERANCE["trust-constr"],
+    )
+    # Every Hessian costs two gradients per coordinate.
+    evaluations = ended.nfev + 2 * len(z) * ended.nhev
+    finished, message = ended.status in (1, 2), _words(ended.message)
+    return Minimum(ended.x, float(ended.fun * scale), evaluations, finished, message)
+
+
+def _words(message: Any) -> str:
+    return str(message).strip().lower().rstrip(".")
 
 
 class _Scaled:
