@@ -15,7 +15,7 @@ from tuner.data.reading import read_record
 from tuner.data.source import file_digest
 
 PART = "Long logs"
-SAMPLES, ROUNDS, WORKS = 10_000_000, 9, 3
+SAMPLES, ROUNDS, WORKS = 10_000_000, 25, 3
 MOST = 1.5
 """Times as long as ``numpy.load``, which reads the arrays and compares their checksums."""
 
