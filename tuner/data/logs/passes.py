@@ -16,7 +16,7 @@ BLOCK = 1 << 17
 """Rows that nearly fit in a processor's own cache. Threads wait for Python between blocks: with a
 quarter of the rows two of them take a fifth more processor time, and half as long again."""
 _LONG = 1 << 21
-"""Rows from which a thread is worth its start."""
+"""Rows from which it pays to ask other threads."""
 _SHARES = 4
 """Parts for each processor: one that has other work, as the digest of the file, takes fewer."""
 
